@@ -1,0 +1,1 @@
+//! Local friction coefficients from measurements on flat samples

@@ -1,0 +1,1 @@
+//! The slipgrid command line

@@ -1,0 +1,3 @@
+//! The `slipgrid` program: glue only.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Rough normal contact of an elastic half-space

@@ -1,0 +1,160 @@
+use crate::MaterialError;
+use crate::error::{increasing, not_negative, positive};
+
+/// Pressure P0 up to which friction is proportional to load, in pascals (the paper's 0.7 MPa).
+pub const THRESHOLD_PRESSURE_PA: f64 = 0.7e6;
+
+/// The factor f(p) by which friction falls short of proportionality to pressure:
+/// f = [A(p)/A(P0)] / [p/P0] above P0, A the real contact area fraction, and 1 up to P0.
+///
+/// "Linear from 0.7 MPa" is read as the line through the origin, not as the tangent at P0.
+/// f is linear between tabulated pressures, 1 below the first; past the last the area stays
+/// constant, so f falls as 1/p ([`AreaLaw::is_extrapolated`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaLaw {
+    pressure_pa: Vec<f64>,
+    factor: Vec<f64>,
+}
+
+impl AreaLaw {
+    /// A law from a table of factors. The value below the first pressure is 1.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the table is empty, its columns differ in length, pressures do not
+    /// increase from a positive first one, or a factor is negative.
+    pub fn new(pressure_pa: Vec<f64>, factor: Vec<f64>) -> Result<Self, MaterialError> {
+        const TABLE: &str = "area law";
+        increasing(TABLE, &pressure_pa)?;
+        positive("first pressure of the area law", pressure_pa[0])?;
+        if pressure_pa.len() != factor.len() {
+            return Err(MaterialError::LengthMismatch {
+                quantity: TABLE,
+                left: pressure_pa.len(),
+                right: factor.len(),
+            });
+        }
+        for &value in &factor {
+            not_negative("factor of the area law", value)?;
+        }
+        Ok(Self { pressure_pa, factor })
+    }
+
+    /// The law that a curve of real contact area fraction against pressure implies, with the
+    /// threshold `threshold_pa`, at the curve's own pressures above it.
+    ///
+    /// A(P0) is interpolated linearly where `threshold_pa` is not listed.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if the curve does not bracket the threshold, or is no valid table.
+    pub fn from_area_curve(
+        pressure_pa: &[f64],
+        area_fraction: &[f64],
+        threshold_pa: f64,
+    ) -> Result<Self, MaterialError> {
+        const CURVE: &str = "contact area curve";
+        increasing(CURVE, pressure_pa)?;
+        if pressure_pa.len() != area_fraction.len() {
+            return Err(MaterialError::LengthMismatch {
+                quantity: CURVE,
+                left: pressure_pa.len(),
+                right: area_fraction.len(),
+            });
+        }
+        positive("threshold pressure of the area law", threshold_pa)?;
+        let above = pressure_pa.partition_point(|&p| p < threshold_pa);
+        if above == pressure_pa.len() || (above == 0 && pressure_pa[0] > threshold_pa) {
+            return Err(MaterialError::OutOfRange {
+                quantity: "threshold pressure of the area law",
+                value: threshold_pa,
+                expected: "a pressure within the contact area curve",
+            });
+        }
+        let threshold_area = if pressure_pa[above] == threshold_pa {
+            area_fraction[above]
+        } else {
+            interpolate(&pressure_pa[above - 1..=above], &area_fraction[above - 1..=above], threshold_pa)
+        };
+        positive("contact area at the threshold", threshold_area)?;
+
+        let mut law_pressure_pa = vec![threshold_pa];
+        let mut factor = vec![1.0];
+        for (&p, &area) in pressure_pa.iter().zip(area_fraction).filter(|&(&p, _)| p > threshold_pa) {
+            law_pressure_pa.push(p);
+            // f(P) = [A(P)/A(P0)] / [P/P0]
+            factor.push((area / threshold_area) / (p / threshold_pa));
+        }
+        Self::new(law_pressure_pa, factor)
+    }
+
+    /// f at the local pressure `pressure_pa`; 1 for tensile or zero pressure.
+    #[must_use]
+    pub fn factor(&self, pressure_pa: f64) -> f64 {
+        let last = self.pressure_pa.len() - 1;
+        if pressure_pa < self.pressure_pa[0] {
+            1.0
+        } else if pressure_pa >= self.pressure_pa[last] {
+            self.factor[last] * self.pressure_pa[last] / pressure_pa
+        } else {
+            let next = self.pressure_pa.partition_point(|&p| p <= pressure_pa);
+            interpolate(&self.pressure_pa[next - 1..=next], &self.factor[next - 1..=next], pressure_pa)
+        }
+    }
+
+    /// Whether `pressure_pa` lies past the last tabulated pressure.
+    #[must_use]
+    pub fn is_extrapolated(&self, pressure_pa: f64) -> bool {
+        pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
+    }
+
+    /// Tabulated pressures, in pascals, increasing.
+    #[must_use]
+    pub fn pressures_pa(&self) -> &[f64] {
+        &self.pressure_pa
+    }
+
+    /// Tabulated factors, one per pressure.
+    #[must_use]
+    pub fn factors(&self) -> &[f64] {
+        &self.factor
+    }
+}
+
+/// Linear interpolation between two points.
+fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
+    let t = (at - x[0]) / (x[1] - x[0]);
+    y[0] + t * (y[1] - y[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factor_follows_the_line_through_the_origin() {
+        // Area proportional to pressure up to 1.4 MPa, constant after: f = 1, then falling as 1/p.
+        let law = AreaLaw::from_area_curve(&[0.35e6, 1.05e6, 1.4e6, 2.8e6], &[0.1, 0.3, 0.4, 0.4], 0.7e6).unwrap();
+        assert_eq!(law.pressures_pa()[0], 0.7e6);
+        for (p, f) in [(0.1e6, 1.0), (0.7e6, 1.0), (1.4e6, 1.0), (2.8e6, 0.5), (5.6e6, 0.25), (2.1e6, 0.75)] {
+            assert!((law.factor(p) - f).abs() < 1e-12, "{p}");
+        }
+        assert!(law.is_extrapolated(2.9e6) && !law.is_extrapolated(2.8e6));
+    }
+
+    #[test]
+    fn the_law_is_continuous_at_every_tabulated_pressure() {
+        let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
+        for &p in law.pressures_pa() {
+            assert!((law.factor(p * (1.0 - 1e-12)) - law.factor(p * (1.0 + 1e-12))).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn tables_that_mean_nothing_are_refused() {
+        assert!(matches!(AreaLaw::new(vec![], vec![]), Err(MaterialError::Empty { .. })));
+        assert!(matches!(AreaLaw::new(vec![1e6, 1e6], vec![1.0, 1.0]), Err(MaterialError::NotIncreasing { .. })));
+        assert!(matches!(AreaLaw::new(vec![1e6], vec![1.0, 1.0]), Err(MaterialError::LengthMismatch { .. })));
+        assert!(matches!(AreaLaw::new(vec![1e6], vec![f64::NAN]), Err(MaterialError::OutOfRange { .. })));
+        assert!(AreaLaw::from_area_curve(&[1e6, 2e6], &[0.3, 0.5], 0.7e6).is_err());
+        assert!(AreaLaw::from_area_curve(&[0.1e6, 0.2e6], &[0.3, 0.5], 0.7e6).is_err());
+    }
+}

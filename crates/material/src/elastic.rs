@@ -1,0 +1,41 @@
+use crate::MaterialError;
+use crate::error::positive;
+
+/// Young's modulus and density of an isotropic solid. Poisson's ratio belongs to the model: the
+/// lattice fixes it, the half-space takes it as an argument.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elastic {
+    youngs_modulus_pa: f64,
+    density_kg_m3: f64,
+}
+
+impl Elastic {
+    /// A solid of `youngs_modulus_pa` and `density_kg_m3`.
+    ///
+    /// # Errors
+    /// [`MaterialError::OutOfRange`] unless both are positive and finite.
+    pub fn new(youngs_modulus_pa: f64, density_kg_m3: f64) -> Result<Self, MaterialError> {
+        Ok(Self {
+            youngs_modulus_pa: positive("Young's modulus", youngs_modulus_pa)?,
+            density_kg_m3: positive("density", density_kg_m3)?,
+        })
+    }
+
+    /// Young's modulus E, in pascals.
+    #[must_use]
+    pub const fn youngs_modulus_pa(&self) -> f64 {
+        self.youngs_modulus_pa
+    }
+
+    /// Mass density rho, in kg/m^3.
+    #[must_use]
+    pub const fn density_kg_m3(&self) -> f64 {
+        self.density_kg_m3
+    }
+
+    /// Contact modulus E* = E / (1 - nu^2) against a rigid body, in pascals.
+    #[must_use]
+    pub fn contact_modulus_pa(&self, poisson_ratio: f64) -> f64 {
+        self.youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio)
+    }
+}

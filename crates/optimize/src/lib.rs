@@ -1,0 +1,1 @@
+//! Search for the pattern that brings friction to a target

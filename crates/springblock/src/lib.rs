@@ -1,0 +1,1 @@
+//! The spring-block model of sliding friction

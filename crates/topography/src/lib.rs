@@ -1,0 +1,1 @@
+//! Altitude maps of measured or synthetic surfaces
