@@ -1,0 +1,11 @@
+//! File formats: types of their own, converted once into the validated types of the library crates.
+
+pub mod calibration;
+pub mod design;
+pub mod document;
+pub mod material;
+pub mod measurements;
+pub mod scene;
+pub mod values;
+
+pub use document::Document;

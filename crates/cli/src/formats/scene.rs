@@ -1,0 +1,391 @@
+//! Scene files: what `simulate` takes.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_material::{Condition, Friction, Material, MaterialError};
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, SceneError, Springs};
+use toml::Spanned;
+
+use super::document::Document;
+use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
+use super::values::{Number, Numbers, PathOr, list};
+use crate::diagnostic::Diagnostic;
+use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, STEP_NS, TOLERANCE};
+
+/// A scene as a file writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Name for reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Selects coefficients of a material that has them per condition.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<Spanned<ConditionFile>>,
+    /// Material table, or path of a material file.
+    pub material: Spanned<PathOr<MaterialFile>>,
+    /// Texture; absent for a flat surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<Spanned<PatternFile>>,
+    /// The modelled layer.
+    #[serde(default = "default_sample")]
+    pub sample: Spanned<SampleFile>,
+    /// Loads and speed.
+    pub load: Spanned<LoadFile>,
+    /// How to solve.
+    #[serde(default)]
+    pub run: RunFile,
+}
+
+/// A texture as a file writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatternFile {
+    /// Width of a cavity along the sliding direction.
+    pub width_um: Number,
+    /// Gap between two cavities.
+    pub spacing_um: Number,
+    /// Depth of a cavity.
+    pub depth_um: Number,
+    /// Shape seen from above; `groove` when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planform: Option<Spanned<String>>,
+}
+
+/// The modelled layer as a file writes it.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SampleFile {
+    /// Length of the specimen along the sliding direction; 9960 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<Number>,
+    /// Height of the elastic layer; 200 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layer_um: Option<Number>,
+    /// Lattice spacing; 10 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub block_um: Option<Number>,
+}
+
+/// The layer of a file that has no `[sample]`.
+#[must_use]
+pub fn default_sample() -> Spanned<SampleFile> {
+    Spanned::new(0..0, SampleFile::default())
+}
+
+/// Loads as a file writes them.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadFile {
+    /// Nominal pressures, one or several.
+    pub pressure_mpa: Spanned<Numbers>,
+    /// Sliding speed; the condition's when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_mm_s: Option<Number>,
+}
+
+/// Run options as a file writes them; absent ones have the defaults of `RunOptions`.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunFile {
+    /// `steady`, `dynamic` or `reference`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fidelity: Option<Spanned<String>>,
+    /// `cell` or `sample`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extent: Option<Spanned<String>>,
+    /// Seed of the local coefficients.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Travel of the bulk in dynamic runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_um: Option<Number>,
+    /// Unilateral contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub liftoff: Option<bool>,
+    /// Standard error of mu relative to mu at which a dynamic run may end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mu_stderr: Option<Number>,
+    /// Time step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_ns: Option<Number>,
+    /// Damping frequency over sqrt(k/m).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Number>,
+    /// Start from the sheared steady equilibrium.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warm_start: Option<bool>,
+    /// `linear` or `exact`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub springs: Option<Spanned<String>>,
+    /// 2 or 3; the planform decides when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<Spanned<u64>>,
+}
+
+/// Choices of the command line that override a scene's.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// `--fidelity`.
+    pub fidelity: Option<Fidelity>,
+    /// `--extent`.
+    pub extent: Option<Extent>,
+}
+
+/// A scene ready to be solved, and what reports about it need.
+#[derive(Clone, Debug)]
+pub struct SceneInput {
+    /// What is solved.
+    pub scene: Scene,
+    /// The material, with its provenance.
+    pub material: Material,
+    /// Per load: coefficients were taken from the nearest measured pressure.
+    pub friction_extrapolated: Vec<bool>,
+    document: Document,
+    places: Places,
+}
+
+/// Where in the file a refused scene points to.
+#[derive(Clone, Debug)]
+struct Places {
+    length: Range<usize>,
+    layer: Range<usize>,
+    block: Range<usize>,
+    load: Range<usize>,
+    depth: Range<usize>,
+    width: Range<usize>,
+    step: Range<usize>,
+}
+
+impl SceneInput {
+    /// Reads the scene file at `path`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in it or in a file it names.
+    pub fn read(path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let document = Document::read(path)?;
+        let file: SceneFile = document.parse()?;
+        Self::from_file(document, &file, overrides)
+    }
+
+    /// Turns a scene as written into one that can be solved.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused.
+    pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let material = read_referenced(&document, &file.material)?;
+        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        let layer = read_layer(&document, &file.sample)?;
+        let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
+        let run = read_run(&document, &file.run, overrides)?;
+        let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
+        let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, &material)?;
+        let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
+        let (loads, friction_extrapolated) =
+            loads(&material.friction, &pressures_pa, condition.as_ref()).map_err(|error| document.refuse(asked, error.to_string()))?;
+        let load = file.load.get_ref().pressure_mpa.span();
+        let place = |number: Option<&Number>| number.map_or(load.clone(), Spanned::span);
+        let sample = file.sample.get_ref();
+        let texture = file.pattern.as_ref().map(Spanned::get_ref);
+        let places = Places {
+            length: place(sample.length_um.as_ref()),
+            layer: place(sample.layer_um.as_ref()),
+            block: place(sample.block_um.as_ref()),
+            depth: place(texture.map(|pattern| &pattern.depth_um)),
+            width: place(texture.map(|pattern| &pattern.width_um)),
+            step: place(file.run.step_ns.as_ref()),
+            load: load.clone(),
+        };
+        let scene = Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern,
+            layer,
+            loads,
+            speed_m_s,
+            run,
+        };
+        let input = Self { scene, material, friction_extrapolated, document, places };
+        input.scene.validate().map_err(|error| input.refuse(&error))?;
+        Ok(input)
+    }
+
+    /// Points at the place in the file where the solver found the scene wanting.
+    #[must_use]
+    pub fn refuse(&self, error: &SceneError) -> Diagnostic {
+        let place = match error {
+            SceneError::NotWholeBlocks { quantity, .. } if quantity.starts_with("length") => &self.places.length,
+            SceneError::NotWholeBlocks { .. } => &self.places.layer,
+            SceneError::TooManyBlocks { .. } => &self.places.block,
+            SceneError::CavityThroughLayer { .. } => &self.places.depth,
+            SceneError::UnstableStep { .. } => &self.places.step,
+            SceneError::OutOfRange { quantity, .. } if quantity.contains("pitch") => &self.places.width,
+            _ => &self.places.load,
+        };
+        let mut refused = self.document.refuse(place.clone(), error.to_string());
+        if matches!(error, SceneError::Unsupported { .. }) {
+            // No one key is to blame: the message names the combination.
+            (refused.line, refused.key, refused.value) = (None, None, None);
+        }
+        refused
+    }
+
+    /// The vertical plane models a section of this planform, not the planform itself.
+    #[must_use]
+    pub fn is_section_model(&self) -> bool {
+        self.scene.pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2)
+    }
+}
+
+/// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken
+/// from outside the measured range.
+///
+/// # Errors
+/// [`MaterialError`] where the material has coefficients per condition and none fits.
+pub fn loads(
+    friction: &Friction,
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Result<(Vec<Load>, Vec<bool>), MaterialError> {
+    let mut loads = Vec::new();
+    let mut outside = Vec::new();
+    for &pressure_pa in pressures_pa {
+        let at = friction.at(pressure_pa, condition)?;
+        loads.push(Load { pressure_pa, friction: at.friction });
+        outside.push(at.outside_measured_range);
+    }
+    Ok((loads, outside))
+}
+
+/// Reads a texture and checks that it leaves some of the layer.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>, layer: &Layer) -> Result<Pattern, Diagnostic> {
+    let pattern = file.get_ref();
+    let planform = read_planform(document, pattern.planform.as_ref())?;
+    let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
+    let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
+    let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
+    if depth_m >= layer.height_m {
+        let layer_um = LENGTH_UM.from_si(layer.height_m);
+        return Err(document
+            .refuse(pattern.depth_um.span(), format!("um leaves nothing of the layer of {layer_um} um"))
+            .expected(format!("a depth below {layer_um} um")));
+    }
+    Pattern::new(planform, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+/// Reads a planform; `groove` when absent.
+///
+/// # Errors
+/// [`Diagnostic`] for unknown names.
+pub fn read_planform(document: &Document, planform: Option<&Spanned<String>>) -> Result<Planform, Diagnostic> {
+    planform.map_or(Ok(Planform::Groove), |planform| document.choice(planform, &Planform::ALL, Planform::name))
+}
+
+/// Reads the modelled layer and checks that it is made of whole blocks.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Layer, Diagnostic> {
+    let sample = file.get_ref();
+    let or = |value: Option<&Number>, default_um: f64| {
+        document.optional(value, LENGTH_UM).map(|read| read.unwrap_or_else(|| LENGTH_UM.to_si(default_um)))
+    };
+    let layer = Layer {
+        length_m: or(sample.length_um.as_ref(), 9960.0)?,
+        height_m: or(sample.layer_um.as_ref(), 200.0)?,
+        block_m: or(sample.block_um.as_ref(), 10.0)?,
+    };
+    let block_um = LENGTH_UM.from_si(layer.block_m);
+    for (name, value, length_m) in
+        [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]
+    {
+        let blocks = length_m / layer.block_m;
+        if blocks < 0.5 || (blocks - blocks.round()).abs() > 1e-6 * blocks {
+            let named = value.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+            let whole_um = LENGTH_UM.from_si(blocks.round().max(1.0) * layer.block_m);
+            let reason = format!("makes {name} = {} no whole number of blocks of {block_um} um", LENGTH_UM.from_si(length_m));
+            return Err(document
+                .refuse(named, reason)
+                .expected(format!("a multiple of block_um, for instance {name} = {whole_um}")));
+        }
+    }
+    Ok(layer)
+}
+
+/// Reads nominal pressures and checks them against the elastic modulus.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_pressures(
+    document: &Document,
+    pressures: &Spanned<Numbers>,
+    material: &Material,
+) -> Result<Vec<f64>, Diagnostic> {
+    let read = list(document, pressures, PRESSURE_MPA)?;
+    let modulus_pa = material.elastic.youngs_modulus_pa();
+    if let Some(place) = read.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
+        let span = match pressures.get_ref() {
+            Numbers::One(_) => pressures.span(),
+            Numbers::Each(each) => each[place].span(),
+        };
+        return Err(document
+            .refuse(span, "MPa is not below Young's modulus, where nothing is linear elastic")
+            .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))));
+    }
+    Ok(read)
+}
+
+fn read_speed(
+    document: &Document,
+    load: &Spanned<LoadFile>,
+    condition: Option<&Condition>,
+) -> Result<f64, Diagnostic> {
+    match (&load.get_ref().speed_mm_s, condition) {
+        (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
+        (None, Some(condition)) => Ok(condition.speed_m_s),
+        (Some(speed), condition) => {
+            let speed_m_s = document.number(speed, SPEED_MM_S)?;
+            let other = condition.filter(|condition| (condition.speed_m_s / speed_m_s - 1.0).abs() > 1e-6);
+            other.map_or(Ok(speed_m_s), |condition| {
+                Err(document
+                    .refuse(speed.span(), "mm/s is not the speed of the condition that selects the coefficients")
+                    .expected(format!("{}, or no such key", SPEED_MM_S.from_si(condition.speed_m_s))))
+            })
+        }
+    }
+}
+
+fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result<RunOptions, Diagnostic> {
+    let default = RunOptions::default();
+    let fidelity = file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
+    let extent = file.extent.as_ref().map(|name| document.choice(name, &Extent::ALL, Extent::name)).transpose()?;
+    let springs = file.springs.as_ref().map(|name| document.choice(name, &Springs::ALL, Springs::name)).transpose()?;
+    if let Some(dimensions) = &file.dimensions {
+        match dimensions.get_ref() {
+            2 => {}
+            3 => {
+                return Err(document
+                    .refuse(dimensions.span(), "is not available: this version has no three-dimensional cell")
+                    .expected("2, which models the vertical section along the sliding direction"));
+            }
+            _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2")),
+        }
+    }
+    Ok(RunOptions {
+        fidelity: overrides.fidelity.or(fidelity).unwrap_or(default.fidelity),
+        extent: overrides.extent.or(extent).unwrap_or(default.extent),
+        seed: file.seed.unwrap_or(default.seed),
+        sliding_m: document.optional(file.sliding_um.as_ref(), LENGTH_UM)?.unwrap_or(default.sliding_m),
+        liftoff: file.liftoff.unwrap_or(default.liftoff),
+        mu_stderr: document.optional(file.mu_stderr.as_ref(), TOLERANCE)?,
+        step_s: document.optional(file.step_ns.as_ref(), STEP_NS)?,
+        damping: document.optional(file.damping.as_ref(), DAMPING)?.unwrap_or(default.damping),
+        warm_start: file.warm_start.unwrap_or(default.warm_start),
+        springs,
+    })
+}

@@ -1,0 +1,140 @@
+//! Units of the files, SI inside: conversion, and the range in which a number means something.
+
+use std::fmt;
+
+/// How a file's unit becomes SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Scale {
+    /// SI = number x factor.
+    Times(f64),
+    /// SI = number / divisor: exact where the factor (1e-6) has no exact binary form.
+    Over(f64),
+}
+
+/// A quantity as a file writes it: its unit and the range that is accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quantity {
+    scale: Scale,
+    unit: &'static str,
+    least: f64,
+    /// The least value itself is refused.
+    above: bool,
+    most: f64,
+}
+
+impl Quantity {
+    const fn new(scale: Scale, unit: &'static str, least: f64, above: bool, most: f64) -> Self {
+        Self { scale, unit, least, above, most }
+    }
+
+    /// Whether `value`, in the file's unit, lies in the range.
+    #[must_use]
+    pub fn accepts(&self, value: f64) -> bool {
+        value.is_finite() && value <= self.most && if self.above { value > self.least } else { value >= self.least }
+    }
+
+    /// `value` in SI units.
+    #[must_use]
+    pub fn to_si(&self, value: f64) -> f64 {
+        match self.scale {
+            Scale::Times(factor) => value * factor,
+            Scale::Over(divisor) => value / divisor,
+        }
+    }
+
+    /// `si` in the file's unit, to 12 digits: conversion there and back gives the number written.
+    #[must_use]
+    pub fn from_si(&self, si: f64) -> f64 {
+        tidy(match self.scale {
+            Scale::Times(factor) => si / factor,
+            Scale::Over(divisor) => si * divisor,
+        })
+    }
+
+    /// The same quantity with another upper end.
+    #[must_use]
+    pub const fn at_most(mut self, most: f64) -> Self {
+        self.most = most;
+        self
+    }
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let from = if self.above { "above" } else { "from" };
+        write!(f, "a number {from} {} up to {}", self.least, self.most)?;
+        if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
+    }
+}
+
+/// Lengths of patterns and layers: up to 10 m, where a metre was meant to be a micrometre.
+pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 0.0, true, 1e7);
+/// Lengths of specimens.
+pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 0.0, true, 1e4);
+/// Nominal pressures: diamond yields at 100 GPa.
+pub const PRESSURE_MPA: Quantity = Quantity::new(Scale::Times(1e6), "MPa", 0.0, true, 1e5);
+/// Young's moduli: diamond has 1200 GPa.
+pub const MODULUS_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, true, 2000.0);
+/// Standard deviations of Young's modulus.
+pub const MODULUS_STD_GPA: Quantity = Quantity::new(Scale::Times(1e9), "GPa", 0.0, false, 2000.0);
+/// Densities: osmium has 22.6 g/cm3.
+pub const DENSITY_G_CM3: Quantity = Quantity::new(Scale::Times(1e3), "g/cm3", 0.0, true, 30.0);
+/// Sliding speeds.
+pub const SPEED_MM_S: Quantity = Quantity::new(Scale::Over(1e3), "mm/s", 0.0, true, 1e5);
+/// Relative humidity.
+pub const HUMIDITY_PCT: Quantity = Quantity::new(Scale::Over(1e2), "%", 0.0, false, 100.0);
+/// Normal forces.
+pub const FORCE_N: Quantity = Quantity::new(Scale::Times(1.0), "N", 0.0, true, 1e7);
+/// Friction coefficients.
+pub const FRICTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
+/// Standard deviations of friction coefficients.
+pub const FRICTION_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
+/// Scatter of the local coefficients relative to their means: beyond a half the Gaussian's negative tail counts.
+pub const RELATIVE_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 0.5);
+/// Factors of the area law.
+pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
+/// Real contact area fractions.
+pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 1.0);
+/// Friction ratios, patterned over flat.
+pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
+/// Half-widths of the target, and standard errors wanted.
+pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
+/// Rms slopes of surfaces.
+pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
+/// Damping frequency over sqrt(k/m).
+pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2.0);
+/// Time steps.
+pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
+/// Poisson's ratios of an isotropic solid.
+pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
+/// Numbers of the laser that are only copied.
+pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e12);
+
+/// `value` to 12 significant digits: what unit conversion left behind is gone.
+#[must_use]
+pub fn tidy(value: f64) -> f64 {
+    if value.is_finite() { format!("{value:.11e}").parse().unwrap_or(value) } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_survives_the_way_to_si_and_back() {
+        for hundredths in 1..100_000_u32 {
+            let written = f64::from(hundredths) / 100.0;
+            for quantity in [LENGTH_UM, LENGTH_MM, PRESSURE_MPA, SPEED_MM_S, HUMIDITY_PCT] {
+                assert_eq!(quantity.from_si(quantity.to_si(written)), written, "{quantity}");
+            }
+        }
+        assert_eq!(LENGTH_UM.to_si(10.0), 1e-5);
+    }
+
+    #[test]
+    fn ranges_say_what_they_accept() {
+        assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && !PRESSURE_MPA.accepts(2.6e6));
+        assert!(HUMIDITY_PCT.accepts(0.0) && !HUMIDITY_PCT.accepts(-1.0) && !HUMIDITY_PCT.accepts(f64::NAN));
+        assert_eq!(DENSITY_G_CM3.to_string(), "a number above 0 up to 30 g/cm3");
+    }
+}

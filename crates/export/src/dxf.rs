@@ -1,0 +1,226 @@
+//! AutoCAD R12 (AC1009) drawings, ASCII: the dialect that every laser controller reads.
+//!
+//! Autodesk, "Drawing Interchange and File Formats", Release 12: group codes in a field of three,
+//! one value a line, sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, so
+//! comments (group 999) state them.
+
+use crate::number::{COORDINATE_DECIMALS, push_decimal};
+use crate::{Heading, Layout, Outline};
+
+/// Layer of the specimen's outline.
+pub const LAYER_OUTLINE: &str = "OUTLINE";
+/// Layer of the cavities, the only one to be lasered.
+pub const LAYER_CAVITIES: &str = "CAVITIES";
+/// Layer of the arrow that shows the sliding direction; it lies outside the specimen.
+pub const LAYER_SLIDING_DIRECTION: &str = "SLIDING_DIRECTION";
+
+/// Layers with their AutoCAD colour numbers.
+const LAYERS: [(&str, &str); 3] = [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), (LAYER_SLIDING_DIRECTION, "5")];
+
+/// Characters of a comment: R12 lines hold 255, and some readers fewer.
+const LONGEST_COMMENT: usize = 200;
+
+/// The layout as an R12 drawing in millimetres, rounded to one nanometre; the origin is the
+/// specimen's centre, x the sliding direction. Cavities are closed polylines of four vertices.
+#[must_use]
+pub fn dxf(layout: &Layout, heading: &Heading) -> String {
+    let mut file = Writer { out: String::with_capacity(512 * (layout.cavities() + 8)) };
+    let pattern = layout.pattern();
+    let [extent_x_m, extent_y_m] = layout.outline().extents_m();
+    let (half_x_mm, half_y_mm) = (extent_x_m * 500.0, extent_y_m * 500.0);
+    let arrow = Arrow::below(half_x_mm, half_y_mm);
+
+    file.comment(&format!("slipgrid {}: {}", heading.version, heading.name));
+    file.comment("Units: millimetres. Origin: centre of the specimen. x: sliding direction.");
+    file.comment(&format!(
+        "Pattern: {}, width {:.3} um, spacing {:.3} um, depth {:.3} um, {} cavities",
+        pattern.planform(),
+        pattern.width_m() * 1e6,
+        pattern.spacing_m() * 1e6,
+        pattern.depth_m() * 1e6,
+        layout.cavities()
+    ));
+    for note in heading.notes {
+        file.comment(note);
+    }
+
+    file.section("HEADER");
+    file.variable("$ACADVER", 1, "AC1009");
+    file.variable_point("$INSBASE", &[0.0, 0.0, 0.0]);
+    file.variable_point("$EXTMIN", &[-half_x_mm, arrow.lowest_mm(), 0.0]);
+    file.variable_point("$EXTMAX", &[half_x_mm, half_y_mm, 0.0]);
+    file.variable_point("$LIMMIN", &[-half_x_mm, arrow.lowest_mm()]);
+    file.variable_point("$LIMMAX", &[half_x_mm, half_y_mm]);
+    // Decimal numbers, six decimals shown.
+    file.variable("$LUNITS", 70, "2");
+    file.variable("$LUPREC", 70, "6");
+    file.pair(0, "ENDSEC");
+
+    file.section("TABLES");
+    file.table("LTYPE", 1);
+    for (code, value) in [(0, "LTYPE"), (2, "CONTINUOUS"), (70, "0"), (3, "Solid line"), (72, "65"), (73, "0")] {
+        file.pair(code, value);
+    }
+    file.real(40, 0.0);
+    file.pair(0, "ENDTAB");
+    file.table("LAYER", LAYERS.len() + 1);
+    for (name, colour) in std::iter::once(("0", "7")).chain(LAYERS) {
+        for (code, value) in [(0, "LAYER"), (2, name), (70, "0"), (62, colour), (6, "CONTINUOUS")] {
+            file.pair(code, value);
+        }
+    }
+    file.pair(0, "ENDTAB");
+    file.pair(0, "ENDSEC");
+
+    file.section("BLOCKS");
+    file.pair(0, "ENDSEC");
+
+    file.section("ENTITIES");
+    match *layout.outline() {
+        Outline::Disc { diameter_m } => {
+            file.entity("CIRCLE", LAYER_OUTLINE);
+            file.point(10, &[0.0, 0.0, 0.0]);
+            file.real(40, diameter_m * 500.0);
+        }
+        Outline::Rectangle { .. } => file.polygon(
+            LAYER_OUTLINE,
+            &[[-half_x_mm, -half_y_mm], [half_x_mm, -half_y_mm], [half_x_mm, half_y_mm], [-half_x_mm, half_y_mm]],
+        ),
+    }
+    for cavity in layout.iter() {
+        file.polygon(LAYER_CAVITIES, &cavity.corners_m().map(|[x_m, y_m]| [x_m * 1e3, y_m * 1e3]));
+    }
+    for [from_mm, to_mm] in arrow.lines_mm() {
+        file.entity("LINE", LAYER_SLIDING_DIRECTION);
+        file.point(10, &[from_mm[0], from_mm[1], 0.0]);
+        file.point(11, &[to_mm[0], to_mm[1], 0.0]);
+    }
+    file.pair(0, "ENDSEC");
+    file.pair(0, "EOF");
+    file.out
+}
+
+/// An arrow along x under the specimen, in millimetres.
+struct Arrow {
+    half_length_mm: f64,
+    height_mm: f64,
+}
+
+impl Arrow {
+    fn below(half_x_mm: f64, half_y_mm: f64) -> Self {
+        let half_length_mm = half_x_mm / 4.0;
+        Self { half_length_mm, height_mm: -half_y_mm - half_length_mm / 2.0 }
+    }
+
+    /// Half the width of the head.
+    fn barb_mm(&self) -> f64 {
+        self.half_length_mm / 5.0
+    }
+
+    fn lowest_mm(&self) -> f64 {
+        self.height_mm - self.barb_mm()
+    }
+
+    /// Shaft and the two lines of the head.
+    fn lines_mm(&self) -> [[[f64; 2]; 2]; 3] {
+        let (tip, barb) = ([self.half_length_mm, self.height_mm], self.barb_mm());
+        [
+            [[-self.half_length_mm, self.height_mm], tip],
+            [[tip[0] - 2.0 * barb, tip[1] + barb], tip],
+            [[tip[0] - 2.0 * barb, tip[1] - barb], tip],
+        ]
+    }
+}
+
+/// Group codes and values.
+struct Writer {
+    out: String,
+}
+
+impl Writer {
+    fn code(&mut self, code: u16) {
+        let text = code.to_string();
+        for _ in text.len()..3 {
+            self.out.push(' ');
+        }
+        self.out.push_str(&text);
+        self.out.push('\n');
+    }
+
+    fn pair(&mut self, code: u16, value: &str) {
+        self.code(code);
+        self.out.push_str(value);
+        self.out.push('\n');
+    }
+
+    /// A real number; it always has a decimal point.
+    fn real(&mut self, code: u16, value: f64) {
+        self.code(code);
+        let start = self.out.len();
+        push_decimal(&mut self.out, value, COORDINATE_DECIMALS);
+        if !self.out[start..].contains('.') {
+            self.out.push_str(".0");
+        }
+        self.out.push('\n');
+    }
+
+    /// Coordinates under `code`, `code` + 10, `code` + 20.
+    fn point(&mut self, code: u16, coordinates: &[f64]) {
+        for (group, &value) in (code..).step_by(10).zip(coordinates) {
+            self.real(group, value);
+        }
+    }
+
+    /// A comment of printable ASCII: anything else becomes a question mark.
+    fn comment(&mut self, text: &str) {
+        let ascii: String = text
+            .chars()
+            .take(LONGEST_COMMENT)
+            .map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' })
+            .collect();
+        self.pair(999, &ascii);
+    }
+
+    fn section(&mut self, name: &str) {
+        self.pair(0, "SECTION");
+        self.pair(2, name);
+    }
+
+    fn table(&mut self, name: &str, entries: usize) {
+        self.pair(0, "TABLE");
+        self.pair(2, name);
+        self.pair(70, &entries.to_string());
+    }
+
+    fn variable(&mut self, name: &str, code: u16, value: &str) {
+        self.pair(9, name);
+        self.pair(code, value);
+    }
+
+    fn variable_point(&mut self, name: &str, coordinates: &[f64]) {
+        self.pair(9, name);
+        self.point(10, coordinates);
+    }
+
+    fn entity(&mut self, kind: &str, layer: &str) {
+        self.pair(0, kind);
+        self.pair(8, layer);
+    }
+
+    /// A closed polyline.
+    fn polygon(&mut self, layer: &str, corners_mm: &[[f64; 2]]) {
+        self.entity("POLYLINE", layer);
+        // Vertices follow; elevation; closed.
+        self.pair(66, "1");
+        self.point(10, &[0.0, 0.0, 0.0]);
+        self.pair(70, "1");
+        for corner_mm in corners_mm {
+            self.entity("VERTEX", layer);
+            self.point(10, &[corner_mm[0], corner_mm[1], 0.0]);
+        }
+        self.entity("SEQEND", layer);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,164 @@
+//! A reader of R12 written from the format's description, and the drawings read back with it.
+
+use super::*;
+use slipgrid_pattern::{Pattern, Planform};
+
+/// What the reader finds.
+#[derive(Default)]
+struct Drawing {
+    variables: Vec<(String, Vec<String>)>,
+    layers: Vec<String>,
+    entities: Vec<Entity>,
+}
+
+/// An entity: kind, layer, its groups, and the vertices of a polyline.
+struct Entity {
+    kind: String,
+    layer: String,
+    groups: Vec<(u16, String)>,
+    vertices_mm: Vec<[f64; 2]>,
+    ended: bool,
+}
+
+impl Entity {
+    fn real(&self, code: u16) -> f64 {
+        self.groups.iter().find(|(group, _)| *group == code).unwrap().1.parse().unwrap()
+    }
+}
+
+fn read(text: &str) -> Drawing {
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len() % 2, 0, "codes and values come in pairs");
+    let pairs: Vec<(u16, &str)> = lines
+        .chunks(2)
+        .map(|pair| (pair[0].trim().parse().unwrap(), pair[1]))
+        .filter(|(code, _)| *code != 999)
+        .collect();
+    assert_eq!(pairs.last(), Some(&(0, "EOF")));
+
+    let mut drawing = Drawing::default();
+    let mut section = "";
+    let mut record = "";
+    for window in pairs.windows(2) {
+        let ((code, value), next) = (window[0], window[1]);
+        if code == 0 {
+            record = value;
+            match value {
+                "SECTION" => {
+                    assert!(section.is_empty(), "sections do not nest");
+                    section = next.1;
+                }
+                "ENDSEC" => section = "",
+                "VERTEX" => drawing.entities.last_mut().unwrap().vertices_mm.push([f64::NAN; 2]),
+                "SEQEND" => drawing.entities.last_mut().unwrap().ended = true,
+                _ if section == "ENTITIES" => drawing.entities.push(Entity {
+                    kind: value.to_owned(),
+                    layer: String::new(),
+                    groups: Vec::new(),
+                    vertices_mm: Vec::new(),
+                    ended: false,
+                }),
+                _ => {}
+            }
+            continue;
+        }
+        match (section, record) {
+            ("HEADER", _) if code == 9 => drawing.variables.push((value.to_owned(), Vec::new())),
+            ("HEADER", _) if code != 2 => drawing.variables.last_mut().unwrap().1.push(value.to_owned()),
+            ("TABLES", "LAYER") if code == 2 => drawing.layers.push(value.to_owned()),
+            ("ENTITIES", "VERTEX") => {
+                let vertex = drawing.entities.last_mut().unwrap().vertices_mm.last_mut().unwrap();
+                match code {
+                    10 => vertex[0] = value.parse().unwrap(),
+                    20 => vertex[1] = value.parse().unwrap(),
+                    30 => assert_eq!(value, "0.0"),
+                    8 => {}
+                    _ => panic!("group {code} in a vertex"),
+                }
+            }
+            ("ENTITIES", "SECTION" | "SEQEND") => {}
+            ("ENTITIES", _) => {
+                let entity = drawing.entities.last_mut().unwrap();
+                if code == 8 {
+                    entity.layer = value.to_owned();
+                } else {
+                    entity.groups.push((code, value.to_owned()));
+                }
+            }
+            _ => {}
+        }
+    }
+    drawing
+}
+
+const HEADING: Heading = Heading { name: "test", version: "0.0.0", notes: &[] };
+
+fn layout(planform: Planform, outline: Outline) -> Layout {
+    Layout::new(Pattern::new(planform, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap(), outline).unwrap()
+}
+
+#[test]
+fn cavities_read_back_to_the_same_polygons_within_half_a_nanometre() {
+    for planform in Planform::ALL {
+        for outline in [Outline::Disc { diameter_m: 10e-3 }, Outline::Rectangle { length_m: 6e-3, width_m: 3e-3 }] {
+            let layout = layout(planform, outline);
+            let drawing = read(&dxf(&layout, &HEADING));
+            let cavities: Vec<&Entity> = drawing.entities.iter().filter(|e| e.layer == LAYER_CAVITIES).collect();
+            assert_eq!(cavities.len(), layout.cavities());
+            for (entity, cavity) in cavities.iter().zip(layout.iter()) {
+                assert_eq!(entity.kind, "POLYLINE");
+                assert_eq!(entity.real(66), 1.0);
+                assert_eq!(entity.real(70), 1.0, "closed");
+                assert!(entity.ended);
+                assert_eq!(entity.vertices_mm.len(), 4);
+                for (vertex_mm, corner_m) in entity.vertices_mm.iter().zip(cavity.corners_m()) {
+                    for axis in 0..2 {
+                        assert!((vertex_mm[axis] - corner_m[axis] * 1e3).abs() <= 0.5001e-6);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_outline_is_the_specimens() {
+    let disc = read(&dxf(&layout(Planform::Square, Outline::Disc { diameter_m: 10e-3 }), &HEADING));
+    let circle = disc.entities.iter().find(|e| e.layer == LAYER_OUTLINE).unwrap();
+    assert_eq!((circle.kind.as_str(), circle.real(10), circle.real(20), circle.real(40)), ("CIRCLE", 0.0, 0.0, 5.0));
+
+    let outline = Outline::Rectangle { length_m: 6e-3, width_m: 3e-3 };
+    let rectangle = read(&dxf(&layout(Planform::Square, outline), &HEADING));
+    let polygon = rectangle.entities.iter().find(|e| e.layer == LAYER_OUTLINE).unwrap();
+    assert_eq!(polygon.vertices_mm, [[-3.0, -1.5], [3.0, -1.5], [3.0, 1.5], [-3.0, 1.5]]);
+}
+
+#[test]
+fn header_and_layers_are_those_of_release_12() {
+    let drawing = read(&dxf(&layout(Planform::Square, Outline::Disc { diameter_m: 10e-3 }), &HEADING));
+    let variable = |name: &str| drawing.variables.iter().find(|(n, _)| n == name).map(|(_, values)| values.clone());
+    assert_eq!(variable("$ACADVER").unwrap(), ["AC1009"]);
+    assert_eq!(variable("$EXTMAX").unwrap(), ["5.0", "5.0", "0.0"]);
+    assert!(variable("$INSUNITS").is_none(), "not a variable of R12");
+    assert_eq!(drawing.layers, ["0", LAYER_OUTLINE, LAYER_CAVITIES, LAYER_SLIDING_DIRECTION]);
+    assert!(drawing.entities.iter().all(|entity| drawing.layers.contains(&entity.layer)));
+}
+
+#[test]
+fn the_arrow_points_along_x_and_stays_off_the_specimen() {
+    let drawing = read(&dxf(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &HEADING));
+    let lines: Vec<&Entity> = drawing.entities.iter().filter(|e| e.layer == LAYER_SLIDING_DIRECTION).collect();
+    assert_eq!(lines.len(), 3);
+    assert!(lines[0].real(11) > lines[0].real(10) && lines[0].real(21) == lines[0].real(20));
+    assert!(lines.iter().all(|line| line.real(20) < -5.0 && line.real(21) < -5.0));
+}
+
+#[test]
+fn comments_stay_one_line_of_ascii() {
+    let heading = Heading { name: "µ\n  0\nEOF", version: "0.0.0", notes: &["synthetic surface"] };
+    let text = dxf(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &heading);
+    assert!(text.is_ascii());
+    assert!(text.starts_with("999\nslipgrid 0.0.0: ??  0?EOF\n999\nUnits: millimetres"));
+    assert!(text.contains("999\nsynthetic surface\n"));
+    assert_eq!(read(&text).entities.iter().filter(|e| e.layer == LAYER_CAVITIES).count(), 19);
+}

@@ -1,0 +1,76 @@
+//! Rounding: what is written is what a person would have typed.
+
+use std::fmt::Write as _;
+
+/// Decimals of a coordinate in millimetres, in DXF, SVG and CSV: one nanometre.
+pub const COORDINATE_DECIMALS: usize = 6;
+
+/// Decimals of a length in micrometres: one nanometre as well.
+pub(crate) const MICROMETRE_DECIMALS: usize = 3;
+
+/// Significant digits of derived quantities: areas, volumes, times.
+pub(crate) const DERIVED_DIGITS: usize = 6;
+
+/// Appends `value` with at most `decimals` decimals, without trailing zeros or a negative zero.
+pub(crate) fn push_decimal(out: &mut String, value: f64, decimals: usize) {
+    let start = out.len();
+    // Writing to a String cannot fail.
+    let _ = write!(out, "{value:.decimals$}");
+    if decimals > 0 {
+        let kept = out[start..].trim_end_matches('0').trim_end_matches('.').len();
+        out.truncate(start + kept);
+    }
+    if &out[start..] == "-0" {
+        out.replace_range(start..=start, "");
+    }
+}
+
+/// `value` with at most `decimals` decimals, without trailing zeros or a negative zero.
+pub(crate) fn decimal(value: f64, decimals: usize) -> String {
+    let mut out = String::new();
+    push_decimal(&mut out, value, decimals);
+    out
+}
+
+/// The double nearest to `value` rounded to `decimals` decimals: it prints without a tail of nines.
+pub(crate) fn round_decimals(value: f64, decimals: usize) -> f64 {
+    decimal(value, decimals).parse().unwrap_or(value)
+}
+
+/// The double nearest to `value` rounded to `digits` significant digits.
+pub(crate) fn round_digits(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// A length in metres as micrometres, rounded to one nanometre.
+pub(crate) fn micrometres(length_m: f64) -> f64 {
+    round_decimals(length_m * 1e6, MICROMETRE_DECIMALS)
+}
+
+/// A length in metres as millimetres, rounded to one nanometre.
+pub(crate) fn millimetres(length_m: f64) -> f64 {
+    round_decimals(length_m * 1e3, COORDINATE_DECIMALS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tails_are_rounded_away() {
+        assert_eq!(micrometres(130e-6 + 370e-6), 500.0);
+        assert_eq!(micrometres(0.000_129_999_999_99), 130.0);
+        assert_eq!(millimetres(10e-3), 10.0);
+        assert_eq!(round_digits(0.123_456_789, 6), 0.123_457);
+        assert_eq!(round_digits(0.0, 6), 0.0);
+    }
+
+    #[test]
+    fn zeros_at_the_end_are_left_out_and_zero_has_no_sign() {
+        assert_eq!(decimal(-1e-12, 6), "0");
+        assert_eq!(decimal(0.250, 6), "0.25");
+        assert_eq!(decimal(100.0, 6), "100");
+        assert_eq!(decimal(100.0, 0), "100");
+        assert_eq!(decimal(-0.4, 0), "0");
+    }
+}

@@ -1,0 +1,266 @@
+//! Evaluates designs, judges them, and remembers each.
+
+use crate::{
+    Candidate, Constraints, FailedTrial, ForwardModel, ModelFailure, Response, SearchError, SearchProgress, Stage,
+    Target, Violation,
+};
+use slipgrid_pattern::Pattern;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// A design by the bits of its lengths.
+type Key = [u64; 3];
+
+fn key(design: &Pattern) -> Key {
+    [design.width_m().to_bits(), design.spacing_m().to_bits(), design.depth_m().to_bits()]
+}
+
+/// One evaluated design.
+#[derive(Clone, Debug)]
+pub(crate) enum Record {
+    Computed(Candidate),
+    Failed(FailedTrial),
+}
+
+impl Record {
+    fn design(&self) -> &Pattern {
+        match self {
+            Self::Computed(candidate) => &candidate.design,
+            Self::Failed(trial) => &trial.design,
+        }
+    }
+
+    pub(crate) const fn candidate(&self) -> Option<&Candidate> {
+        match self {
+            Self::Computed(candidate) => Some(candidate),
+            Self::Failed(_) => None,
+        }
+    }
+}
+
+/// Why no further design is evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Interruption {
+    Budget,
+    Cancelled,
+    Error(SearchError),
+}
+
+/// Calls the model, judges its answers and reports progress. Shared by all threads.
+pub(crate) struct Evaluator<'a> {
+    pub(crate) model: &'a dyn ForwardModel,
+    pub(crate) target: &'a Target,
+    pub(crate) constraints: &'a Constraints,
+    pub(crate) max_evaluations: usize,
+    progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    /// Evaluations and the smallest misfit so far, for the reader of the progress alone.
+    glance: Mutex<(usize, Option<f64>)>,
+    cancelled: AtomicBool,
+}
+
+impl<'a> Evaluator<'a> {
+    pub(crate) fn new(
+        model: &'a dyn ForwardModel,
+        target: &'a Target,
+        constraints: &'a Constraints,
+        max_evaluations: usize,
+        progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    ) -> Self {
+        let (glance, cancelled) = (Mutex::new((0, None)), AtomicBool::new(false));
+        Self { model, target, constraints, max_evaluations, progress, glance, cancelled }
+    }
+
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Evaluates `design`.
+    pub(crate) fn evaluate(&self, design: &Pattern, stage: Stage) -> Result<Record, Interruption> {
+        if self.is_cancelled() {
+            return Err(Interruption::Cancelled);
+        }
+        let failed = |reason: &str| Record::Failed(FailedTrial { design: *design, reason: reason.to_owned() });
+        let record = match self.model.respond(design) {
+            Ok(response) => {
+                let (expected, got) = (self.target.points().len(), response.value.len());
+                if got != expected {
+                    return Err(Interruption::Error(SearchError::WrongResponse { expected, got }));
+                }
+                if response.value.iter().all(|value| value.is_finite()) && response.peak_pressure_pa.is_finite() {
+                    Record::Computed(self.judge(design, response))
+                } else {
+                    failed("the model returned a value that is not finite")
+                }
+            }
+            Err(ModelFailure::Trial { reason }) => failed(&reason),
+            Err(ModelFailure::Broken { reason }) => {
+                return Err(Interruption::Error(SearchError::BrokenModel { reason }));
+            }
+            Err(ModelFailure::Cancelled) => {
+                self.cancelled.store(true, Ordering::Relaxed);
+                return Err(Interruption::Cancelled);
+            }
+        };
+        self.report(&record, stage);
+        Ok(record)
+    }
+
+    fn judge(&self, design: &Pattern, response: Response) -> Candidate {
+        let mut violations: Vec<_> =
+            self.constraints.limits.violations(design).into_iter().map(Violation::Limit).collect();
+        if let Some(max_peak_pressure_pa) = self.constraints.max_peak_pressure_pa
+            && response.peak_pressure_pa > max_peak_pressure_pa
+        {
+            let peak_pressure_pa = response.peak_pressure_pa;
+            violations.push(Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa });
+        }
+        let misfit = self.target.misfit(&response.value);
+        Candidate { design: *design, response, misfit, violations }
+    }
+
+    fn report(&self, record: &Record, stage: Stage) {
+        // The glance holds plain numbers: one left by a panicking thread is as good as any.
+        let mut glance = self.glance.lock().unwrap_or_else(PoisonError::into_inner);
+        glance.0 += 1;
+        if let Some(candidate) = record.candidate().filter(|candidate| candidate.violations.is_empty()) {
+            glance.1 = Some(glance.1.map_or(candidate.misfit.rms, |best: f64| best.min(candidate.misfit.rms)));
+        }
+        let (evaluations, best_rms) = *glance;
+        drop(glance);
+        let max_evaluations = self.max_evaluations;
+        if (self.progress)(SearchProgress { stage, evaluations, max_evaluations, best_rms }).is_break() {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+/// All evaluated designs, in an order that does not depend on timing.
+#[derive(Debug, Default)]
+pub(crate) struct Ledger {
+    records: Vec<Record>,
+    index: BTreeMap<Key, usize>,
+}
+
+impl Ledger {
+    pub(crate) fn records(&self) -> &[Record] {
+        &self.records
+    }
+
+    /// Designs with a response, in order.
+    pub(crate) fn candidates(&self) -> impl Iterator<Item = &Candidate> {
+        self.records.iter().filter_map(Record::candidate)
+    }
+
+    /// Designs with a response that respect the constraints, in order.
+    pub(crate) fn feasible(&self) -> impl Iterator<Item = &Candidate> {
+        self.candidates().filter(|candidate| candidate.violations.is_empty())
+    }
+
+    /// The best design; the earliest of equals.
+    pub(crate) fn best(&self) -> Option<&Candidate> {
+        self.candidates().fold(None, |best: Option<&Candidate>, candidate| match best {
+            Some(best) if !candidate.is_better_than(best) => Some(best),
+            _ => Some(candidate),
+        })
+    }
+
+    /// Takes over what one thread found.
+    pub(crate) fn absorb(&mut self, records: Vec<Record>) {
+        for record in records {
+            self.index.entry(key(record.design())).or_insert(self.records.len());
+            self.records.push(record);
+        }
+    }
+
+    fn find(&self, design: &Key) -> Option<&Record> {
+        self.index.get(design).map(|&position| &self.records[position])
+    }
+}
+
+/// What one thread adds to a ledger that stays as it is meanwhile. Threads do not see one another's
+/// designs, so that none waits and the outcome does not depend on who came first.
+pub(crate) struct Notebook<'a> {
+    evaluator: &'a Evaluator<'a>,
+    ledger: &'a Ledger,
+    own: Ledger,
+    stage: Stage,
+    budget: usize,
+    pub(crate) interruption: Option<Interruption>,
+}
+
+impl<'a> Notebook<'a> {
+    /// A notebook for at most `budget` new evaluations.
+    pub(crate) fn new(evaluator: &'a Evaluator<'a>, ledger: &'a Ledger, stage: Stage, budget: usize) -> Self {
+        Self { evaluator, ledger, own: Ledger::default(), stage, budget, interruption: None }
+    }
+
+    /// The record of `design`, evaluated only where neither the ledger nor this notebook has it.
+    /// `None` once interrupted.
+    pub(crate) fn look(&mut self, design: &Pattern) -> Option<&Record> {
+        let key = key(design);
+        if let Some(known) = self.ledger.find(&key) {
+            return Some(known);
+        }
+        if self.own.find(&key).is_none() {
+            if self.interruption.is_some() {
+                return None;
+            }
+            if self.own.records.len() >= self.budget {
+                self.interruption = Some(Interruption::Budget);
+                return None;
+            }
+            match self.evaluator.evaluate(design, self.stage) {
+                Ok(record) => self.own.absorb(vec![record]),
+                Err(interruption) => {
+                    self.interruption = Some(interruption);
+                    return None;
+                }
+            }
+        }
+        self.own.find(&key)
+    }
+
+    /// New records and what interrupted them.
+    pub(crate) fn close(self) -> (Vec<Record>, Option<Interruption>) {
+        (self.own.records, self.interruption)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Quantity, TargetPoint};
+    use slipgrid_pattern::Planform;
+    use std::sync::atomic::AtomicUsize;
+
+    fn design(width_um: f64) -> Pattern {
+        Pattern::new(Planform::Groove, width_um * 1e-6, 300e-6, 10e-6).unwrap()
+    }
+
+    #[test]
+    fn a_design_is_evaluated_once_and_within_the_budget() {
+        let calls = AtomicUsize::new(0);
+        let model = |design: &Pattern| {
+            calls.fetch_add(1, Ordering::Relaxed);
+            Ok(Response { value: vec![design.section_density()], peak_pressure_pa: 1e6 })
+        };
+        let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
+        let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
+        let constraints = Constraints::default();
+        let carry_on = |_| ControlFlow::Continue(());
+        let evaluator = Evaluator::new(&model, &target, &constraints, 10, &carry_on);
+        let mut ledger = Ledger::default();
+        ledger.absorb(vec![evaluator.evaluate(&design(100.0), Stage::Sampling).unwrap()]);
+        let mut notebook = Notebook::new(&evaluator, &ledger, Stage::Polishing, 2);
+        for width_um in [100.0, 110.0, 110.0, 120.0, 100.0] {
+            assert!(notebook.look(&design(width_um)).is_some());
+        }
+        assert!(notebook.look(&design(130.0)).is_none());
+        assert!(notebook.look(&design(120.0)).is_some(), "what is known costs nothing");
+        let (records, interruption) = notebook.close();
+        assert_eq!((records.len(), interruption), (2, Some(Interruption::Budget)));
+        assert_eq!(calls.load(Ordering::Relaxed), 3);
+    }
+}

@@ -1,0 +1,77 @@
+//! What the search asks of a model, and how it reports to whoever started it.
+
+use slipgrid_pattern::Pattern;
+
+/// What one design does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// The target's quantity at the target's pressures, in the target's order.
+    pub value: Vec<f64>,
+    /// Largest local contact pressure over all target pressures, in pascals.
+    pub peak_pressure_pa: f64,
+}
+
+/// Why a design has no response.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ModelFailure {
+    /// This design cannot be computed; the next one may. The search counts it and goes on.
+    #[error("{reason}")]
+    Trial {
+        /// What went wrong.
+        reason: String,
+    },
+    /// No design can be computed: the search ends with an error.
+    #[error("{reason}")]
+    Broken {
+        /// What went wrong.
+        reason: String,
+    },
+    /// The model was asked to stop: the search ends with its best design so far.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+/// The model that predicts a design's friction. Designs are evaluated from several threads at once;
+/// the same design must give the same response, bit by bit.
+pub trait ForwardModel: Sync {
+    /// The response of `design`.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] says whether the design, the model or the user is the reason.
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure>;
+}
+
+impl<F> ForwardModel for F
+where
+    F: Fn(&Pattern) -> Result<Response, ModelFailure> + Sync,
+{
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        self(design)
+    }
+}
+
+/// What a search is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Evaluates a sample of the whole design space.
+    Sampling,
+    /// Descends from the best distinct designs.
+    Polishing,
+    /// Polishes width and spacing at neighbouring whole numbers of bursts.
+    Bursts,
+    /// Looks for the lowest and the highest value there is.
+    Extremes,
+}
+
+/// A glance at a running search, after an evaluation. Its numbers depend on timing; the outcome does not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SearchProgress {
+    /// What the search is doing.
+    pub stage: Stage,
+    /// Designs evaluated.
+    pub evaluations: usize,
+    /// Most designs that will be evaluated.
+    pub max_evaluations: usize,
+    /// Smallest root-mean-square misfit of a feasible design; `None` before the first.
+    pub best_rms: Option<f64>,
+}

@@ -1,0 +1,154 @@
+//! What a search found.
+
+use crate::{Misfit, Response};
+use slipgrid_pattern::{LimitViolation, Pattern};
+
+/// How a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// The best design is within the tolerance at every pressure and respects every constraint.
+    Met,
+    /// The search ended by itself without such a design: see [`SearchOutcome::reachable`].
+    Unreachable,
+    /// The evaluations allowed were spent before the search had ended.
+    Budget,
+    /// The search was asked to stop. What it had found is reported.
+    Cancelled,
+}
+
+impl Status {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Met => "met",
+            Self::Unreachable => "unreachable",
+            Self::Budget => "budget",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// A constraint that a design breaks.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Violation {
+    /// The laser cannot make it.
+    #[error(transparent)]
+    Limit(#[from] LimitViolation),
+    /// The largest local contact pressure is too high.
+    #[error("peak pressure of {peak_pressure_pa:.3e} Pa exceeds the largest allowed, {max_peak_pressure_pa:.3e} Pa")]
+    PeakPressure {
+        /// The design's peak pressure, in pascals.
+        peak_pressure_pa: f64,
+        /// The constraint, in pascals.
+        max_peak_pressure_pa: f64,
+    },
+}
+
+impl Violation {
+    /// How far beyond the constraint, relative to it: 0 at the constraint.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        match *self {
+            Self::Limit(limit) => limit.excess(),
+            Self::PeakPressure { peak_pressure_pa, max_peak_pressure_pa } => {
+                peak_pressure_pa / max_peak_pressure_pa - 1.0
+            }
+        }
+    }
+}
+
+/// A design with its predicted response. Lengths are those of the design that would be made, so the
+/// prediction is its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The design.
+    pub design: Pattern,
+    /// What the model says of it.
+    pub response: Response,
+    /// Its distance from the target.
+    pub misfit: Misfit,
+    /// The constraints that it breaks; empty where it is feasible.
+    pub violations: Vec<Violation>,
+}
+
+impl Candidate {
+    /// Within tolerance at every pressure, and feasible.
+    #[must_use]
+    pub fn meets_target(&self) -> bool {
+        self.violations.is_empty() && self.misfit.is_met()
+    }
+
+    /// Sum of the relative excesses over broken constraints.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        self.violations.iter().map(Violation::excess).sum()
+    }
+
+    /// Whether this design is to be preferred: feasible ones first, then those that meet the target,
+    /// then the smaller root-mean-square misfit. Among designs that are not feasible, the smaller excess.
+    #[must_use]
+    pub fn is_better_than(&self, other: &Self) -> bool {
+        match (self.violations.is_empty(), other.violations.is_empty()) {
+            (true, false) => true,
+            (false, true) => false,
+            (false, false) => self.excess() < other.excess(),
+            (true, true) => match (self.misfit.is_met(), other.misfit.is_met()) {
+                (true, false) => true,
+                (false, true) => false,
+                _ => self.misfit.rms < other.misfit.rms,
+            },
+        }
+    }
+}
+
+/// A design that the model could not compute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FailedTrial {
+    /// The design.
+    pub design: Pattern,
+    /// Why it failed.
+    pub reason: String,
+}
+
+/// Lowest and highest value among feasible designs tried.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReachableRange {
+    /// Nominal pressure of the target point, in pascals.
+    pub pressure_pa: f64,
+    /// Lowest value.
+    pub lowest: f64,
+    /// Highest value.
+    pub highest: f64,
+}
+
+/// The best design after a number of evaluations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HistoryPoint {
+    /// Evaluations up to and including the one that improved, in the search's own order.
+    pub evaluation: usize,
+    /// Misfit of the best design from here on.
+    pub misfit: Misfit,
+    /// Whether it respects the constraints.
+    pub feasible: bool,
+}
+
+/// Result of a search. Equal inputs and seeds give equal outcomes at any number of threads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SearchOutcome {
+    /// How the search ended.
+    pub status: Status,
+    /// The best design tried.
+    pub best: Candidate,
+    /// Other designs that meet the target, best first, each unlike the best and one another.
+    pub alternatives: Vec<Candidate>,
+    /// Model evaluations, failed trials included.
+    pub evaluations: usize,
+    /// Designs that the model could not compute.
+    pub failed_trials: Vec<FailedTrial>,
+    /// Range of the value at each target pressure over all feasible designs tried; empty where none
+    /// was feasible. Before a search ends as [`Status::Unreachable`] it looks for these extremes.
+    pub reachable: Vec<ReachableRange>,
+    /// Improvements of the best design.
+    pub history: Vec<HistoryPoint>,
+}

@@ -1,0 +1,214 @@
+//! Descent from one design: the simplex method of Nelder and Mead (Comput. J. 7, 308, 1965) by argmin.
+//!
+//! argmin knows no bounds. The simplex moves in u, and the share t of a length's logarithm is
+//!
+//!   t = (1 - cos(pi u)) / 2,
+//!
+//! smooth, within [0, 1] for every u, and stationary at the bounds, so that a minimum on a bound is
+//! an ordinary minimum in u.
+
+use crate::ledger::{Notebook, Record};
+use crate::sequence::MOST_DIMENSIONS;
+use crate::space::Grid;
+use crate::{Candidate, COMFORTABLE_RMS};
+use argmin::core::{CostFunction, Error, Executor, IterState};
+use argmin::solver::neldermead::NelderMead;
+use slipgrid_pattern::Pattern;
+use std::cell::RefCell;
+use std::f64::consts::PI;
+
+/// Edge of the first simplex in u: about the spacing of the sample, so that the descent neither
+/// repeats the sample nor leaves its own valley.
+const FIRST_EDGE: f64 = 0.12;
+/// A restarted simplex is this much smaller than the one before.
+const RESTART_SHRINK: f64 = 0.5;
+/// The simplex has collapsed when its costs, in tolerances, scatter less than this: a hundredth of
+/// what would matter to anybody, well above a model's own noise of 1e-4 of a ratio at tolerance 0.01.
+const COLLAPSED_STD: f64 = 2e-3;
+/// A restart that gains less than this share, or than [`COMFORTABLE_RMS`], is the last.
+const WORTHWHILE_GAIN: f64 = 0.02;
+/// Cost of a design that the model cannot compute: worse than any other.
+const FAILED_COST: f64 = 1e12;
+
+/// What a descent minimizes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Objective {
+    /// Root-mean-square misfit.
+    RootMeanSquare,
+    /// Largest misfit.
+    Largest,
+    /// The value at one target point, in tolerances.
+    Lowest(usize),
+    /// Its negative.
+    Highest(usize),
+}
+
+/// An objective, and what constraints cost.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cost {
+    pub(crate) objective: Objective,
+    pub(crate) tolerance: f64,
+    /// Cost of a relative excess of 1. An exact penalty: above the objective's own slope, so that the
+    /// minimum lies on the constraint and not beyond it.
+    pub(crate) penalty: f64,
+}
+
+impl Cost {
+    /// Cost of a design, in tolerances.
+    pub(crate) fn of(&self, candidate: &Candidate) -> f64 {
+        let objective = match self.objective {
+            Objective::RootMeanSquare => candidate.misfit.rms,
+            Objective::Largest => candidate.misfit.max,
+            Objective::Lowest(point) => candidate.response.value[point] / self.tolerance,
+            Objective::Highest(point) => -candidate.response.value[point] / self.tolerance,
+        };
+        objective + self.penalty * candidate.excess()
+    }
+
+    /// Cost below which a descent ends early.
+    fn comfortable(&self) -> f64 {
+        match self.objective {
+            Objective::RootMeanSquare => COMFORTABLE_RMS,
+            // Within the tolerance is all that is asked.
+            Objective::Largest => 0.9,
+            Objective::Lowest(_) | Objective::Highest(_) => f64::NEG_INFINITY,
+        }
+    }
+}
+
+/// A descent still to be made or continued.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Descent {
+    pub(crate) grid: Grid,
+    pub(crate) start: Pattern,
+    pub(crate) cost: Cost,
+    edge: f64,
+}
+
+impl Descent {
+    pub(crate) const fn new(grid: Grid, start: Pattern, cost: Cost) -> Self {
+        Self { grid, start, cost, edge: FIRST_EDGE }
+    }
+
+    /// Descends until nothing is gained; `None`, or, where the notebook was interrupted, the descent
+    /// that would continue this one.
+    pub(crate) fn run(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
+        let free = self.grid.free_axes();
+        let mut least = FAILED_COST;
+        loop {
+            let (best, cost) = self.simplex(&free, notebook);
+            if let Some(best) = best {
+                self.start = best;
+            }
+            if notebook.interruption.is_some() {
+                return Some(self);
+            }
+            let gain = least - cost;
+            if free.is_empty() || cost <= self.cost.comfortable() || gain < (WORTHWHILE_GAIN * cost.abs()).max(COMFORTABLE_RMS) {
+                return None;
+            }
+            least = cost;
+            self.edge *= RESTART_SHRINK;
+        }
+    }
+
+    /// One run of the simplex: the best design it saw, and its cost.
+    fn simplex(&self, free: &[usize], notebook: &mut Notebook<'_>) -> (Option<Pattern>, f64) {
+        let shares = self.grid.shares(&self.start);
+        // u = acos(1 - 2 t) / pi
+        let start: Vec<f64> = free.iter().map(|&axis| (1.0 - 2.0 * shares[axis]).clamp(-1.0, 1.0).acos() / PI).collect();
+        let problem = Problem {
+            cost: self.cost,
+            grid: self.grid,
+            free: free.to_vec(),
+            shares,
+            visit: RefCell::new(Visit { notebook, best: None, calls: 0 }),
+        };
+        let mut simplex = vec![start.clone()];
+        for coordinate in 0..free.len() {
+            simplex.push(problem.other_vertex(&start, coordinate, self.edge));
+        }
+        if free.is_empty() {
+            // One design: nothing to descend.
+            let _ = problem.cost(&start);
+        } else if let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(COLLAPSED_STD) {
+            let comfortable = self.cost.comfortable();
+            // An interruption surfaces as an error; what was seen before it stands in `visit`.
+            let _ = Executor::new(&problem, solver)
+                .configure(|state: IterState<Vec<f64>, (), (), (), (), f64>| state.target_cost(comfortable).max_iters(MOST_ITERATIONS))
+                .ctrlc(false)
+                .timer(false)
+                .run();
+        }
+        let best = problem.visit.into_inner().best;
+        best.map_or((None, FAILED_COST), |(design, cost)| (Some(design), cost))
+    }
+}
+
+/// Iterations after which a simplex counts as collapsed, whatever its scatter: a guard against
+/// designs that the model cannot compute, between which it can hop without an end.
+const MOST_ITERATIONS: u64 = 400;
+
+/// What the simplex method sees.
+struct Problem<'a, 'b> {
+    cost: Cost,
+    grid: Grid,
+    free: Vec<usize>,
+    shares: [f64; MOST_DIMENSIONS],
+    visit: RefCell<Visit<'a, 'b>>,
+}
+
+struct Visit<'a, 'b> {
+    notebook: &'a mut Notebook<'b>,
+    best: Option<(Pattern, f64)>,
+    calls: usize,
+}
+
+impl Problem<'_, '_> {
+    fn design(&self, u: &[f64]) -> Option<Pattern> {
+        let mut shares = self.shares;
+        for (&axis, &u) in self.free.iter().zip(u) {
+            // t = (1 - cos(pi u)) / 2
+            shares[axis] = 0.5 * (1.0 - (PI * u).cos());
+        }
+        self.grid.design(&shares)
+    }
+
+    /// `start` with one coordinate moved inwards by `edge`, or by as many edges as another grid
+    /// value takes.
+    fn other_vertex(&self, start: &[f64], coordinate: usize, edge: f64) -> Vec<f64> {
+        let mut vertex = start.to_vec();
+        let inwards = if start[coordinate] <= 0.5 { edge } else { -edge };
+        let here = self.design(start);
+        for _ in 0..((1.0 / edge) as usize) {
+            vertex[coordinate] += inwards;
+            if self.design(&vertex) != here {
+                break;
+            }
+        }
+        vertex
+    }
+}
+
+impl CostFunction for &Problem<'_, '_> {
+    type Param = Vec<f64>;
+    type Output = f64;
+
+    fn cost(&self, u: &Self::Param) -> Result<Self::Output, Error> {
+        let visit = &mut *self.visit.borrow_mut();
+        visit.calls += 1;
+        let cost = match self.design(u).map(|design| (design, visit.notebook.look(&design))) {
+            Some((design, Some(Record::Computed(candidate)))) => {
+                let cost = self.cost.of(candidate);
+                if visit.best.is_none_or(|(_, least)| cost < least) {
+                    visit.best = Some((design, cost));
+                }
+                cost
+            }
+            // argmin panics on an error while it evaluates the first simplex: end it just after.
+            Some((_, None)) if visit.calls > self.free.len() + 1 => return Err(Error::msg("interrupted")),
+            _ => FAILED_COST,
+        };
+        Ok(cost)
+    }
+}

@@ -1,0 +1,341 @@
+//! The designs that may be tried: bounds, limits, and the grid of what a laser can make.
+//!
+//! Every coordinate is a share t in [0, 1] of the logarithm of the length, because friction follows
+//! width / spacing and lengths span a decade. A length is always one of the grid: whole bursts deep
+//! (or [`DEPTH_STEP_M`] where no burst is given), width and spacing to [`POSITION_STEP_M`]. So every
+//! number that a search reports belongs to a design that can be made, not to one rounded afterwards.
+
+use crate::SearchError;
+use crate::error::positive;
+use crate::sequence::MOST_DIMENSIONS;
+use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
+
+/// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
+/// (0.1 um moves the friction ratio by about 1e-4), finer gives digits without meaning.
+pub const POSITION_STEP_M: f64 = 1e-7;
+/// Step of the depth where no depth per burst is given, in metres: what a profilometer resolves.
+pub const DEPTH_STEP_M: f64 = 1e-8;
+/// Relative slack in counting grid points, so that bounds written in decimal units keep theirs.
+const GRID_SLACK: f64 = 1e-6;
+/// Longest dimension accepted, in metres.
+const LONGEST_M: f64 = 1.0;
+
+/// Bounds of a design, in metres. Equal bounds fix a dimension.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DesignSpace {
+    planform: Planform,
+    width_m: [f64; 2],
+    spacing_m: [f64; 2],
+    depth_m: [f64; 2],
+}
+
+impl DesignSpace {
+    /// Patterns of `planform` with width, spacing and depth in the closed intervals given, in metres.
+    ///
+    /// # Errors
+    /// [`SearchError::OutOfRange`] unless bounds are positive and at most a metre,
+    /// [`SearchError::BoundsReversed`] where a lower bound exceeds the upper.
+    pub fn new(
+        planform: Planform,
+        width_m: [f64; 2],
+        spacing_m: [f64; 2],
+        depth_m: [f64; 2],
+    ) -> Result<Self, SearchError> {
+        for (quantity, [lower_m, upper_m]) in [("width", width_m), ("spacing", spacing_m), ("depth", depth_m)] {
+            for value in [lower_m, upper_m] {
+                if !(value.is_finite() && value > 0.0 && value <= LONGEST_M) {
+                    let expected = "a positive length of at most 1 m";
+                    return Err(SearchError::OutOfRange { quantity, value, expected });
+                }
+            }
+            if lower_m > upper_m {
+                return Err(SearchError::BoundsReversed { quantity, lower_m, upper_m });
+            }
+        }
+        Ok(Self { planform, width_m, spacing_m, depth_m })
+    }
+
+    /// The planform of every design.
+    #[must_use]
+    pub const fn planform(&self) -> Planform {
+        self.planform
+    }
+
+    /// Lower and upper bound of the width, in metres.
+    #[must_use]
+    pub const fn width_m(&self) -> [f64; 2] {
+        self.width_m
+    }
+
+    /// Lower and upper bound of the spacing, in metres.
+    #[must_use]
+    pub const fn spacing_m(&self) -> [f64; 2] {
+        self.spacing_m
+    }
+
+    /// Lower and upper bound of the depth, in metres.
+    #[must_use]
+    pub const fn depth_m(&self) -> [f64; 2] {
+        self.depth_m
+    }
+}
+
+/// What a design must respect beside its bounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Constraints {
+    /// What the laser can make.
+    pub limits: ManufacturingLimits,
+    /// Largest local contact pressure allowed, in pascals.
+    pub max_peak_pressure_pa: Option<f64>,
+}
+
+/// How the values of one dimension are spaced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Step {
+    /// n / per_metre: the double nearest to the decimal number.
+    PerMetre(f64),
+    /// n times a length.
+    Length(f64),
+}
+
+impl Step {
+    fn at(self, index: u64) -> f64 {
+        match self {
+            Self::PerMetre(per_metre) => index as f64 / per_metre,
+            Self::Length(length_m) => index as f64 * length_m,
+        }
+    }
+
+    /// The fractional index of a length.
+    fn index(self, value_m: f64) -> f64 {
+        match self {
+            Self::PerMetre(per_metre) => value_m * per_metre,
+            Self::Length(length_m) => value_m / length_m,
+        }
+    }
+}
+
+/// One dimension of a design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Axis {
+    Fixed(f64),
+    Free { lower_m: f64, upper_m: f64, step: Step, first: u64, last: u64 },
+}
+
+impl Axis {
+    /// Values of `step` in the interval; `None` if there is none.
+    fn on_grid([lower_m, upper_m]: [f64; 2], step: Step) -> Option<Self> {
+        // Bounds are at most a metre and steps not below 1e-12 m: the casts are exact.
+        let first = (step.index(lower_m) * (1.0 - GRID_SLACK)).ceil().max(1.0) as u64;
+        let last = (step.index(upper_m) * (1.0 + GRID_SLACK)).floor() as u64;
+        match first.cmp(&last) {
+            std::cmp::Ordering::Greater => None,
+            std::cmp::Ordering::Equal => Some(Self::Fixed(step.at(first).clamp(lower_m, upper_m))),
+            std::cmp::Ordering::Less => Some(Self::Free { lower_m, upper_m, step, first, last }),
+        }
+    }
+
+    /// Width, spacing, or a depth without bursts: equal bounds are taken as given, and an interval
+    /// between two grid points is fixed at its middle.
+    fn position(bounds: [f64; 2], step_m: f64) -> Self {
+        if bounds[0] == bounds[1] {
+            return Self::Fixed(bounds[0]);
+        }
+        Self::on_grid(bounds, Step::PerMetre((1.0 / step_m).round())).unwrap_or(Self::Fixed(f64::midpoint(bounds[0], bounds[1])))
+    }
+
+    /// The grid value nearest to the share `t` of the logarithm.
+    fn at(&self, t: f64) -> f64 {
+        match *self {
+            Self::Fixed(value_m) => value_m,
+            Self::Free { lower_m, upper_m, step, first, last } => {
+                // length = lower (upper / lower)^t
+                let length_m = lower_m * (upper_m / lower_m).powf(t.clamp(0.0, 1.0));
+                let index = (step.index(length_m).round() as u64).clamp(first, last);
+                step.at(index).clamp(lower_m, upper_m)
+            }
+        }
+    }
+
+    /// The share t of a length; 0 where the axis is fixed.
+    fn share(&self, value_m: f64) -> f64 {
+        match *self {
+            Self::Fixed(_) => 0.0,
+            Self::Free { lower_m, upper_m, .. } => ((value_m / lower_m).ln() / (upper_m / lower_m).ln()).clamp(0.0, 1.0),
+        }
+    }
+}
+
+/// The designs that can be made within bounds and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Grid {
+    planform: Planform,
+    axes: [Axis; MOST_DIMENSIONS],
+    /// First and last whole number of bursts, where depths are counted in bursts.
+    bursts: Option<[u64; 2]>,
+    depth_per_burst_m: f64,
+}
+
+impl Grid {
+    /// The grid of `space` under `constraints`.
+    ///
+    /// # Errors
+    /// [`SearchError::LimitAboveBounds`] or [`SearchError::NoWholeBurst`] where nothing is left,
+    /// [`SearchError::OutOfRange`] for a limit that is not positive.
+    pub(crate) fn new(space: &DesignSpace, constraints: &Constraints) -> Result<Self, SearchError> {
+        let limits = &constraints.limits;
+        let above = |quantity, [lower_m, upper_m]: [f64; 2], limit: &'static str, limit_m: Option<f64>| {
+            let Some(limit_m) = limit_m else { return Ok([lower_m, upper_m]) };
+            positive(limit, limit_m)?;
+            if limit_m > upper_m {
+                return Err(SearchError::LimitAboveBounds { quantity, upper_m, limit, limit_m });
+            }
+            Ok([lower_m.max(limit_m), upper_m])
+        };
+        let width_m = above("width", space.width_m, "diameter of the laser spot", limits.spot_m)?;
+        let spacing_m = above("spacing", space.spacing_m, "smallest land", limits.min_land_m)?;
+        if let Some(max_peak_pressure_pa) = constraints.max_peak_pressure_pa {
+            positive("largest peak pressure", max_peak_pressure_pa)?;
+        }
+        let (depth, bursts) = match limits.depth_per_burst_m {
+            None => (Axis::position(space.depth_m, DEPTH_STEP_M), None),
+            Some(depth_per_burst_m) => burst_axis(space.depth_m, depth_per_burst_m)?,
+        };
+        let axes = [Axis::position(width_m, POSITION_STEP_M), Axis::position(spacing_m, POSITION_STEP_M), depth];
+        let depth_per_burst_m = limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
+        Ok(Self { planform: space.planform, axes, bursts, depth_per_burst_m })
+    }
+
+    /// Indices of the axes that are not fixed.
+    pub(crate) fn free_axes(&self) -> Vec<usize> {
+        (0..MOST_DIMENSIONS).filter(|&axis| matches!(self.axes[axis], Axis::Free { .. })).collect()
+    }
+
+    /// First and last whole number of bursts, where the depth is free and counted in bursts.
+    pub(crate) const fn bursts(&self) -> Option<[u64; 2]> {
+        self.bursts
+    }
+
+    /// Bursts that make `design`.
+    pub(crate) fn bursts_of(&self, design: &Pattern) -> u64 {
+        (design.depth_m() / self.depth_per_burst_m).round() as u64
+    }
+
+    /// The same grid with the depth fixed at `bursts` bursts.
+    pub(crate) fn at_bursts(mut self, bursts: u64) -> Self {
+        if let Axis::Free { lower_m, upper_m, step, .. } = self.axes[2] {
+            self.axes[2] = Axis::Fixed(step.at(bursts).clamp(lower_m, upper_m));
+        }
+        self.bursts = None;
+        self
+    }
+
+    /// The design nearest to the shares `t`, one per axis; shares of fixed axes are ignored.
+    pub(crate) fn design(&self, t: &[f64; MOST_DIMENSIONS]) -> Option<Pattern> {
+        let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis].at(t[axis]));
+        // Every length of the grid is positive and finite: always a pattern.
+        Pattern::new(self.planform, width_m, spacing_m, depth_m).ok()
+    }
+
+    /// The shares of `design`.
+    pub(crate) fn shares(&self, design: &Pattern) -> [f64; MOST_DIMENSIONS] {
+        let lengths = [design.width_m(), design.spacing_m(), design.depth_m()];
+        std::array::from_fn(|axis| self.axes[axis].share(lengths[axis]))
+    }
+
+    /// Largest difference of the shares of two designs, from 0 to 1.
+    pub(crate) fn distance(&self, left: &Pattern, right: &Pattern) -> f64 {
+        let (left, right) = (self.shares(left), self.shares(right));
+        (0..MOST_DIMENSIONS).map(|axis| (left[axis] - right[axis]).abs()).fold(0.0, f64::max)
+    }
+}
+
+/// The depths that are whole numbers of bursts.
+fn burst_axis([lower_m, upper_m]: [f64; 2], depth_per_burst_m: f64) -> Result<(Axis, Option<[u64; 2]>), SearchError> {
+    const FINEST_BURST_M: f64 = 1e-12;
+    positive("depth per burst", depth_per_burst_m)?;
+    if depth_per_burst_m < FINEST_BURST_M {
+        let expected = "at least 1e-12 m";
+        return Err(SearchError::OutOfRange { quantity: "depth per burst", value: depth_per_burst_m, expected });
+    }
+    match Axis::on_grid([lower_m, upper_m], Step::Length(depth_per_burst_m)) {
+        Some(axis @ Axis::Free { first, last, .. }) => Ok((axis, Some([first, last]))),
+        Some(axis @ Axis::Fixed(_)) => Ok((axis, None)),
+        None => {
+            let below_m = (lower_m / depth_per_burst_m).floor() * depth_per_burst_m;
+            let above_m = (upper_m / depth_per_burst_m).ceil() * depth_per_burst_m;
+            let nearest_m = if below_m > 0.0 && lower_m - below_m <= above_m - upper_m { below_m } else { above_m };
+            Err(SearchError::NoWholeBurst { lower_m, upper_m, depth_per_burst_m, nearest_m })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(width_um: [f64; 2], depth_um: [f64; 2], limits: ManufacturingLimits) -> Result<Grid, SearchError> {
+        let metres = |bounds: [f64; 2]| bounds.map(|bound| bound * 1e-6);
+        let space = DesignSpace::new(Planform::Groove, metres(width_um), metres([40.0, 1000.0]), metres(depth_um))?;
+        Grid::new(&space, &Constraints { limits, max_peak_pressure_pa: None })
+    }
+
+    fn bursts_of(micrometres: f64) -> ManufacturingLimits {
+        ManufacturingLimits { depth_per_burst_m: Some(micrometres * 1e-6), ..Default::default() }
+    }
+
+    #[test]
+    fn every_design_lies_on_the_grid_and_within_bounds() {
+        let grid = grid([40.03, 400.0], [2.0, 50.0], bursts_of(2.6)).unwrap();
+        assert_eq!(grid.bursts(), Some([1, 19]));
+        for n in 0..=1000 {
+            let design = grid.design(&[f64::from(n) / 1000.0; 3]).unwrap();
+            let tenths = design.width_m() * 1e7;
+            assert!((tenths - tenths.round()).abs() < 1e-6);
+            assert!((40.1e-6 - 1e-12..=400e-6).contains(&design.width_m()));
+            let bursts = design.depth_m() / 2.6e-6;
+            assert!((bursts - bursts.round()).abs() < 1e-9 && (2e-6..=50e-6).contains(&design.depth_m()));
+            // Shares lead back to the same bits.
+            assert_eq!(grid.design(&grid.shares(&design)).unwrap(), design);
+        }
+    }
+
+    #[test]
+    fn limits_cut_the_bounds_exactly() {
+        // 0.1 + 0.2 style limits: no design may break one by rounding.
+        let limits = ManufacturingLimits { min_land_m: Some(47.3 * 1e-6), spot_m: Some(80.7 * 1e-6), depth_per_burst_m: None };
+        let lowest = grid([40.0, 400.0], [2.0, 50.0], limits).unwrap().design(&[0.0; 3]).unwrap();
+        assert!(limits.violations(&lowest).is_empty());
+        assert!((lowest.width_m() - 80.7e-6).abs() < 1e-12 && (lowest.spacing_m() - 47.3e-6).abs() < 1e-12);
+        let narrow = ManufacturingLimits { spot_m: Some(500e-6), ..Default::default() };
+        assert!(matches!(grid([40.0, 400.0], [2.0, 50.0], narrow), Err(SearchError::LimitAboveBounds { .. })));
+    }
+
+    #[test]
+    fn fixed_dimensions_are_taken_as_given() {
+        let grid = grid([123.456_789, 123.456_789], [5.2, 5.2], bursts_of(2.6)).unwrap();
+        assert_eq!(grid.free_axes(), vec![1]);
+        let design = grid.design(&[0.3; 3]).unwrap();
+        assert_eq!(design.width_m(), 123.456_789 * 1e-6);
+        assert_eq!(design.depth_m(), 5.2 * 1e-6);
+    }
+
+    #[test]
+    fn depth_without_a_whole_burst_names_the_nearest() {
+        for (depth_um, nearest_um) in [([5.5, 7.0], 5.2), ([6.9, 7.7], 7.8), ([1.0, 2.0], 2.6)] {
+            match grid([40.0, 400.0], depth_um, bursts_of(2.6)) {
+                Err(SearchError::NoWholeBurst { nearest_m, .. }) => {
+                    assert!((nearest_m * 1e6 - nearest_um).abs() < 1e-9, "{nearest_m}");
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_that_mean_nothing_are_refused() {
+        assert!(matches!(grid([-1.0, 400.0], [2.0, 50.0], bursts_of(2.6)), Err(SearchError::OutOfRange { .. })));
+        assert!(matches!(grid([400.0, 40.0], [2.0, 50.0], bursts_of(2.6)), Err(SearchError::BoundsReversed { .. })));
+        assert!(matches!(grid([40.0, 400.0], [2.0, 50.0], bursts_of(0.0)), Err(SearchError::OutOfRange { .. })));
+    }
+}

@@ -1,0 +1,230 @@
+//! How a section of the pattern is divided into columns of blocks.
+//!
+//! Widths that are whole blocks give the plain lattice. Others are resolved, not rounded: each land
+//! and each cavity is divided into the nearest whole number of columns, whose common width departs
+//! from l by at most l/2 over that number of columns. The edges of cavities lie where the pattern
+//! puts them, so mu is continuous in width and spacing but for the small step (measured: below
+//! 1e-4 in the ratio) where the number of columns changes. Depth is kept in fractions of a row.
+
+use slipgrid_pattern::Pattern;
+
+/// One column of blocks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// Width over the lattice spacing l.
+    pub width: f64,
+    /// Depth of the cavity above the counterface in rows, 0 on land.
+    pub cavity_rows: f64,
+}
+
+impl Column {
+    const fn land(width: f64) -> Self {
+        Self { width, cavity_rows: 0.0 }
+    }
+
+    /// Whether the column's lowest block touches the counterface.
+    #[must_use]
+    pub fn is_land(&self) -> bool {
+        self.cavity_rows == 0.0
+    }
+}
+
+/// Rounding left by division counts as a whole number of blocks, which then reproduces the plain
+/// lattice to the last bit.
+const WHOLE: f64 = 1e-9;
+
+/// `blocks` without the rounding error of a division.
+fn snapped(blocks: f64) -> f64 {
+    if (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) { blocks.round() } else { blocks }
+}
+
+/// Number of columns that divide a length of `blocks` lattice spacings.
+fn columns_in(blocks: f64) -> usize {
+    // Lengths are validated to be positive and below 1e8 blocks.
+    blocks.round().max(1.0) as usize
+}
+
+/// A pattern measured in lattice spacings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Section {
+    width: f64,
+    spacing: f64,
+    depth: f64,
+}
+
+impl Section {
+    fn new(pattern: &Pattern, block_m: f64) -> Self {
+        Self {
+            width: snapped(pattern.width_m() / block_m),
+            spacing: snapped(pattern.spacing_m() / block_m),
+            depth: snapped(pattern.depth_m() / block_m),
+        }
+    }
+
+    fn land_columns(&self) -> usize {
+        columns_in(self.spacing)
+    }
+
+    fn cavity_columns(&self) -> usize {
+        columns_in(self.width)
+    }
+
+    fn land(&self) -> Column {
+        Column::land(self.spacing / self.land_columns() as f64)
+    }
+
+    fn cavity(&self) -> Column {
+        Column { width: self.width / self.cavity_columns() as f64, cavity_rows: self.depth }
+    }
+}
+
+/// `count` columns of a flat surface.
+#[must_use]
+pub fn flat(count: usize) -> Vec<Column> {
+    vec![Column::land(1.0); count]
+}
+
+/// One period: land of floor(land columns / 2), the cavity, the rest of the land.
+#[must_use]
+pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
+    let section = Section::new(pattern, block_m);
+    let (land, cavity) = (section.land_columns(), section.cavity_columns());
+    let before = land / 2;
+    (0..land + cavity)
+        .map(|i| if (before..before + cavity).contains(&i) { section.cavity() } else { section.land() })
+        .collect()
+}
+
+/// The whole specimen, `length` lattice spacings long: it begins with the same half land as a cell
+/// and clips whatever the last period leaves over. What is left of the last piece is divided like
+/// the others; a sliver is added to the piece before.
+#[must_use]
+pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
+    let section = Section::new(pattern, block_m);
+    let length = length as f64;
+    let mut columns: Vec<Column> = Vec::new();
+    let mut filled = 0.0;
+    let mut piece = (section.land(), section.land_columns() / 2);
+    while filled < length - WHOLE * length {
+        let (column, count) = piece;
+        let left = snapped(length - filled);
+        let whole_width = column.width * count as f64;
+        if whole_width <= left {
+            columns.extend(std::iter::repeat_n(column, count));
+            filled += whole_width;
+        } else {
+            clip(&mut columns, column, left);
+            filled = length;
+        }
+        piece = if column.is_land() {
+            (section.cavity(), section.cavity_columns())
+        } else {
+            (section.land(), section.land_columns())
+        };
+    }
+    columns
+}
+
+/// Thinnest column that a clipped piece may leave: springs along the axes stay positive between
+/// 1/sqrt(3) and sqrt(3) lattice spacings.
+const THINNEST: f64 = 0.6;
+
+/// Appends a piece cut to `left` lattice spacings.
+fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
+    if left >= THINNEST || columns.is_empty() {
+        let count = columns_in(left);
+        columns.extend(std::iter::repeat_n(Column { width: left / count as f64, ..column }, count));
+        return;
+    }
+    // The piece before takes the sliver and is divided anew.
+    let last = columns[columns.len() - 1];
+    let run = columns.iter().rev().take_while(|c| **c == last).count();
+    columns.truncate(columns.len() - run);
+    let total = last.width * run as f64 + left;
+    let count = columns_in(total);
+    columns.extend(std::iter::repeat_n(Column { width: total / count as f64, ..last }, count));
+}
+
+/// The pattern whose dimensions are the nearest whole numbers of blocks, at least one each and
+/// at most all but one row deep: what time integration runs on.
+///
+/// # Errors
+/// As [`Pattern::new`]; cannot happen for a positive block size.
+pub fn nearest_whole(
+    pattern: &Pattern,
+    block_m: f64,
+    rows: usize,
+) -> Result<Pattern, slipgrid_pattern::PatternError> {
+    let whole = |length_m: f64| columns_in(snapped(length_m / block_m)) as f64 * block_m;
+    let deepest_m = (rows.max(2) - 1) as f64 * block_m;
+    Pattern::new(
+        pattern.planform(),
+        whole(pattern.width_m()),
+        whole(pattern.spacing_m()),
+        whole(pattern.depth_m()).min(deepest_m),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    fn pattern(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
+        Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
+    }
+
+    #[test]
+    fn whole_blocks_give_the_plain_lattice() {
+        let columns = cell(&pattern(130.0, 370.0, 20.0), 10e-6);
+        assert_eq!(columns.len(), 50);
+        assert!(columns.iter().all(|c| c.width == 1.0));
+        assert!(columns.iter().all(|c| c.is_land() || c.cavity_rows == 2.0));
+        let first = columns.iter().position(|c| !c.is_land());
+        assert_eq!(first, Some(18)); // floor(37 / 2)
+        assert_eq!(columns.iter().filter(|c| !c.is_land()).count(), 13);
+    }
+
+    #[test]
+    fn a_sample_starts_with_half_a_land_and_clips_the_last_period() {
+        let columns = sample(&pattern(130.0, 370.0, 20.0), 10e-6, 996);
+        assert_eq!(columns.len(), 996);
+        assert!(columns.iter().all(|c| c.width == 1.0));
+        // Periods of 50 from column 18: cavities at 18..31, 68..81, ..., 968..981.
+        for (i, column) in columns.iter().enumerate() {
+            let in_cavity = i >= 18 && (i - 18) % 50 < 13;
+            assert_eq!(column.is_land(), !in_cavity, "column {i}");
+        }
+    }
+
+    #[test]
+    fn fitted_columns_keep_every_edge_and_the_total_length() {
+        let columns = cell(&pattern(133.7, 361.2, 14.0), 10e-6);
+        let width = |land: bool| columns.iter().filter(|c| c.is_land() == land).map(|c| c.width).sum::<f64>();
+        assert!((width(false) - 13.37).abs() < 1e-12 && (width(true) - 36.12).abs() < 1e-12);
+        for length in [990, 991, 996, 1000] {
+            let total: f64 = sample(&pattern(133.7, 361.2, 14.0), 10e-6, length).iter().map(|c| c.width).sum();
+            assert!((total - length as f64).abs() < 1e-9, "{length}: {total}");
+        }
+    }
+
+    #[test]
+    fn no_column_is_too_thin_or_too_wide_for_positive_springs() {
+        // Springs along the axes are positive for widths between l/sqrt(3) and l sqrt(3).
+        for width_um in [10.0, 14.9, 15.1, 44.4, 101.3] {
+            for spacing_um in [10.0, 14.9, 15.1, 47.0, 512.9] {
+                for column in sample(&pattern(width_um, spacing_um, 20.0), 10e-6, 997) {
+                    assert!(column.width > 0.6 && column.width < 1.7, "{width_um} {spacing_um} {}", column.width);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn nearest_whole_blocks_are_at_least_one_and_leave_a_row() {
+        let nearest = nearest_whole(&pattern(4.0, 26.0, 199.0), 10e-6, 20).unwrap();
+        let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(close(nearest.width_m(), 10e-6) && close(nearest.spacing_m(), 30e-6));
+        assert!(close(nearest.depth_m(), 190e-6));
+    }
+}

@@ -1,0 +1,322 @@
+//! Geometry of the block lattice: where blocks are, which springs join them, what they weigh.
+//!
+//! Rows j = 0..ny from the counterface up, columns i = 0..nx along the sliding direction. The rigid
+//! bulk is row ny. Lengths are in lattice spacings l, stiffness in k = 3/4 E l, mass in m = rho l^3.
+//!
+//! Between two neighbouring columns whose centres are w l apart the springs are those of an
+//! isotropic plane-stress sheet with nu = 1/3 on cells of w x 1:
+//!
+//! ```text
+//! diagonal   k_d = (k/2) (w^2 + 1) / (2 w)
+//! horizontal k_x = (k/2) (3 - w^2) / w
+//! vertical   k_y = (k/2) (3 - 1/w^2) w   (mean of the two adjoining intervals)
+//! ```
+//!
+//! so that C12 = C66 = k/2 and C11 = 3k/2 for any w; w = 1 gives k/2, k, k.
+
+use crate::columns::Column;
+
+/// A lattice with or without cavities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lattice {
+    columns: Vec<Column>,
+    rows: usize,
+    periodic: bool,
+}
+
+/// A spring between block `a` and block `b` or, with `b` absent, the bulk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bond {
+    /// Column and row of the first end.
+    pub a: (usize, usize),
+    /// Column and row of the second end; `None` for the rigid bulk.
+    pub b: Option<(usize, usize)>,
+    /// Vector from a to b at rest, in lattice spacings.
+    pub rest: [f64; 2],
+    /// Stiffness over k.
+    pub stiffness: f64,
+}
+
+impl Bond {
+    /// Stiffness matrix entries (xx, xy, yy) over k of the linear spring: k e e^T.
+    #[must_use]
+    pub fn linear(&self) -> [f64; 3] {
+        let [x, y] = self.rest;
+        let scale = self.stiffness / (x * x + y * y);
+        [scale * x * x, scale * x * y, scale * y * y]
+    }
+}
+
+impl Lattice {
+    /// A lattice of `columns` (at least one) and `rows` (at least one), its sides joined if `periodic`.
+    #[must_use]
+    pub fn new(columns: Vec<Column>, rows: usize, periodic: bool) -> Self {
+        Self { columns, rows, periodic }
+    }
+
+    /// Number of columns, nx.
+    #[must_use]
+    pub fn nx(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Number of rows, ny.
+    #[must_use]
+    pub const fn ny(&self) -> usize {
+        self.rows
+    }
+
+    /// Whether the left side joins the right side.
+    #[must_use]
+    pub const fn is_periodic(&self) -> bool {
+        self.periodic
+    }
+
+    /// The columns, left to right.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Length along the sliding direction, in lattice spacings.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.columns.iter().map(|column| column.width).sum()
+    }
+
+    /// Column numbers of the blocks that touch the counterface.
+    pub fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
+        self.columns.iter().enumerate().filter(|(_, column)| column.is_land()).map(|(i, _)| i)
+    }
+
+    /// Share of block (i, j) that is there: 1 for a whole block, 0 for a removed one; in between for
+    /// the ceiling row of a cavity whose depth is no whole number of rows.
+    #[must_use]
+    pub fn presence(&self, i: usize, j: usize) -> f64 {
+        // A cavity of depth d rows leaves 1 - (d - j) of row j, held to [0, 1].
+        (1.0 - (self.columns[i].cavity_rows - j as f64)).clamp(0.0, 1.0)
+    }
+
+    /// Row of the lowest block of column `i` that is there, wholly or in part: the ceiling of a
+    /// cavity or, on land, row 0.
+    #[must_use]
+    pub fn lowest_row(&self, i: usize) -> usize {
+        self.columns[i].cavity_rows.floor() as usize
+    }
+
+    /// Whether every block is whole and every column one lattice spacing wide: the plain lattice.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.columns.iter().all(|column| column.width == 1.0 && column.cavity_rows.fract() == 0.0)
+    }
+
+    /// The column to the right of `i`, if there is one.
+    fn right_of(&self, i: usize) -> Option<usize> {
+        if i + 1 < self.nx() {
+            Some(i + 1)
+        } else {
+            self.periodic.then_some(0)
+        }
+    }
+
+    /// The column to the left of `i`, if there is one.
+    fn left_of(&self, i: usize) -> Option<usize> {
+        if i > 0 {
+            Some(i - 1)
+        } else {
+            self.periodic.then_some(self.nx() - 1)
+        }
+    }
+
+    /// Distance between the centres of neighbouring columns.
+    fn interval(&self, a: usize, b: usize) -> f64 {
+        0.5 * (self.columns[a].width + self.columns[b].width)
+    }
+
+    fn vertical_stiffness(&self, i: usize) -> f64 {
+        // k_y = (k/2) (3 - 1/w^2) w
+        let of_interval = |w: f64| 0.5 * (3.0 * w - 1.0 / w);
+        match (self.left_of(i), self.right_of(i)) {
+            (Some(left), Some(right)) => {
+                0.5 * (of_interval(self.interval(left, i)) + of_interval(self.interval(i, right)))
+            }
+            (Some(side), None) | (None, Some(side)) => of_interval(self.interval(side, i)),
+            (None, None) => 1.0,
+        }
+    }
+
+    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
+    /// Springs of a block that is there in part are scaled by that part.
+    pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
+        for i in 0..self.nx() {
+            let (left, right) = (self.left_of(i), self.right_of(i));
+            let vertical = self.vertical_stiffness(i);
+            for j in 0..self.ny() {
+                let here = self.presence(i, j);
+                if here == 0.0 {
+                    continue;
+                }
+                let above = j + 1;
+                let mut join = |column: usize, row: usize, rest: [f64; 2], stiffness: f64| {
+                    let b = (row < self.rows).then_some((column, row));
+                    let there = b.map_or(1.0, |(column, row)| self.presence(column, row));
+                    let share = here.min(there);
+                    if share > 0.0 {
+                        visit(Bond { a: (i, j), b, rest, stiffness: stiffness * share });
+                    }
+                };
+                if let Some(right) = right.filter(|&right| right != i) {
+                    let w = self.interval(i, right);
+                    // k_x = (k/2) (3 - w^2) / w
+                    join(right, j, [w, 0.0], 0.5 * (3.0 / w - w));
+                }
+                join(i, above, [0.0, 1.0], vertical);
+                for (side, sign) in [(right, 1.0), (left, -1.0)] {
+                    if let Some(side) = side {
+                        let w = self.interval(i, side);
+                        // k_d = (k/2) (w^2 + 1) / (2 w)
+                        join(side, above, [sign * w, 1.0], 0.25 * (w + 1.0 / w));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Mass of block (i, j) over m: its adjoining quarter cells over 4, at least 1/4; 0 where there is
+    /// no block. A cell is there if its four corners are; the bulk above counts as present.
+    #[must_use]
+    pub fn mass(&self, i: usize, j: usize) -> f64 {
+        let there = |i: usize, j: usize| j >= self.rows || self.presence(i, j) > 0.0;
+        if !there(i, j) {
+            return 0.0;
+        }
+        let mut quarters = 0;
+        for side in [self.left_of(i), self.right_of(i)].into_iter().flatten() {
+            for row in [j.checked_sub(1), Some(j + 1)].into_iter().flatten() {
+                if there(side, j) && there(i, row) && there(side, row) {
+                    quarters += 1;
+                }
+            }
+        }
+        f64::from(quarters.max(1)) / 4.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::{cell, flat, sample};
+    use slipgrid_pattern::{Pattern, Planform};
+
+    fn published_cell() -> Lattice {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+        Lattice::new(cell(&pattern, 10e-6), 20, true)
+    }
+
+    #[test]
+    fn masses_follow_the_quarter_cells() {
+        let lattice = published_cell();
+        assert_eq!(lattice.mass(5, 10), 1.0); // inside
+        assert_eq!(lattice.mass(5, 0), 0.5); // on the counterface
+        assert_eq!(lattice.mass(5, 19), 1.0); // under the bulk
+        assert_eq!(lattice.mass(17, 0), 0.25); // edge of the land
+        assert_eq!(lattice.mass(17, 1), 0.5); // wall of the cavity
+        assert_eq!(lattice.mass(17, 2), 0.75); // re-entrant corner
+        assert_eq!(lattice.mass(20, 1), 0.0); // removed
+        assert_eq!(lattice.mass(20, 2), 0.5); // ceiling
+        let free = Lattice::new(flat(4), 3, false);
+        assert_eq!((free.mass(0, 0), free.mass(0, 1), free.mass(0, 2)), (0.25, 0.5, 0.5));
+    }
+
+    #[test]
+    fn total_mass_is_that_of_the_cells() {
+        // A flat periodic layer of ny rows fills ny - 1/2 + 1/2 cells a column: the bulk's share of the
+        // uppermost cell is included, half a cell is missing below row 0.
+        let lattice = Lattice::new(flat(7), 5, true);
+        let total: f64 = (0..7).flat_map(|i| (0..5).map(move |j| (i, j))).map(|(i, j)| lattice.mass(i, j)).sum();
+        assert!((total - 7.0 * 4.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_lone_land_column_weighs_at_least_a_quarter() {
+        let pattern = Pattern::new(Planform::Groove, 20e-6, 10e-6, 20e-6).unwrap();
+        let lattice = Lattice::new(cell(&pattern, 10e-6), 5, true);
+        let land = lattice.contacts().next().unwrap();
+        assert_eq!(lattice.mass(land, 0), 0.25);
+    }
+
+    /// Energy density of a uniform strain (exx, eyy, gxy) over k, by summing the springs of a periodic
+    /// block of fitted columns away from its lower and upper edge rows.
+    fn energy_density(widths: &[f64], strain: [f64; 3]) -> f64 {
+        let columns: Vec<Column> = widths.iter().map(|&width| Column { width, cavity_rows: 0.0 }).collect();
+        let lattice = Lattice::new(columns, 6, true);
+        let [exx, eyy, gxy] = strain;
+        let mut energy = 0.0;
+        lattice.for_each_bond(|bond| {
+            // Rows 2 and 3 own the springs to their right and above: two full rows of cells.
+            if (2..4).contains(&bond.a.1) {
+                let [x, y] = bond.rest;
+                let d = [exx * x + 0.5 * gxy * y, 0.5 * gxy * x + eyy * y];
+                let [kxx, kxy, kyy] = bond.linear();
+                energy += 0.5 * (kxx * d[0] * d[0] + 2.0 * kxy * d[0] * d[1] + kyy * d[1] * d[1]);
+            }
+        });
+        energy / (2.0 * lattice.length())
+    }
+
+    #[test]
+    fn springs_are_isotropic_plane_stress_with_nu_one_third_on_square_and_fitted_cells() {
+        for widths in [vec![1.0; 6], vec![1.2; 5], vec![0.8; 5], vec![0.9, 0.9, 1.15, 1.15, 1.15]] {
+            // C11 = C22 = 3k/2, C12 = C66 = k/2.
+            for (strain, twice_energy) in
+                [([1.0, 0.0, 0.0], 1.5), ([0.0, 1.0, 0.0], 1.5), ([0.0, 0.0, 1.0], 0.5), ([1.0, 1.0, 0.0], 4.0)]
+            {
+                let energy = energy_density(&widths, strain);
+                assert!((2.0 * energy - twice_energy).abs() < 1e-12, "{widths:?} {strain:?} {energy}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_whole_block_lattice_has_the_plain_springs() {
+        let mut seen = [0; 2];
+        published_cell().for_each_bond(|bond| {
+            let diagonal = bond.rest[0] != 0.0 && bond.rest[1] != 0.0;
+            assert_eq!(bond.stiffness, if diagonal { 0.5 } else { 1.0 });
+            seen[usize::from(diagonal)] += 1;
+        });
+        // 50 columns of 20 rows less 13 x 2 removed blocks: horizontal and vertical springs of the rest.
+        let horizontal = 50 * 20 - 2 * 14;
+        let vertical = 50 * 20 - 2 * 13;
+        assert_eq!(seen[0], horizontal + vertical);
+        // Two diagonals above each block; those from or to removed blocks are gone.
+        assert_eq!(seen[1], 2 * 50 * 20 - 2 * 2 * 13 - 2);
+    }
+
+    #[test]
+    fn partial_ceiling_rows_scale_their_springs() {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 14e-6).unwrap();
+        let lattice = Lattice::new(cell(&pattern, 10e-6), 20, true);
+        assert!((lattice.presence(20, 1) - 0.6).abs() < 1e-9 && lattice.presence(20, 0) == 0.0);
+        assert_eq!(lattice.lowest_row(20), 1);
+        assert!(!lattice.is_plain());
+        lattice.for_each_bond(|bond| {
+            if bond.a == (20, 1) && bond.b == Some((21, 1)) {
+                assert!((bond.stiffness - 0.6).abs() < 1e-9);
+            }
+        });
+    }
+
+    #[test]
+    fn a_free_sample_has_one_diagonal_to_the_bulk_at_each_side() {
+        let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+        let lattice = Lattice::new(sample(&pattern, 10e-6, 100), 20, false);
+        let mut to_bulk = vec![0; 100];
+        lattice.for_each_bond(|bond| {
+            if bond.b.is_none() {
+                to_bulk[bond.a.0] += 1;
+            }
+        });
+        assert_eq!((to_bulk[0], to_bulk[1], to_bulk[99]), (2, 3, 2));
+    }
+}

@@ -1,0 +1,126 @@
+//! What a simulation found: recorded history and observables, one record per load.
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// Steady: the residual is below the tolerance. Dynamic: sliding was reached and averaged.
+    Converged,
+    /// The nonlinear solve stopped at its iteration limit: the best state is reported.
+    NotConverged,
+    /// A dynamic run ended before every contact block had slipped.
+    NoOnset,
+    /// No contact block carries load, so that mu is 0/0.
+    NoLoad,
+    /// The wanted standard error was not reached within the run's cap on travel.
+    StderrNotReached,
+    /// The state stopped being finite.
+    Diverged,
+    /// The monitor asked to stop.
+    Cancelled,
+}
+
+impl Status {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NotConverged => "not_converged",
+            Self::NoOnset => "no_onset",
+            Self::NoLoad => "no_load",
+            Self::StderrNotReached => "stderr_not_reached",
+            Self::Diverged => "diverged",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// One contact block on the interface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterfacePoint {
+    /// Position along the sliding direction, from the left side, in metres.
+    pub x_m: f64,
+    /// Normal pressure, positive in compression, in pascals. Dynamic runs: mean over the averaging window.
+    pub pressure_pa: f64,
+    /// Friction traction, positive against sliding, in pascals. Dynamic runs: mean over the window.
+    pub friction_pa: f64,
+}
+
+/// One sample of the friction coefficient in time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// Time since the drive started, in seconds.
+    pub time_s: f64,
+    /// Sum of friction over sum of normal force, mean over the interval that ends here.
+    pub mu: f64,
+}
+
+/// What a dynamic run cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DynamicCost {
+    /// Time steps.
+    pub steps: u64,
+    /// Time step, in seconds.
+    pub dt_s: f64,
+    /// Blocks times force evaluations.
+    pub site_updates: u64,
+    /// Seconds by the monitor's clock.
+    pub wall_s: f64,
+}
+
+/// What one surface, flat or patterned, did under one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceOutcome {
+    /// How the run ended.
+    pub status: Status,
+    /// Dynamic friction coefficient; absent where the status says why.
+    pub mu_dynamic: Option<f64>,
+    /// Its standard error; absent for steady runs, which have none.
+    pub mu_dynamic_stderr: Option<f64>,
+    /// Peak of mu(t) at the onset of sliding; dynamic runs only.
+    pub mu_static: Option<f64>,
+    /// Largest pressure on a contact block, in pascals. It grows as blocks shrink.
+    pub peak_pressure_pa: f64,
+    /// Contact blocks under tension (steady: in the solution; dynamic: at the run's end).
+    pub tension_blocks: usize,
+    /// The ceiling of a cavity sags to the counterface.
+    pub cavity_closed: bool,
+    /// A contact pressure lies past the last pressure of the area law.
+    pub area_law_extrapolated: bool,
+    /// Steady: largest change of mu in the last iteration, the bound on its convergence error.
+    pub residual: Option<f64>,
+    /// Steady: iterations of the nonlinear solve.
+    pub iterations: usize,
+    /// Dynamic runs: what they cost.
+    pub cost: Option<DynamicCost>,
+    /// The interface, left to right.
+    pub interface: Vec<InterfacePoint>,
+    /// mu against time; empty for steady runs.
+    pub trace: Vec<TracePoint>,
+}
+
+/// What the scene did under one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadOutcome {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// The scene's own surface.
+    pub surface: SurfaceOutcome,
+    /// The flat surface at the same settings; `None` for a flat scene.
+    pub flat: Option<SurfaceOutcome>,
+    /// mu_dynamic, patterned over flat; `None` for a flat scene or where one of the two is absent.
+    pub ratio: Option<f64>,
+    /// Standard error of the ratio; `None` for steady runs.
+    pub ratio_stderr: Option<f64>,
+    /// Estimated change of the ratio from this block size to vanishing blocks; `None` for a flat scene.
+    pub ratio_discretization_error: Option<f64>,
+}
+
+/// Results of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Simulation {
+    /// What was modelled and why, one statement each.
+    pub model: Vec<String>,
+    /// One record per load, in the scene's order.
+    pub loads: Vec<LoadOutcome>,
+}

@@ -1,0 +1,254 @@
+//! What is to be simulated: fixed parameters, validated once.
+
+use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_pattern::Pattern;
+
+use crate::SceneError;
+
+/// What a solver solves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Fidelity {
+    /// Equilibrium with every contact block sliding; no time.
+    Steady,
+    /// Time integration by the fastest scheme whose error is measured.
+    Dynamic,
+    /// The paper's scheme: classical Runge-Kutta of order 4, 1 ns, exact spring law.
+    Reference,
+}
+
+impl Fidelity {
+    /// All fidelities, cheapest first.
+    pub const ALL: [Self; 3] = [Self::Steady, Self::Dynamic, Self::Reference];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Steady => "steady",
+            Self::Dynamic => "dynamic",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// How much of the specimen is modelled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Extent {
+    /// One period of the pattern with periodic sides.
+    Cell,
+    /// The whole specimen with free sides.
+    Sample,
+}
+
+impl Extent {
+    /// All extents, cheapest first.
+    pub const ALL: [Self; 2] = [Self::Cell, Self::Sample];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cell => "cell",
+            Self::Sample => "sample",
+        }
+    }
+}
+
+/// The force law of a spring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Springs {
+    /// F = k e (e . (u_j - u_i)): small displacements.
+    Linear,
+    /// F = k (r - l) (r_j - r_i) / r: geometrically exact.
+    Exact,
+}
+
+impl Springs {
+    /// All spring laws.
+    pub const ALL: [Self; 2] = [Self::Linear, Self::Exact];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// The modelled layer of the specimen, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layer {
+    /// Length of the specimen along the sliding direction.
+    pub length_m: f64,
+    /// Height of the elastic layer between the counterface and the rigid bulk.
+    pub height_m: f64,
+    /// Distance between neighbouring blocks, the lattice spacing l.
+    pub block_m: f64,
+}
+
+/// One load: the nominal pressure and the local coefficients that hold there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Load over the specimen's nominal area, in pascals.
+    pub pressure_pa: f64,
+    /// Local friction coefficients at this load.
+    pub friction: LocalFriction,
+}
+
+/// How the scene is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunOptions {
+    /// What is solved.
+    pub fidelity: Fidelity,
+    /// How much of the specimen is modelled.
+    pub extent: Extent,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Travel of the bulk that a dynamic run simulates, in metres.
+    pub sliding_m: f64,
+    /// Contact is unilateral: a block under tension leaves the counterface.
+    pub liftoff: bool,
+    /// Extend a dynamic run until the standard error of dynamic mu is at most this share of it.
+    pub mu_stderr: Option<f64>,
+    /// Time step, in seconds; the fidelity's own when absent.
+    pub step_s: Option<f64>,
+    /// Damping frequency gamma over sqrt(k/m).
+    pub damping: f64,
+    /// Start a dynamic run from the sheared steady equilibrium instead of from rest.
+    pub warm_start: bool,
+    /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
+    pub springs: Option<Springs>,
+}
+
+impl Default for RunOptions {
+    fn default() -> Self {
+        Self {
+            fidelity: Fidelity::Steady,
+            extent: Extent::Cell,
+            seed: 1,
+            sliding_m: 2e-6,
+            liftoff: false,
+            mu_stderr: None,
+            step_s: None,
+            damping: 0.01,
+            warm_start: false,
+            springs: None,
+        }
+    }
+}
+
+/// Everything a solver needs to know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Elastic constants of the layer.
+    pub elastic: Elastic,
+    /// Area law; `None` is Amontons-Coulomb friction.
+    pub area_law: Option<AreaLaw>,
+    /// Texture; `None` is a flat surface.
+    pub pattern: Option<Pattern>,
+    /// The modelled layer.
+    pub layer: Layer,
+    /// Loads, solved independently.
+    pub loads: Vec<Load>,
+    /// Sliding speed of the bulk, in m/s.
+    pub speed_m_s: f64,
+    /// How to solve.
+    pub run: RunOptions,
+}
+
+impl Layer {
+    /// Rows of blocks.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        whole(self.height_m / self.block_m)
+    }
+
+    /// Columns of blocks over the whole specimen.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        whole(self.length_m / self.block_m)
+    }
+}
+
+/// The nearest whole number of a positive ratio.
+fn whole(ratio: f64) -> usize {
+    // Validated to lie in [1, 1e7]: the cast is exact.
+    ratio.round() as usize
+}
+
+/// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
+const MOST_BLOCKS: f64 = 4e7;
+/// Ratio that counts as a whole number of blocks.
+const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
+
+impl Scene {
+    /// Checks every number for a meaning.
+    ///
+    /// # Errors
+    /// [`SceneError`] names the first quantity that has none.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        let positive = |quantity, value: f64| {
+            if value.is_finite() && value > 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::OutOfRange { quantity, value, expected: "a positive number" })
+            }
+        };
+        let not_negative = |quantity, value: f64| {
+            if value.is_finite() && value >= 0.0 {
+                Ok(())
+            } else {
+                Err(SceneError::OutOfRange { quantity, value, expected: "a number not below zero" })
+            }
+        };
+        positive("length_m", self.layer.length_m)?;
+        positive("layer_m", self.layer.height_m)?;
+        positive("block_m", self.layer.block_m)?;
+        for (quantity, length_m) in [("length_m", self.layer.length_m), ("layer_m", self.layer.height_m)] {
+            let blocks = length_m / self.layer.block_m;
+            if blocks < 1.0 - WHOLE_BLOCKS_TOLERANCE
+                || (blocks - blocks.round()).abs() > WHOLE_BLOCKS_TOLERANCE * blocks.max(1.0)
+            {
+                return Err(SceneError::NotWholeBlocks { quantity, length_m, block_m: self.layer.block_m });
+            }
+        }
+        let blocks = (self.layer.length_m / self.layer.block_m) * (self.layer.height_m / self.layer.block_m);
+        if blocks > MOST_BLOCKS {
+            return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
+        }
+        if self.loads.is_empty() {
+            return Err(SceneError::NoLoads);
+        }
+        for load in &self.loads {
+            not_negative("pressure_pa", load.pressure_pa)?;
+        }
+        not_negative("speed_m_s", self.speed_m_s)?;
+        positive("sliding_m", self.run.sliding_m)?;
+        not_negative("damping", self.run.damping)?;
+        if let Some(step_s) = self.run.step_s {
+            positive("step_s", step_s)?;
+        }
+        if let Some(mu_stderr) = self.run.mu_stderr {
+            positive("mu_stderr", mu_stderr)?;
+        }
+        if let Some(pattern) = &self.pattern {
+            if pattern.depth_m() >= self.layer.height_m {
+                return Err(SceneError::CavityThroughLayer {
+                    depth_m: pattern.depth_m(),
+                    height_m: self.layer.height_m,
+                });
+            }
+            let most_m = MOST_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;
+            if pattern.pitch_m() > most_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "pitch_m",
+                    value: pattern.pitch_m(),
+                    expected: "a pitch of at most 4e7 blocks",
+                });
+            }
+        }
+        Ok(())
+    }
+}

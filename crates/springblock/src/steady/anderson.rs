@@ -1,0 +1,118 @@
+//! Anderson acceleration of a fixed-point iteration x <- g(x) (D. G. Anderson, J. ACM 12, 547, 1965).
+
+/// Remembered steps. More cost memory and conditioning, fewer cost iterations; 3 to 8 do alike here.
+const DEPTH: usize = 6;
+/// A residual this much larger than the last one empties the memory: the secants mislead.
+const GROWTH: f64 = 4.0;
+/// Relative ridge on the normal equations of the secants.
+const RIDGE: f64 = 1e-14;
+
+/// Memory of the last steps.
+pub struct Anderson {
+    steps: Vec<Vec<f64>>,
+    residual_steps: Vec<Vec<f64>>,
+    last: Option<(Vec<f64>, Vec<f64>)>,
+    last_norm: f64,
+    size: usize,
+}
+
+impl Anderson {
+    /// An empty memory for vectors of `size` components.
+    pub fn new(size: usize) -> Self {
+        Self { steps: Vec::new(), residual_steps: Vec::new(), last: None, last_norm: f64::INFINITY, size }
+    }
+
+    /// Replaces `x` by the next iterate, given `image` = g(x).
+    pub fn step(&mut self, x: &mut [f64], image: &[f64]) {
+        let residual: Vec<f64> = image.iter().zip(x.iter()).map(|(g, x)| g - x).collect();
+        let norm = dot(&residual, &residual).sqrt();
+        if norm > GROWTH * self.last_norm {
+            self.steps.clear();
+            self.residual_steps.clear();
+        } else if let Some((last_x, last_residual)) = &self.last {
+            if self.steps.len() == DEPTH {
+                self.steps.remove(0);
+                self.residual_steps.remove(0);
+            }
+            self.steps.push(difference(x, last_x));
+            self.residual_steps.push(difference(&residual, last_residual));
+        }
+        self.last = Some((x.to_vec(), residual.clone()));
+        self.last_norm = norm;
+
+        // x+ = x + r - (dX + dR) gamma, gamma minimizing |r - dR gamma|
+        let gamma = self.least_squares(&residual);
+        for i in 0..self.size {
+            let correction: f64 =
+                gamma.iter().enumerate().map(|(m, g)| g * (self.steps[m][i] + self.residual_steps[m][i])).sum();
+            x[i] += residual[i] - correction;
+        }
+    }
+
+    /// Coefficients of the secants by the normal equations, with a ridge, by Cholesky elimination.
+    fn least_squares(&self, residual: &[f64]) -> Vec<f64> {
+        let m = self.residual_steps.len();
+        let mut matrix = vec![vec![0.0; m]; m];
+        let mut right = vec![0.0; m];
+        for a in 0..m {
+            for b in 0..m {
+                matrix[a][b] = dot(&self.residual_steps[a], &self.residual_steps[b]);
+            }
+            right[a] = dot(&self.residual_steps[a], residual);
+        }
+        for a in 0..m {
+            matrix[a][a] *= 1.0 + RIDGE;
+        }
+        for k in 0..m {
+            if matrix[k][k].is_nan() || matrix[k][k] <= 0.0 {
+                // Dependent secants add nothing.
+                right[k] = 0.0;
+                matrix[k] = vec![0.0; m];
+                matrix[k][k] = 1.0;
+                for row in matrix.iter_mut().skip(k + 1) {
+                    row[k] = 0.0;
+                }
+                continue;
+            }
+            for r in k + 1..m {
+                let factor = matrix[r][k] / matrix[k][k];
+                for c in k..m {
+                    matrix[r][c] -= factor * matrix[k][c];
+                }
+                right[r] -= factor * right[k];
+            }
+        }
+        for k in (0..m).rev() {
+            let known: f64 = (k + 1..m).map(|c| matrix[k][c] * right[c]).sum();
+            right[k] = (right[k] - known) / matrix[k][k];
+        }
+        right
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_linear_map_is_solved_in_as_many_steps_as_it_has_dimensions() {
+        // g(x) = M x + c with a spectral radius above one: plain iteration would diverge.
+        let map = |x: &[f64]| vec![0.9 * x[0] - 0.5 * x[1] + 1.0, 0.8 * x[0] - 1.2 * x[1] + 0.5, 0.3 * x[2] - 2.0];
+        let mut x = vec![0.0; 3];
+        let mut mixer = Anderson::new(3);
+        for _ in 0..6 {
+            let image = map(&x);
+            mixer.step(&mut x, &image);
+        }
+        let error: f64 = map(&x).iter().zip(&x).map(|(g, x)| (g - x).abs()).sum();
+        assert!(error < 1e-9, "{error}");
+    }
+}

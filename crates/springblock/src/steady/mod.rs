@@ -1,0 +1,259 @@
+//! Equilibrium with every contact block sliding.
+//!
+//! Linear elasticity makes the normal forces N an affine function of the friction forces T on the
+//! contact blocks. The bulk's height balances the load. Steady sliding is the fixed point of
+//!
+//! ```text
+//! T = -mu_d f(p(N(T))) max(N(T), 0)
+//! ```
+//!
+//! Stiffness matrix, factor and the response to the bulk depend on geometry alone: one
+//! [`SteadyModel`] serves every pressure and every set of coefficients. Lengths are in lattice
+//! spacings l, stiffness in k, pressures in the nominal one; only f needs pascals, so pressures do
+//! not depend on E.
+//!
+//! The fixed point is found by Anderson-accelerated iteration ([`anderson`]); the contraction of the
+//! plain one is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for
+//! mu < 1. If the limit of iterations is reached, the best state is returned as not converged.
+
+mod anderson;
+mod band;
+mod system;
+
+use slipgrid_material::AreaLaw;
+
+use crate::lattice::Lattice;
+use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
+use anderson::Anderson;
+use system::System;
+
+/// Change of the friction forces, relative to the load, below which the solve has converged; the
+/// error of mu is about as large. The requirement on mu is 1e-8.
+const TOLERANCE: f64 = 1e-11;
+/// Evaluations of the fixed-point map after which the solve gives up.
+const MOST_ITERATIONS: usize = 300;
+/// Rounds of lifting and landing blocks after which unilateral contact gives up.
+const MOST_CONTACT_ROUNDS: usize = 60;
+
+/// One load on a [`SteadyModel`].
+#[derive(Clone, Copy, Debug)]
+pub struct SteadyLoad<'a> {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Local dynamic coefficient of every column, cavity or not.
+    pub dynamic_mu: &'a [f64],
+    /// Area law; `None` is Amontons-Coulomb.
+    pub area_law: Option<&'a AreaLaw>,
+}
+
+/// What steady sliding needs to know of a lattice, for all loads.
+#[derive(Clone, Debug)]
+pub struct SteadyModel {
+    lattice: Lattice,
+    block_m: f64,
+    youngs_modulus_pa: f64,
+    liftoff: bool,
+    system: System,
+}
+
+/// Forces on the contact blocks in units of P l^2, and displacements in units of P l^2 / k.
+struct Equilibrium {
+    status: Status,
+    iterations: usize,
+    residual: f64,
+    /// Friction force, positive against sliding, by contact.
+    friction: Vec<f64>,
+    /// Normal force, positive in compression, by contact.
+    normal: Vec<f64>,
+    displacement: Vec<f64>,
+}
+
+impl SteadyModel {
+    /// Assembles and factors `lattice`, whose blocks are `block_m` apart.
+    ///
+    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
+    #[must_use]
+    pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
+        let system = System::new(&lattice, &[]);
+        Self { lattice, block_m, youngs_modulus_pa, liftoff, system }
+    }
+
+    /// The lattice.
+    #[must_use]
+    pub const fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Steady sliding under `load`.
+    #[must_use]
+    pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
+        if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
+            return self.unloaded();
+        }
+        let equilibrium = if self.liftoff { self.solve_unilateral(load) } else { iterate(&self.system, load) };
+        self.observe(load, &equilibrium)
+    }
+
+    /// Lifts blocks under tension and lands those that sink below the counterface until none does.
+    fn solve_unilateral(&self, load: &SteadyLoad) -> Equilibrium {
+        let mut lifted: Vec<usize> = Vec::new();
+        let mut iterations = 0;
+        let mut rounds = 0;
+        loop {
+            let own;
+            let system = if lifted.is_empty() {
+                &self.system
+            } else {
+                own = System::new(&self.lattice, &lifted);
+                &own
+            };
+            let mut state = iterate(system, load);
+            iterations += state.iterations;
+            state.iterations = iterations;
+            let mut next: Vec<usize> = Vec::new();
+            for (contact, &normal) in system.contacts().iter().zip(&state.normal) {
+                let is_lifted = lifted.contains(&contact.column);
+                let height = state.displacement[contact.dof + 1];
+                if (is_lifted && height >= 0.0) || (!is_lifted && normal < 0.0) {
+                    next.push(contact.column);
+                }
+            }
+            rounds += 1;
+            if next == lifted || next.len() == system.contacts().len() {
+                return state;
+            }
+            if rounds == MOST_CONTACT_ROUNDS {
+                state.status = Status::NotConverged;
+                return state;
+            }
+            lifted = next;
+        }
+    }
+
+    fn unloaded(&self) -> SurfaceOutcome {
+        let contacts = self.system.contacts();
+        SurfaceOutcome {
+            status: Status::NoLoad,
+            mu_dynamic: None,
+            mu_dynamic_stderr: None,
+            mu_static: None,
+            peak_pressure_pa: 0.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            residual: None,
+            iterations: 0,
+            cost: None,
+            interface: contacts.iter().map(|c| self.point(c.centre, 0.0, 0.0)).collect(),
+            trace: Vec::new(),
+        }
+    }
+
+    fn point(&self, centre: f64, pressure_pa: f64, friction_pa: f64) -> InterfacePoint {
+        InterfacePoint { x_m: centre * self.block_m, pressure_pa, friction_pa }
+    }
+
+    fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
+        let contacts = self.system.contacts();
+        let interface: Vec<InterfacePoint> = contacts
+            .iter()
+            .zip(state.normal.iter().zip(&state.friction))
+            // p = F_n / (w l), forces in units of P l^2
+            .map(|(c, (n, t))| {
+                self.point(c.centre, n / c.width * load.pressure_pa, t / c.width * load.pressure_pa)
+            })
+            .collect();
+        let compressive: f64 = state.normal.iter().filter(|n| **n > 0.0).sum();
+        let friction: f64 = state.friction.iter().sum();
+        let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
+        let mu = (compressive > 0.0 && friction.is_finite()).then(|| friction / compressive);
+        SurfaceOutcome {
+            status: match mu {
+                Some(_) => state.status,
+                None => Status::NoLoad,
+            },
+            mu_dynamic: mu,
+            mu_dynamic_stderr: None,
+            mu_static: None,
+            peak_pressure_pa,
+            tension_blocks: state.normal.iter().filter(|n| **n < 0.0).count(),
+            cavity_closed: self.is_closed(load.pressure_pa, &state.displacement),
+            area_law_extrapolated: load
+                .area_law
+                .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
+            residual: Some(state.residual),
+            iterations: state.iterations,
+            cost: None,
+            interface,
+            trace: Vec::new(),
+        }
+    }
+
+    /// Whether a ceiling sags to the counterface.
+    fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
+        // displacement unit over l: P l^2 / (k l) = P / (3/4 E)
+        let unit = pressure_pa / (0.75 * self.youngs_modulus_pa);
+        self.lattice.columns().iter().enumerate().filter(|(_, column)| !column.is_land()).any(|(i, column)| {
+            let ceiling = self.system.dof(i, self.lattice.lowest_row(i));
+            column.cavity_rows + displacement[ceiling + 1] * unit <= 0.0
+        })
+    }
+}
+
+/// Iterates the fixed point of the friction forces.
+fn iterate(system: &System, load: &SteadyLoad) -> Equilibrium {
+    let contacts = system.contacts();
+    let scale = system.load();
+    // Every contact starts from its share of the load.
+    let mut friction: Vec<f64> = contacts.iter().map(|c| if c.lifted { 0.0 } else { load.dynamic_mu[c.column] * c.width }).collect();
+    let mut mixer = Anderson::new(friction.len());
+    let mut displacement = vec![0.0; system.order()];
+    let mut normal = vec![0.0; contacts.len()];
+    let mut image = vec![0.0; contacts.len()];
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut evaluate = |friction: &[f64], displacement: &mut [f64], normal: &mut [f64], image: &mut [f64]| {
+        system.respond(friction, displacement, normal);
+        for ((image, contact), &n) in image.iter_mut().zip(contacts).zip(normal.iter()) {
+            let n = if contact.lifted { 0.0 } else { n.max(0.0) };
+            let factor = load.area_law.map_or(1.0, |law| law.factor(n / contact.width * load.pressure_pa));
+            // T = mu_d f(p) N
+            *image = load.dynamic_mu[contact.column] * factor * n;
+        }
+        image.iter().zip(friction).map(|(g, x)| (g - x).abs()).sum::<f64>() / scale
+    };
+    for iteration in 1..=MOST_ITERATIONS {
+        let residual = evaluate(&friction, &mut displacement, &mut normal, &mut image);
+        if residual <= TOLERANCE {
+            return Equilibrium {
+                status: Status::Converged,
+                iterations: iteration,
+                residual,
+                friction: image,
+                normal,
+                displacement,
+            };
+        }
+        if !residual.is_finite() {
+            break;
+        }
+        if best.as_ref().is_none_or(|(least, _)| residual < *least) {
+            best = Some((residual, friction.clone()));
+        }
+        mixer.step(&mut friction, &image);
+    }
+    if let Some((_, state)) = best {
+        friction = state;
+    }
+    let residual = evaluate(&friction, &mut displacement, &mut normal, &mut image);
+    Equilibrium {
+        status: Status::NotConverged,
+        iterations: MOST_ITERATIONS,
+        residual,
+        friction: image,
+        normal,
+        displacement,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,258 @@
+//! The linear part of steady sliding: stiffness, its factor, the response to friction and to the bulk.
+
+use super::band::{BandFactor, BandMatrix};
+use crate::lattice::{Bond, Lattice};
+
+/// A block of row 0 on land.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// Its column.
+    pub column: usize,
+    /// Width of the column, in lattice spacings.
+    pub width: f64,
+    /// Distance of its centre from the left side, in lattice spacings.
+    pub centre: f64,
+    /// Number of its horizontal unknown; the vertical one follows.
+    pub dof: usize,
+    /// It has left the counterface.
+    pub lifted: bool,
+}
+
+/// One spring's share of the normal force on a contact: N += coefficients . (u_contact - u_other).
+#[derive(Clone, Copy, Debug)]
+struct Support {
+    contact: usize,
+    other: Option<usize>,
+    kxy: f64,
+    kyy: f64,
+}
+
+/// Factored equations of a lattice with given blocks pinned to the counterface.
+#[derive(Clone, Debug)]
+pub struct System {
+    rows: usize,
+    position: Vec<usize>,
+    contacts: Vec<Contact>,
+    supports: Vec<Support>,
+    factor: Option<BandFactor>,
+    /// Load over P l^2: the length over l.
+    load: f64,
+    /// Force on every unknown by a unit rise of the bulk.
+    coupling: Vec<f64>,
+    /// Displacement by a unit rise of the bulk.
+    bulk_response: Vec<f64>,
+    /// Vertical force on the bulk by its own unit rise, unknowns held.
+    bulk_stiffness: f64,
+}
+
+impl System {
+    /// Assembles and factors `lattice` with every contact block pinned vertically but those of the
+    /// columns `lifted`.
+    pub fn new(lattice: &Lattice, lifted: &[usize]) -> Self {
+        let (nx, rows) = (lattice.nx(), lattice.ny());
+        let position = column_order(nx, lattice.is_periodic());
+        let order = 2 * nx * rows;
+        // Neighbouring columns lie one position apart, two where the ring is folded.
+        let apart = if lattice.is_periodic() { 2.min(nx - 1) } else { 1.min(nx - 1) };
+        let half_bandwidth = (2 * rows * apart + 3).min(order - 1);
+
+        let mut system = Self {
+            rows,
+            position,
+            contacts: Vec::new(),
+            supports: Vec::new(),
+            factor: None,
+            load: lattice.length(),
+            coupling: vec![0.0; order],
+            bulk_response: vec![0.0; order],
+            bulk_stiffness: 0.0,
+        };
+        system.list_contacts(lattice, lifted);
+        let mut contact_at = vec![None; nx];
+        for (number, contact) in system.contacts.iter().enumerate() {
+            contact_at[contact.column] = Some(number);
+        }
+
+        let mut stiffness = BandMatrix::zero(order, half_bandwidth);
+        let mut touched = vec![false; order];
+        lattice.for_each_bond(|bond| system.add_bond(&bond, &contact_at, &mut stiffness, &mut touched));
+        // Removed blocks and pinned directions become identity rows.
+        for (dof, touched) in touched.iter().enumerate() {
+            if !touched {
+                stiffness.pin(dof);
+            }
+        }
+        for contact in &system.contacts {
+            if !contact.lifted {
+                stiffness.pin(contact.dof + 1);
+                system.coupling[contact.dof + 1] = 0.0;
+            }
+        }
+        system.factor = stiffness.factor();
+        if let Some(factor) = &system.factor {
+            system.bulk_response.copy_from_slice(&system.coupling);
+            factor.solve(&mut system.bulk_response);
+        }
+        system
+    }
+
+    fn list_contacts(&mut self, lattice: &Lattice, lifted: &[usize]) {
+        let mut left = 0.0;
+        for (i, column) in lattice.columns().iter().enumerate() {
+            if column.is_land() {
+                self.contacts.push(Contact {
+                    column: i,
+                    width: column.width,
+                    centre: left + 0.5 * column.width,
+                    dof: self.dof(i, 0),
+                    lifted: lifted.contains(&i),
+                });
+            }
+            left += column.width;
+        }
+    }
+
+    fn add_bond(
+        &mut self,
+        bond: &Bond,
+        contact_at: &[Option<usize>],
+        stiffness: &mut BandMatrix,
+        touched: &mut [bool],
+    ) {
+        let k = bond.linear();
+        let [kxx, kxy, kyy] = k;
+        let a = self.dof(bond.a.0, bond.a.1);
+        let b = bond.b.map(|(i, j)| self.dof(i, j));
+        for end in [Some(a), b].into_iter().flatten() {
+            stiffness.add(end, end, kxx);
+            stiffness.add(end, end + 1, kxy);
+            stiffness.add(end + 1, end + 1, kyy);
+            touched[end] = true;
+            touched[end + 1] = true;
+        }
+        match b {
+            // A column that is its own neighbour has springs without relative motion along x.
+            Some(b) if b == a => {}
+            Some(b) => {
+                stiffness.add(a, b, -kxx);
+                stiffness.add(a, b + 1, -kxy);
+                stiffness.add(a + 1, b, -kxy);
+                stiffness.add(a + 1, b + 1, -kyy);
+            }
+            None => {
+                self.coupling[a] += kxy;
+                self.coupling[a + 1] += kyy;
+                self.bulk_stiffness += kyy;
+            }
+        }
+        for (end, other, block) in [(Some(bond.a), b, a), (bond.b, Some(a), b.unwrap_or(a))] {
+            if let Some((i, 0)) = end
+                && let Some(contact) = contact_at[i]
+            {
+                debug_assert_eq!(self.contacts[contact].dof, block);
+                self.supports.push(Support { contact, other, kxy, kyy });
+            }
+        }
+    }
+
+    /// Number of unknowns.
+    pub fn order(&self) -> usize {
+        self.coupling.len()
+    }
+
+    /// Load over P l^2.
+    pub const fn load(&self) -> f64 {
+        self.load
+    }
+
+    /// The contact blocks, left to right.
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Number of the horizontal unknown of block (i, j); the vertical one follows.
+    pub fn dof(&self, i: usize, j: usize) -> usize {
+        2 * (self.position[i] * self.rows + j)
+    }
+
+    /// Displacements and normal forces (positive in compression) under the nominal load and the
+    /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
+    pub fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+        displacement.fill(0.0);
+        for (contact, force) in self.contacts.iter().zip(friction) {
+            displacement[contact.dof] = -force;
+        }
+        let Some(factor) = &self.factor else {
+            normal.fill(f64::NAN);
+            return;
+        };
+        factor.solve(displacement);
+        // Load on the bulk: c0 H - b.u = -P L l with u = u_T + H u_b
+        let pull: f64 = self.coupling.iter().zip(displacement.iter()).map(|(b, u)| b * u).sum();
+        let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();
+        let height = (pull - self.load) / (self.bulk_stiffness - give);
+        for (u, response) in displacement.iter_mut().zip(&self.bulk_response) {
+            *u += height * response;
+        }
+        normal.fill(0.0);
+        for support in &self.supports {
+            let own = self.contacts[support.contact].dof;
+            let (other_x, other_y) =
+                support.other.map_or((0.0, height), |dof| (displacement[dof], displacement[dof + 1]));
+            // N = -(force of the springs on the block)_y
+            normal[support.contact] += support.kxy * (displacement[own] - other_x)
+                + support.kyy * (displacement[own + 1] - other_y);
+        }
+        for (normal, contact) in normal.iter_mut().zip(&self.contacts) {
+            if contact.lifted {
+                *normal = 0.0; // in equilibrium off the counterface: what is left is rounding
+            }
+        }
+    }
+
+    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
+    #[cfg(test)]
+    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
+        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
+        let height = (pull - self.load) / self.bulk_stiffness;
+        let mut force = 0.0;
+        lattice.for_each_bond(|bond| {
+            if bond.b.is_none() {
+                let [kxx, kxy, _] = bond.linear();
+                let a = self.dof(bond.a.0, bond.a.1);
+                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
+            }
+        });
+        force
+    }
+}
+
+/// Position of every column in the order of elimination. A ring is folded, 0, n-1, 1, n-2, ...,
+/// so that neighbours lie at most two positions apart.
+fn column_order(columns: usize, periodic: bool) -> Vec<usize> {
+    (0..columns)
+        .map(|i| match (periodic, i < columns.div_ceil(2)) {
+            (false, _) => i,
+            (true, true) => 2 * i,
+            (true, false) => 2 * (columns - 1 - i) + 1,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folded_ring_keeps_neighbours_within_two_positions() {
+        for columns in 1..12 {
+            let position = column_order(columns, true);
+            let mut sorted = position.clone();
+            sorted.sort_unstable();
+            assert_eq!(sorted, (0..columns).collect::<Vec<_>>());
+            for i in 0..columns {
+                assert!(position[i].abs_diff(position[(i + 1) % columns]) <= 2, "{columns} {i}");
+            }
+        }
+    }
+}

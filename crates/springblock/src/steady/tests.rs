@@ -1,0 +1,263 @@
+use slipgrid_material::AreaLaw;
+use slipgrid_pattern::{Pattern, Planform};
+
+use super::*;
+use crate::columns::{self, Column};
+
+const E_PA: f64 = 0.38e9;
+
+fn pattern(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
+    Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
+}
+
+/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
+fn law() -> AreaLaw {
+    let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
+    let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
+    AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
+}
+
+fn cell(pattern: &Pattern, block_um: f64, layer_um: f64) -> SteadyModel {
+    let rows = (layer_um / block_um).round() as usize;
+    let lattice = Lattice::new(columns::cell(pattern, block_um * 1e-6), rows, true);
+    SteadyModel::new(lattice, block_um * 1e-6, E_PA, false)
+}
+
+fn solve(model: &SteadyModel, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>) -> SurfaceOutcome {
+    let dynamic_mu = vec![mu; model.lattice().nx()];
+    model.solve(&SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: law })
+}
+
+fn ratio(width_um: f64, spacing_um: f64, depth_um: f64, block_um: f64) -> f64 {
+    let law = law();
+    let outcome = solve(&cell(&pattern(width_um, spacing_um, depth_um), block_um, 200.0), 2.6, 0.27, Some(&law));
+    assert_eq!(outcome.status, Status::Converged);
+    outcome.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
+}
+
+#[test]
+fn a_flat_periodic_layer_is_uniform_and_slides_at_mu_f() {
+    let law = law();
+    for count in [1, 2, 3, 10] {
+        let model = SteadyModel::new(Lattice::new(columns::flat(count), 20, true), 10e-6, E_PA, false);
+        let outcome = solve(&model, 2.6, 0.27, Some(&law));
+        assert!((outcome.mu_dynamic.unwrap() - 0.27 * law.factor(2.6e6)).abs() < 1e-12);
+        assert!(outcome.interface.iter().all(|point| (point.pressure_pa - 2.6e6).abs() < 1e-4));
+    }
+}
+
+#[test]
+fn amontons_coulomb_gives_mu_d_for_any_pattern_and_the_bulk_feels_it() {
+    for (width, spacing, depth) in [(130.0, 370.0, 20.0), (133.0, 368.5, 13.0), (200.0, 60.0, 55.0), (40.0, 90.0, 4.0)] {
+        let model = cell(&pattern(width, spacing, depth), 10.0, 200.0);
+        let dynamic_mu = vec![0.27; model.lattice().nx()];
+        let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: None };
+        let state = iterate(&model.system, &load);
+        assert!(state.normal.iter().all(|n| *n >= 0.0));
+        let force = model.system.bulk_horizontal_force(&model.lattice, &state.displacement);
+        assert!((force / model.system.load() - 0.27).abs() < 1e-9, "{width}: {force}");
+        assert!((model.solve(&load).mu_dynamic.unwrap() - 0.27).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn normal_forces_balance_the_load_and_do_not_depend_on_stiffness() {
+    let soft = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    let stiff = SteadyModel { youngs_modulus_pa: 1e12, ..soft.clone() };
+    let (a, b) = (solve(&soft, 2.0, 0.3, None), solve(&stiff, 2.0, 0.3, None));
+    let mean = a.interface.iter().map(|p| p.pressure_pa).sum::<f64>() / 50.0;
+    assert!((mean - 2e6).abs() < 1e-3);
+    assert_eq!(a.interface, b.interface);
+}
+
+/// Spring forces left on blocks off the counterface, in units of P l^2: an assembly of its own.
+fn largest_imbalance(model: &SteadyModel, state: &Equilibrium) -> f64 {
+    let lattice = &model.lattice;
+    let system = &model.system;
+    let pull: f64 = {
+        // The bulk's height from its own balance: sum k (u_y - H) + ... = P L l.
+        let (mut stiffness, mut sum) = (0.0, 0.0);
+        lattice.for_each_bond(|bond| {
+            if bond.b.is_none() {
+                let [_, kxy, kyy] = bond.linear();
+                let a = system.dof(bond.a.0, bond.a.1);
+                stiffness += kyy;
+                sum += kxy * state.displacement[a] + kyy * state.displacement[a + 1];
+            }
+        });
+        (sum - system.load()) / stiffness
+    };
+    let mut force = vec![0.0; system.order()];
+    lattice.for_each_bond(|bond| {
+        let [kxx, kxy, kyy] = bond.linear();
+        let a = system.dof(bond.a.0, bond.a.1);
+        let b = bond.b.map(|(i, j)| system.dof(i, j));
+        let [bx, by] = b.map_or([0.0, pull], |b| [state.displacement[b], state.displacement[b + 1]]);
+        let (dx, dy) = (bx - state.displacement[a], by - state.displacement[a + 1]);
+        let f = [kxx * dx + kxy * dy, kxy * dx + kyy * dy];
+        force[a] += f[0];
+        force[a + 1] += f[1];
+        if let Some(b) = b {
+            force[b] -= f[0];
+            force[b + 1] -= f[1];
+        }
+    });
+    for (contact, (normal, friction)) in system.contacts().iter().zip(state.normal.iter().zip(&state.friction)) {
+        force[contact.dof] -= friction;
+        force[contact.dof + 1] += normal;
+    }
+    force.iter().fold(0.0, |most: f64, f| most.max(f.abs()))
+}
+
+#[test]
+fn every_block_is_in_equilibrium() {
+    let law = law();
+    for (width, spacing, depth, periodic) in
+        [(130.0, 370.0, 20.0, true), (133.3, 371.0, 14.5, true), (130.0, 370.0, 20.0, false)]
+    {
+        let pattern = pattern(width, spacing, depth);
+        let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 120) };
+        let model = SteadyModel::new(Lattice::new(columns, 20, periodic), 10e-6, E_PA, false);
+        let dynamic_mu = vec![0.27; model.lattice().nx()];
+        let load = SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
+        let imbalance = largest_imbalance(&model, &iterate(&model.system, &load));
+        assert!(imbalance < 1e-9, "{width}: {imbalance}");
+    }
+}
+
+#[test]
+fn mirrored_pattern_and_direction_give_mirrored_pressures() {
+    // Sliding to the left on the mirrored pattern is sliding to the right on the pattern: friction
+    // reversed (mu -> -mu) mirrors the pressures.
+    let model = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    let mirrored: Vec<Column> = model.lattice.columns().iter().rev().copied().collect();
+    let mirrored = SteadyModel::new(Lattice::new(mirrored, 20, true), 10e-6, E_PA, false);
+    let (right, left) = (solve(&model, 2.6, 0.27, None), solve(&mirrored, 2.6, -0.27, None));
+    for (a, b) in right.interface.iter().zip(left.interface.iter().rev()) {
+        assert!((a.pressure_pa - b.pressure_pa).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn strong_coupling_still_converges_to_an_equilibrium() {
+    let law = law();
+    for mu in [0.0, 1.0, 3.0] {
+        let model = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+        let outcome = solve(&model, 2.6, mu, Some(&law));
+        assert_eq!(outcome.status, Status::Converged, "{mu}: {:?}", outcome.residual);
+        assert!(outcome.mu_dynamic.unwrap().is_finite());
+    }
+}
+
+#[test]
+fn the_prototype_ratio_of_the_published_pattern_is_met() {
+    // An independent spring-block code with E* h'rms = 4 MPa: 0.827 at 2.6 MPa.
+    let ratio = ratio(130.0, 370.0, 20.0, 10.0);
+    assert!((ratio - 0.827).abs() < 0.002, "{ratio}");
+}
+
+#[test]
+fn few_iterations_converge_to_rounding() {
+    let law = law();
+    let outcome = solve(&cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0), 2.6, 0.27, Some(&law));
+    assert!(outcome.residual.unwrap() <= 1e-11);
+    assert!(outcome.iterations <= 14, "{}", outcome.iterations);
+}
+
+#[test]
+fn refinement_moves_the_ratio_by_less_than_stated() {
+    let [coarse, middle, fine] = [10.0, 5.0, 2.5].map(|block_um| ratio(130.0, 370.0, 20.0, block_um));
+    println!("{coarse} {middle} {fine}");
+    assert!((coarse - middle).abs() < 0.002, "{coarse} {middle}");
+    assert!((middle - fine).abs() < 0.0007, "{middle} {fine}");
+}
+
+#[test]
+fn deep_body_pressures_converge_to_the_closed_form() {
+    // p = P sin(pi x/W) / sqrt(sin^2(pi x/W) - sin^2(pi a/W)), frictionless, x from a cavity's centre;
+    // the body is deep (1.5 W) and its free strips lie in the plane of contact (vanishing depth).
+    let error = |refine: usize| {
+        let (pitch, width) = (24 * refine, 8 * refine);
+        let columns: Vec<Column> =
+            (0..pitch).map(|i| Column { width: 1.0, cavity_rows: if i < width { 1e-9 } else { 0.0 } }).collect();
+        let model = SteadyModel::new(Lattice::new(columns, 36 * refine, true), 1e-6, E_PA, false);
+        let outcome = solve(&model, 1.0, 0.0, None);
+        let w = pitch as f64;
+        let mut worst: f64 = 0.0;
+        // Away from the singular edges: the middle half of the land.
+        for point in &outcome.interface {
+            let x = point.x_m / 1e-6 - 0.5 * width as f64;
+            if (x - w / 2.0).abs() < w / 6.0 {
+                let s = (std::f64::consts::PI * x / w).sin();
+                let edge = (std::f64::consts::PI * width as f64 / 2.0 / w).sin();
+                let exact = s / (s * s - edge * edge).sqrt();
+                worst = worst.max((point.pressure_pa / 1e6 / exact - 1.0).abs());
+            }
+        }
+        worst
+    };
+    let errors = [error(1), error(2)];
+    println!("{errors:?}");
+    assert!(errors[0] < 0.03 && errors[1] < 0.6 * errors[0], "{errors:?}");
+}
+
+#[test]
+fn unilateral_contact_has_neither_tension_nor_penetration() {
+    // A tall narrow land tips under friction: bilateral contact pulls at its rear.
+    let model = cell(&pattern(100.0, 40.0, 120.0), 10.0, 200.0);
+    let bilateral = solve(&model, 1.0, 0.6, None);
+    assert!(bilateral.tension_blocks > 0);
+    let unilateral = SteadyModel { liftoff: true, ..model };
+    let outcome = solve(&unilateral, 1.0, 0.6, None);
+    assert_eq!(outcome.status, Status::Converged);
+    assert_eq!(outcome.tension_blocks, 0);
+    let mean = outcome.interface.iter().map(|p| p.pressure_pa).sum::<f64>() / 14.0;
+    assert!((mean - 1e6).abs() < 1e-3, "{mean}");
+    assert!((outcome.mu_dynamic.unwrap() - 0.6).abs() < 1e-9);
+}
+
+#[test]
+fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
+    let soft = SteadyModel { youngs_modulus_pa: 1e6, ..cell(&pattern(300.0, 100.0, 3.0), 10.0, 200.0) };
+    assert!(solve(&soft, 2.6, 0.27, None).cavity_closed);
+    let stiff = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    assert!(!solve(&stiff, 2.6, 0.27, None).cavity_closed);
+}
+
+#[test]
+fn no_load_is_a_status() {
+    let outcome = solve(&cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0), 0.0, 0.27, None);
+    assert_eq!((outcome.status, outcome.mu_dynamic), (Status::NoLoad, None));
+}
+
+/// Values of f(x) on x0, x0 + 1, ..., x0 + n.
+fn sweep(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    (0..=n).map(|step| f(step as f64)).collect()
+}
+
+/// Largest departure of a step from the mean of the steps around it (five each side), and whether a
+/// step goes against that mean.
+fn roughness(values: &[f64]) -> (f64, bool) {
+    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut worst: f64 = 0.0;
+    let mut against = false;
+    for (i, step) in steps.iter().enumerate() {
+        let around = &steps[i.saturating_sub(5)..(i + 6).min(steps.len())];
+        let mean = around.iter().sum::<f64>() / around.len() as f64;
+        worst = worst.max((step - mean).abs());
+        against |= step * mean < 0.0;
+    }
+    (worst, against)
+}
+
+#[test]
+fn the_ratio_is_continuous_in_width_spacing_and_depth() {
+    let width = sweep(30, |d| ratio(115.0 + d, 370.0, 20.0, 10.0));
+    let spacing = sweep(30, |d| ratio(130.0, 355.0 + d, 20.0, 10.0));
+    let depth = sweep(37, |d| ratio(130.0, 370.0, 3.0 + d, 10.0));
+    for (name, values) in [("width", width), ("spacing", spacing), ("depth", depth)] {
+        let (worst, against) = roughness(&values);
+        println!("{name}: {worst:.1e} {against} {values:.4?}");
+        assert!(worst < 6e-4 && !against, "{name}: {worst} {values:.5?}");
+    }
+}

@@ -1,0 +1,176 @@
+/// Why an altitude map, or an operation on one, was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MapError {
+    /// A number outside its meaning; SI units.
+    #[error("{quantity} is {value}: expected {expected}")]
+    OutOfRange {
+        /// Which number.
+        quantity: &'static str,
+        /// The number given.
+        value: f64,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// Heights that do not fill the grid.
+    #[error("{found} heights for {rows} rows of {cols}: expected {rows} x {cols}")]
+    WrongLength {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+        /// Heights given.
+        found: usize,
+    },
+    /// A grid without area.
+    #[error("the map has {rows} rows and {cols} columns: expected at least 2 of each")]
+    TooFewPoints {
+        /// Rows of the grid.
+        rows: usize,
+        /// Columns of the grid.
+        cols: usize,
+    },
+    /// More points than fit in memory with what is computed from them.
+    #[error("the map has {points:.3e} points: expected at most {most}")]
+    TooManyPoints {
+        /// Points asked for.
+        points: f64,
+        /// The limit.
+        most: usize,
+    },
+    /// Every point of the map is missing.
+    #[error("the map has no height: all {points} points are missing")]
+    NoHeights {
+        /// Points of the grid.
+        points: usize,
+    },
+    /// The operation needs every height.
+    #[error("{missing} of {points} heights are missing: fill them first")]
+    MissingPoints {
+        /// Missing points.
+        missing: usize,
+        /// Points of the grid.
+        points: usize,
+    },
+    /// The points present lie on one line.
+    #[error("the {points} heights present lie on one line: expected points that span a plane")]
+    PlaneUndetermined {
+        /// Points present.
+        points: usize,
+    },
+}
+
+/// Why a text was refused as an altitude map. Lines count from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ReadError {
+    /// The source failed.
+    #[error("line {line}: reading failed: {reason}")]
+    Source {
+        /// The line that was being read.
+        line: usize,
+        /// What the source said.
+        reason: String,
+    },
+    /// A line longer than any map's.
+    #[error("line {line}: longer than {most_bytes} bytes: expected one row of a map a line")]
+    LineTooLong {
+        /// The line.
+        line: usize,
+        /// The limit.
+        most_bytes: usize,
+    },
+    /// A field that is no number.
+    #[error("line {line}, column {column}: \"{value}\": expected {expected}")]
+    NotANumber {
+        /// The line.
+        line: usize,
+        /// The field within the line, from 1.
+        column: usize,
+        /// The field's text, its beginning if it is long.
+        value: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// A row that differs from the others in length.
+    #[error("line {line}: {found} values: expected {expected}")]
+    RowLength {
+        /// The line.
+        line: usize,
+        /// Values on it.
+        found: usize,
+        /// Values that it should have.
+        expected: usize,
+    },
+    /// A header entry that cannot be understood.
+    #[error("line {line}: {key} is \"{value}\": expected {expected}")]
+    Header {
+        /// The line.
+        line: usize,
+        /// The entry's key.
+        key: &'static str,
+        /// The entry's value.
+        value: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// Neither the header nor the caller gave what is needed.
+    #[error("the {what} is not known: expected {expected}")]
+    NotGiven {
+        /// What is needed.
+        what: &'static str,
+        /// How to give it.
+        expected: &'static str,
+    },
+    /// The text holds no data.
+    #[error("no data after {lines} lines: expected rows of heights, or points x y z")]
+    NoData {
+        /// Lines read.
+        lines: usize,
+    },
+    /// A point off the regular grid that the others lie on.
+    #[error("line {line}: {axis} = {value} lies between grid lines {step} apart: expected a regular grid")]
+    OffGrid {
+        /// The line.
+        line: usize,
+        /// `x` or `y`.
+        axis: &'static str,
+        /// The coordinate, in the text's unit.
+        value: f64,
+        /// Distance of the grid lines found, in the text's unit.
+        step: f64,
+    },
+    /// All points share one coordinate.
+    #[error("all points have {axis} = {value}: expected a grid of at least 2 x 2")]
+    OneLine {
+        /// `x` or `y`.
+        axis: &'static str,
+        /// The coordinate, in the text's unit.
+        value: f64,
+    },
+    /// Two points at one place.
+    #[error("line {line}: x = {x}, y = {y} was given on line {earlier} already: expected one height per point")]
+    Duplicate {
+        /// The later line.
+        line: usize,
+        /// The earlier line.
+        earlier: usize,
+        /// Coordinate in the text's unit.
+        x: f64,
+        /// Coordinate in the text's unit.
+        y: f64,
+    },
+    /// So few points that the grid found cannot be the one measured on.
+    #[error("{points} points on a grid of {rows:.0} x {cols:.0}: expected at least one point in {most_nodes_per_point} grid nodes")]
+    Sparse {
+        /// Points given.
+        points: usize,
+        /// Rows of the grid that holds them.
+        rows: f64,
+        /// Columns of the grid that holds them.
+        cols: f64,
+        /// The limit.
+        most_nodes_per_point: usize,
+    },
+    /// The numbers make no map.
+    #[error(transparent)]
+    Map(#[from] MapError),
+}

@@ -1,0 +1,283 @@
+//! The discrete Fourier transform of a real periodic map, and filters in Fourier space.
+//!
+//! Rows are transformed by a real FFT a few at a time and written out transposed, so that each column of
+//! the half spectrum is contiguous; columns are then transformed in place. A filter transforms each
+//! column, multiplies it and transforms it back while it is in cache. Nothing is allocated once
+//! [`FourierWork`] has been made.
+
+use std::f64::consts::TAU;
+use std::fmt;
+use std::sync::Arc;
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex64;
+use rustfft::{Fft, FftPlanner};
+
+/// Rows transformed between two transpositions: as many complex numbers as fill a cache line.
+const BLOCK_ROWS: usize = 4;
+/// Complex numbers between the end of a column and the next: keeps columns of a power of two out of each
+/// other's cache sets.
+const COLUMN_PADDING: usize = 4;
+
+/// Transforms of periodic maps of one size; shared freely between threads.
+#[derive(Clone)]
+pub struct Fourier {
+    rows: usize,
+    cols: usize,
+    row_forward: Arc<dyn RealToComplex<f64>>,
+    row_inverse: Arc<dyn ComplexToReal<f64>>,
+    column_forward: Arc<dyn Fft<f64>>,
+    column_inverse: Arc<dyn Fft<f64>>,
+}
+
+impl fmt::Debug for Fourier {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Fourier").field("rows", &self.rows).field("cols", &self.cols).finish_non_exhaustive()
+    }
+}
+
+/// Buffers of one running transform; one per thread.
+#[derive(Clone, Debug)]
+pub struct FourierWork {
+    /// Half spectrum, column by column.
+    spectrum: Vec<Complex64>,
+    /// A few rows of half spectrum, before or after transposition.
+    block: Vec<Complex64>,
+    /// One real row.
+    row: Vec<f64>,
+    scratch: Vec<Complex64>,
+}
+
+/// A real factor for every wave of a map, a function of the wave number alone, with the 1/(rows cols) that
+/// turns a transform and its inverse into the identity.
+#[derive(Clone, Debug)]
+pub struct Multiplier {
+    /// rows/2 + 1 factors for each column of the half spectrum: waves k and -k share one.
+    factor: Vec<f64>,
+}
+
+impl Fourier {
+    /// Transforms for maps of `rows` x `cols`, both at least 1.
+    #[must_use]
+    pub fn new(rows: usize, cols: usize) -> Self {
+        let (rows, cols) = (rows.max(1), cols.max(1));
+        let mut real = RealFftPlanner::new();
+        let mut complex = FftPlanner::new();
+        Self {
+            rows,
+            cols,
+            row_forward: real.plan_fft_forward(cols),
+            row_inverse: real.plan_fft_inverse(cols),
+            column_forward: complex.plan_fft_forward(rows),
+            column_inverse: complex.plan_fft_inverse(rows),
+        }
+    }
+
+    /// Columns of the half spectrum.
+    fn columns(&self) -> usize {
+        self.cols / 2 + 1
+    }
+
+    /// Distance between columns of the half spectrum in memory.
+    fn stride(&self) -> usize {
+        self.rows + COLUMN_PADDING
+    }
+
+    /// Buffers for one running transform.
+    #[must_use]
+    pub fn work(&self) -> FourierWork {
+        let zero = Complex64::new(0.0, 0.0);
+        let scratch = self
+            .row_forward
+            .get_scratch_len()
+            .max(self.row_inverse.get_scratch_len())
+            .max(self.column_forward.get_inplace_scratch_len())
+            .max(self.column_inverse.get_inplace_scratch_len());
+        FourierWork {
+            spectrum: vec![zero; self.columns() * self.stride()],
+            block: vec![zero; BLOCK_ROWS * self.columns()],
+            row: vec![0.0; self.cols],
+            scratch: vec![zero; scratch],
+        }
+    }
+
+    /// The angular wave number |q| in rad/m of k waves along x and l along y, on pixels `dx_m` x `dy_m`.
+    fn wave_number(&self, k: usize, l: usize, dx_m: f64, dy_m: f64) -> f64 {
+        // q = 2 pi (k / (rows dx), l / (cols dy))
+        let qx = TAU * k as f64 / (self.rows as f64 * dx_m);
+        let qy = TAU * l as f64 / (self.cols as f64 * dy_m);
+        qx.hypot(qy)
+    }
+
+    /// The filter that multiplies each wave by `factor(|q|)`, q the angular wave number in rad/m on pixels
+    /// of `dx_m` x `dy_m`; `mean` is the factor of the mean, q = 0.
+    #[must_use]
+    pub fn multiplier(&self, dx_m: f64, dy_m: f64, mean: f64, factor: impl Fn(f64) -> f64) -> Multiplier {
+        let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
+        let mut table = Vec::with_capacity(self.columns() * (self.rows / 2 + 1));
+        for l in 0..self.columns() {
+            for k in 0..=self.rows / 2 {
+                let value = if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) };
+                table.push(value * inverse_points);
+            }
+        }
+        Multiplier { factor: table }
+    }
+
+    /// `output` = `input` with every wave multiplied; both row by row, rows x cols long.
+    pub fn filter(&self, input: &[f64], multiplier: &Multiplier, output: &mut [f64], work: &mut FourierWork) {
+        self.rows_forward(input, work);
+        let half = self.rows / 2 + 1;
+        let FourierWork { spectrum, scratch, .. } = work;
+        for (column, factor) in spectrum.chunks_exact_mut(self.stride()).zip(multiplier.factor.chunks_exact(half)) {
+            let column = &mut column[..self.rows];
+            self.column_forward.process_with_scratch(column, scratch);
+            let (low, high) = column.split_at_mut(half);
+            for (wave, &m) in low.iter_mut().zip(factor) {
+                *wave *= m;
+            }
+            // Wave rows - k is wave -k and shares the factor of k.
+            for (wave, &m) in high.iter_mut().rev().zip(&factor[1..]) {
+                *wave *= m;
+            }
+            self.column_inverse.process_with_scratch(column, scratch);
+        }
+        self.rows_inverse(output, work);
+    }
+
+    /// sum over all waves of weight(|q|) |h_q|^2, h_q the Fourier coefficient (1/N) sum h exp(-i q x), q in
+    /// rad/m on pixels of `dx_m` x `dy_m`, the mean left out.
+    #[must_use]
+    pub fn spectral_sum(&self, input: &[f64], dx_m: f64, dy_m: f64, weight: impl Fn(f64) -> f64) -> f64 {
+        let work = &mut self.work();
+        self.rows_forward(input, work);
+        let mut sum = 0.0;
+        for (l, column) in work.spectrum.chunks_exact_mut(self.stride()).enumerate() {
+            let column = &mut column[..self.rows];
+            self.column_forward.process_with_scratch(column, &mut work.scratch);
+            // The half spectrum holds waves l and -l once, but for l = 0 and the Nyquist wave.
+            let twins = if l == 0 || 2 * l == self.cols { 1.0 } else { 2.0 };
+            for (k, wave) in column.iter().enumerate() {
+                if k > 0 || l > 0 {
+                    let q = self.wave_number(k.min(self.rows - k), l, dx_m, dy_m);
+                    sum += twins * weight(q) * wave.norm_sqr();
+                }
+            }
+        }
+        let points = self.rows as f64 * self.cols as f64;
+        sum / (points * points)
+    }
+
+    /// Transforms all rows of `input` into the columns of the spectrum.
+    fn rows_forward(&self, input: &[f64], work: &mut FourierWork) {
+        assert_eq!(input.len(), self.rows * self.cols, "a map of another size");
+        let (columns, stride) = (self.columns(), self.stride());
+        let FourierWork { spectrum, block, row, scratch } = work;
+        for (chunk, rows) in input.chunks(BLOCK_ROWS * self.cols).enumerate() {
+            let first = chunk * BLOCK_ROWS;
+            let present = rows.len() / self.cols;
+            for (source, target) in rows.chunks_exact(self.cols).zip(block.chunks_exact_mut(columns)) {
+                row.copy_from_slice(source);
+                let done = self.row_forward.process_with_scratch(row, target, scratch);
+                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
+            }
+            for (l, column) in spectrum.chunks_exact_mut(stride).enumerate() {
+                for (k, wave) in column[first..first + present].iter_mut().enumerate() {
+                    *wave = block[k * columns + l];
+                }
+            }
+        }
+    }
+
+    /// Transforms the columns of the spectrum, already inverted along x, into rows.
+    fn rows_inverse(&self, output: &mut [f64], work: &mut FourierWork) {
+        assert_eq!(output.len(), self.rows * self.cols, "a map of another size");
+        let (columns, stride) = (self.columns(), self.stride());
+        let FourierWork { spectrum, block, scratch, .. } = work;
+        for (chunk, rows) in output.chunks_mut(BLOCK_ROWS * self.cols).enumerate() {
+            let first = chunk * BLOCK_ROWS;
+            let present = rows.len() / self.cols;
+            for (l, column) in spectrum.chunks_exact(stride).enumerate() {
+                for (k, wave) in column[first..first + present].iter().enumerate() {
+                    block[k * columns + l] = *wave;
+                }
+            }
+            for (target, source) in rows.chunks_exact_mut(self.cols).zip(block.chunks_exact_mut(columns)) {
+                // The mean and the Nyquist wave of a real row are real: drop what rounding left.
+                source[0].im = 0.0;
+                if self.cols.is_multiple_of(2) {
+                    source[columns - 1].im = 0.0;
+                }
+                let done = self.row_inverse.process_with_scratch(source, target, scratch);
+                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A map of the given size without symmetry.
+    fn uneven(rows: usize, cols: usize) -> Vec<f64> {
+        (0..rows * cols).map(|n| ((n * n * 7919 + 13 * n) % 1009) as f64 / 1009.0 - 0.4).collect()
+    }
+
+    /// The slow, obviously right filter: sums over all waves.
+    fn judge(rows: usize, cols: usize, input: &[f64], factor: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let signed = |k: usize, n: usize| if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
+        let mut output = vec![0.0; rows * cols];
+        for k in 0..rows {
+            for l in 0..cols {
+                let phase = |i: usize, j: usize| {
+                    TAU * ((k * i % rows) as f64 / rows as f64 + (l * j % cols) as f64 / cols as f64)
+                };
+                let mut wave = Complex64::new(0.0, 0.0);
+                for i in 0..rows {
+                    for j in 0..cols {
+                        wave += Complex64::from_polar(input[i * cols + j], -phase(i, j));
+                    }
+                }
+                wave *= factor(signed(k, rows), signed(l, cols)) / (rows * cols) as f64;
+                for i in 0..rows {
+                    for j in 0..cols {
+                        output[i * cols + j] += (wave * Complex64::from_polar(1.0, phase(i, j))).re;
+                    }
+                }
+            }
+        }
+        output
+    }
+
+    #[test]
+    fn filter_agrees_with_the_sum_over_waves_for_any_size() {
+        for (rows, cols) in [(8, 8), (9, 7), (6, 15), (13, 4), (2, 2), (1, 5), (5, 1), (10, 12)] {
+            let (dx, dy) = (0.5, 1.25);
+            let input = uneven(rows, cols);
+            let fourier = Fourier::new(rows, cols);
+            let multiplier = fourier.multiplier(dx, dy, 0.3, |q| 1.0 / (1.0 + q));
+            let mut output = vec![0.0; rows * cols];
+            fourier.filter(&input, &multiplier, &mut output, &mut fourier.work());
+            let expected = judge(rows, cols, &input, |k, l| {
+                let q = (TAU * k / (rows as f64 * dx)).hypot(TAU * l / (cols as f64 * dy));
+                if q == 0.0 { 0.3 } else { 1.0 / (1.0 + q) }
+            });
+            for (a, b) in output.iter().zip(&expected) {
+                assert!((a - b).abs() < 1e-13, "{rows} x {cols}: {a} and {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn parseval_holds_for_any_size() {
+        for (rows, cols) in [(8, 8), (9, 7), (6, 15), (13, 4), (1, 5), (5, 1)] {
+            let input = uneven(rows, cols);
+            let points = input.len() as f64;
+            let mean = input.iter().sum::<f64>() / points;
+            let variance = input.iter().map(|h| (h - mean).powi(2)).sum::<f64>() / points;
+            let sum = Fourier::new(rows, cols).spectral_sum(&input, 1.0, 1.0, |_| 1.0);
+            assert!((sum - variance).abs() < 1e-14, "{rows} x {cols}: {sum} and {variance}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+use std::fmt;
+use std::str::FromStr;
+
+/// A unit of length as files name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum LengthUnit {
+    /// m
+    Metre,
+    /// cm
+    Centimetre,
+    /// mm
+    Millimetre,
+    /// um (also with the micro sign or the Greek letter)
+    Micrometre,
+    /// nm
+    Nanometre,
+    /// pm
+    Picometre,
+}
+
+/// The names that are accepted, for messages.
+pub(crate) const UNIT_NAMES: &str = "one of m, cm, mm, um, nm, pm";
+
+impl LengthUnit {
+    /// All units, largest first.
+    pub const ALL: [Self; 6] =
+        [Self::Metre, Self::Centimetre, Self::Millimetre, Self::Micrometre, Self::Nanometre, Self::Picometre];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Metre => "m",
+            Self::Centimetre => "cm",
+            Self::Millimetre => "mm",
+            Self::Micrometre => "um",
+            Self::Nanometre => "nm",
+            Self::Picometre => "pm",
+        }
+    }
+
+    /// How many of this unit make a metre, a power of ten and therefore exact.
+    #[must_use]
+    pub const fn per_metre(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 1e2,
+            Self::Millimetre => 1e3,
+            Self::Micrometre => 1e6,
+            Self::Nanometre => 1e9,
+            Self::Picometre => 1e12,
+        }
+    }
+
+    /// `value` in this unit as metres, correctly rounded.
+    #[must_use]
+    pub fn to_metres(self, value: f64) -> f64 {
+        value / self.per_metre()
+    }
+}
+
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is no unit of length.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("\"{name}\" is no unit of length: expected {UNIT_NAMES}")]
+pub struct UnknownUnit {
+    /// The name given.
+    pub name: String,
+}
+
+impl FromStr for LengthUnit {
+    type Err = UnknownUnit;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        // The micro sign U+00B5 and the Greek mu U+03BC look alike; files use both.
+        let plain = name.trim().replace(['\u{b5}', '\u{3bc}'], "u");
+        Self::ALL
+            .into_iter()
+            .find(|unit| unit.name() == plain)
+            .ok_or_else(|| UnknownUnit { name: name.chars().take(40).collect() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back_and_so_do_both_mus() {
+        for unit in LengthUnit::ALL {
+            assert_eq!(unit.name().parse::<LengthUnit>().unwrap(), unit);
+        }
+        for micro in ["\u{b5}m", "\u{3bc}m", " um "] {
+            assert_eq!(micro.parse::<LengthUnit>().unwrap(), LengthUnit::Micrometre);
+        }
+        assert!("inch".parse::<LengthUnit>().unwrap_err().to_string().contains("one of m, cm"));
+        assert!("".parse::<LengthUnit>().is_err());
+    }
+
+    #[test]
+    fn conversion_is_exact() {
+        assert_eq!(LengthUnit::Micrometre.to_metres(0.158), 0.158e-6);
+        assert_eq!(LengthUnit::Millimetre.to_metres(1.0), 1e-3);
+    }
+}
