@@ -1,38 +1,38 @@
 //! Refused input: which file, line and key, what stood there, why not, and what would be accepted.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Why an input was refused.
 #[derive(Clone, Debug, Default, PartialEq, thiserror::Error)]
 pub struct Diagnostic {
     /// The file, as the user named it; `None` for the command line.
-    pub file: Option<PathBuf>,
+    pub file: Option<Box<Path>>,
     /// Line in the file, from 1.
-    pub line: Option<usize>,
+    pub line: Option<u32>,
     /// Key, with the tables it stands in: `bounds.width_um`; a flag on the command line.
-    pub key: Option<String>,
+    pub key: Option<Box<str>>,
     /// What stood there.
-    pub value: Option<String>,
+    pub value: Option<Box<str>>,
     /// Why it was refused.
     pub reason: String,
     /// What would be accepted.
     pub expected: Option<String>,
     /// A guess at what was meant.
-    pub suggestion: Option<String>,
+    pub suggestion: Option<Box<str>>,
 }
 
 impl Diagnostic {
     /// A refused file as a whole.
     #[must_use]
     pub fn file(path: &Path, reason: impl Into<String>) -> Self {
-        Self { file: Some(path.to_owned()), reason: reason.into(), ..Self::default() }
+        Self { file: Some(path.into()), reason: reason.into(), ..Self::default() }
     }
 
     /// A refused flag of the command line.
     #[must_use]
-    pub fn flag(flag: &str, value: impl Into<String>, reason: impl Into<String>) -> Self {
-        Self { key: Some(flag.to_owned()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
+    pub fn flag(flag: &str, value: impl Into<Box<str>>, reason: impl Into<String>) -> Self {
+        Self { key: Some(flag.into()), value: Some(value.into()), reason: reason.into(), ..Self::default() }
     }
 
     /// The same, with what would be accepted.
@@ -135,7 +135,7 @@ mod tests {
     #[test]
     fn the_message_reads_from_the_file_to_what_would_be_accepted() {
         let refused = Diagnostic {
-            file: Some("designs/x.toml".into()),
+            file: Some(Path::new("designs/x.toml").into()),
             line: Some(14),
             key: Some("bounds.width_um".into()),
             value: Some("[400, 40]".into()),

@@ -1,1 +1,120 @@
-//! The slipgrid command line
+//! The `slipgrid` command line: it reads files, calls the libraries, and writes what they found.
+//!
+//! | module | role |
+//! |---|---|
+//! | [`args`] | flags and help |
+//! | [`formats`] | scene, design, calibration and material files, tables of measurements |
+//! | [`diagnostic`] | why input was refused: file, line, key, reason |
+//! | [`output`] | files written whole or not at all |
+//! | [`progress`] | bar on a terminal, clock of long runs |
+//! | [`units`] | units of the files to SI and back |
+//! | [`report`] | results as JSON, tables and text |
+//! | [`charts`] | results as pictures |
+//! | [`commands`] | one module a command |
+//!
+//! This crate knows no equations: only here files, the clock, the environment and stdout are touched.
+//!
+//! ```
+//! let (mut out, mut err) = (Vec::new(), Vec::new());
+//! let code = slipgrid_cli::run(["slipgrid", "simulate", "missing.toml"], &mut out, &mut err);
+//! assert_eq!(code, 2);
+//! assert!(String::from_utf8_lossy(&err).starts_with("error: missing.toml: cannot be read"));
+//! ```
+
+pub mod args;
+pub mod charts;
+pub mod commands;
+pub mod diagnostic;
+mod error;
+pub mod formats;
+pub mod output;
+pub mod progress;
+pub mod report;
+pub mod units;
+
+use std::ffi::OsString;
+use std::io::{ErrorKind, Write};
+
+use clap::Parser;
+
+pub use error::CliError;
+
+/// Exit codes of the program.
+pub mod exit_code {
+    /// Done; `optimize`: the target is met.
+    pub const DONE: u8 = 0;
+    /// Anything that has no code of its own.
+    pub const FAILURE: u8 = 1;
+    /// Input was refused; nothing was written.
+    pub const BAD_INPUT: u8 = 2;
+    /// `optimize`: no design within bounds and limits reaches the target.
+    pub const UNREACHABLE: u8 = 3;
+    /// `optimize`: the budget was spent before the target was met.
+    pub const BUDGET: u8 = 4;
+}
+
+/// Where a command reports, and how much.
+pub struct Console<'a> {
+    /// Results.
+    pub out: &'a mut dyn Write,
+    /// Notes.
+    pub err: &'a mut dyn Write,
+    /// No progress bar and no notes.
+    pub quiet: bool,
+    /// Threads that compute.
+    pub threads: usize,
+}
+
+impl Console<'_> {
+    /// A line on stderr that no result depends on.
+    pub fn note(&mut self, text: &str) {
+        if !self.quiet {
+            // Notes are a courtesy: a closed stderr stops nothing.
+            let _ = writeln!(self.err, "{text}");
+        }
+    }
+}
+
+/// Runs the program with `args`, the program's name first, and returns its exit code. Progress bars
+/// go to the process's stderr, where that is a terminal.
+pub fn run<I, T>(args: I, out: &mut (dyn Write + Send), err: &mut (dyn Write + Send)) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    let arguments = match args::Arguments::try_parse_from(args) {
+        Ok(arguments) => arguments,
+        Err(refused) => {
+            // Help and version are answers, not errors.
+            let text = refused.render();
+            let told = if refused.use_stderr() { write!(err, "{text}") } else { write!(out, "{text}") };
+            let _ = told;
+            return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
+        }
+    };
+    let threads = arguments.threads.map_or(0, std::num::NonZeroUsize::get);
+    let pool = match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
+        Ok(pool) => pool,
+        Err(error) => {
+            let _ = writeln!(err, "error: --threads: {error}");
+            return exit_code::FAILURE;
+        }
+    };
+    let quiet = arguments.quiet;
+    let threads = pool.current_num_threads();
+    let (ended, told) = pool.install(|| {
+        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads };
+        let ended = commands::run(&arguments.command, &mut console);
+        let told = console.out.flush();
+        (ended, told)
+    });
+    match ended.and_then(|code| told.map(|()| code).map_err(CliError::from)) {
+        Ok(code) => code,
+        // The reader of our stdout left early, as `head` does.
+        Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
+        Err(error) => {
+            let _ = writeln!(err, "error: {error}");
+            error.exit_code()
+        }
+    }
+}

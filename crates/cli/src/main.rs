@@ -1,3 +1,7 @@
 //! The `slipgrid` program: glue only.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    slipgrid_cli::run(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr()).into()
+}

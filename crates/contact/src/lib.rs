@@ -1,1 +1,54 @@
-//! Rough normal contact of an elastic half-space
+//! Rough normal contact: how much of a rough surface really touches.
+//!
+//! An elastic half-space with the surface h, one period of it, is pressed onto a rigid plane without
+//! adhesion or friction. Pressure p and gap g obey
+//!
+//! ```text
+//! g = u - h + const >= 0,   p >= 0,   p g = 0,   mean p = P,   u_q = 2/(E* |q|) p_q
+//! ```
+//!
+//! with E* = E/(1 - nu^2), the last in Fourier space. The real contact area is where p > 0.
+//!
+//! | item | role |
+//! |---|---|
+//! | [`area_curve`] | area fraction against pressure, pressures in parallel |
+//! | [`RoughContact`] | the problem of one surface, normalized; solves for one pressure |
+//! | [`SolveOptions`] | tolerance and limit of iterations |
+//! | [`ContactState`], [`AreaCurve`] | what was found, with its [`Convergence`] |
+//! | [`ContactArea`] | area fraction: counted pixels, and corrected for the boundary of the contact |
+//! | [`Monitor`] | progress and cancellation |
+//! | [`closed_form`] | Hertz, Westergaard, crossed waves, Persson |
+//!
+//! This crate knows nothing of friction and opens no files.
+//!
+//! ```
+//! use slipgrid_contact::{SolveOptions, Unwatched, area_curve, closed_form::Wave};
+//! use slipgrid_topography::HeightMap;
+//! // A wave of 1 um on 1 mm: full contact from p* = pi E* D / lambda, half contact at p*/2.
+//! let heights = (0..64 * 4).map(|n| 1e-6 * (std::f64::consts::TAU * f64::from(n / 4) / 64.0).cos()).collect();
+//! let map = HeightMap::new(64, 4, 1e-3 / 64.0, 1e-3 / 64.0, heights)?;
+//! let full_pa = Wave::new(1e-6, 1e-3, 427.5e6)?.full_contact_pressure_pa();
+//! let pressures_pa = [0.0, 0.5 * full_pa, 1.01 * full_pa];
+//! let curve = area_curve(&map, 427.5e6, &pressures_pa, &SolveOptions::default(), &Unwatched)?;
+//! assert!((curve.full_contact_pressure_pa / full_pa - 1.0).abs() < 1e-12);
+//! assert_eq!(curve.points[0].area_fraction, 0.0);
+//! assert!((curve.points[1].area_fraction - 0.5).abs() <= 1.0 / 64.0); // a column of pixels
+//! assert_eq!(curve.points[2].area_fraction, 1.0);
+//! # Ok::<(), slipgrid_contact::ContactError>(())
+//! ```
+
+pub mod closed_form;
+
+mod area;
+mod curve;
+mod error;
+mod kernels;
+mod monitor;
+mod rough_contact;
+mod solver;
+
+pub use area::ContactArea;
+pub use curve::{AreaCurve, AreaPoint, area_curve};
+pub use error::ContactError;
+pub use monitor::{Monitor, Unwatched};
+pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions, Status};

@@ -21,6 +21,7 @@ const TEXT_SIZE: f64 = 2.3;
 const LINE_HEIGHT: f64 = 3.4;
 const DETAIL_SIDE: f64 = 34.0;
 const TEXT_LEFT: f64 = 42.0;
+const VALUE_LEFT: f64 = 20.0;
 /// Characters that fit a line of the title and of the caption.
 const TITLE_CHARACTERS: usize = 58;
 const CAPTION_CHARACTERS: usize = 48;
@@ -36,12 +37,13 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
     let unit_mm = extent_x_mm.max(extent_y_mm) / CONTENT;
 
     let title = wrap(heading.name, TITLE_CHARACTERS);
-    let caption = caption(layout, heading);
+    let (dimensions, remarks) = (dimensions(layout), remarks(heading));
+    let caption_lines = (1 + dimensions.len() + remarks.len()) as f64;
     let title_height = title.len() as f64 * 1.4 * TITLE_SIZE + 2.0;
     let specimen_top = MARGIN + title_height;
     let bar_top = specimen_top + extent_y_mm / unit_mm + 3.0;
     let footer_top = bar_top + 9.0;
-    let footer_height = (DETAIL_SIDE + 13.0).max(caption.len() as f64 * LINE_HEIGHT + 2.0);
+    let footer_height = (DETAIL_SIDE + 13.0).max(caption_lines * LINE_HEIGHT);
 
     let mut page = Page { out: String::with_capacity(64 * layout.cavities() + 8192), unit_mm };
     page.open(2.0 * MARGIN + CONTENT, footer_top + footer_height + MARGIN);
@@ -55,39 +57,56 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
     page.sliding_direction([MARGIN, bar_top + 3.0]);
     page.scale_bar([MARGIN + CONTENT, bar_top + 3.0]);
     page.detail(layout, [MARGIN, footer_top]);
-    for (line, text) in caption.iter().enumerate() {
-        let y = footer_top + TEXT_SIZE + LINE_HEIGHT * line as f64;
-        let weight = if line == 0 { " font-weight=\"bold\"" } else { "" };
-        page.text([MARGIN + TEXT_LEFT, y], "start", TEXT_SIZE, weight, text);
+    let text_left = MARGIN + TEXT_LEFT;
+    let mut baseline = footer_top + TEXT_SIZE;
+    let arrangement = match layout.pattern().planform() {
+        Planform::Groove => "Grooves across the sliding direction",
+        Planform::Square => "Square cavities on a square lattice",
+    };
+    page.text([text_left, baseline], "start", TEXT_SIZE, " font-weight=\"bold\"", arrangement);
+    for (name, value) in &dimensions {
+        baseline += LINE_HEIGHT;
+        page.text([text_left, baseline], "start", TEXT_SIZE, "", name);
+        page.text([text_left + VALUE_LEFT, baseline], "start", TEXT_SIZE, "", value);
+    }
+    for text in &remarks {
+        baseline += LINE_HEIGHT;
+        page.text([text_left, baseline], "start", TEXT_SIZE, "", text);
     }
     page.out.push_str("</svg>\n");
     page.out
 }
 
-/// The dimensions in words, one string a line.
-fn caption(layout: &Layout, heading: &Heading) -> Vec<String> {
+/// The dimensions, a name and a value a line.
+fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     let pattern = layout.pattern();
     let um = |length_m: f64| format!("{} µm", decimal(length_m * 1e6, MICROMETRE_DECIMALS));
     let mm = |length_m: f64| decimal(length_m * 1e3, COORDINATE_DECIMALS);
-    let percent = |share: f64| format!("{} %", decimal(share * 100.0, 2));
-    let mut lines = vec![
-        match pattern.planform() {
-            Planform::Groove => "Grooves across the sliding direction".to_owned(),
-            Planform::Square => "Square cavities on a square lattice".to_owned(),
-        },
-        format!("w  width {}", um(pattern.width_m())),
-        format!("s  spacing {}", um(pattern.spacing_m())),
-        format!("p  pitch {}", um(pattern.pitch_m())),
-        format!("depth {}", um(pattern.depth_m())),
-        format!("areal density {} of the pattern,", percent(pattern.areal_density())),
-        format!("{} on the specimen", percent(layout.areal_density())),
-        match *layout.outline() {
-            Outline::Disc { diameter_m } => format!("disc, diameter {} mm", mm(diameter_m)),
-            Outline::Rectangle { length_m, width_m } => format!("rectangle, {} mm × {} mm", mm(length_m), mm(width_m)),
-        },
-        format!("{} cavities", layout.cavities()),
-    ];
-    lines.extend(heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)));
+    let cavities = match pattern.planform() {
+        Planform::Groove => "grooves",
+        Planform::Square => "cavities",
+    };
+    vec![
+        ("w  width", um(pattern.width_m())),
+        ("s  spacing", um(pattern.spacing_m())),
+        ("p  pitch", um(pattern.pitch_m())),
+        ("depth", um(pattern.depth_m())),
+        ("areal density", format!("{:.2} % of the pattern", 100.0 * pattern.areal_density())),
+        ("", format!("{:.2} % of the specimen", 100.0 * layout.areal_density())),
+        (cavities, layout.cavities().to_string()),
+        (
+            layout.outline().name(),
+            match *layout.outline() {
+                Outline::Disc { diameter_m } => format!("diameter {} mm", mm(diameter_m)),
+                Outline::Rectangle { length_m, width_m } => format!("{} mm × {} mm", mm(length_m), mm(width_m)),
+            },
+        ),
+    ]
+}
+
+/// Notes and version, one string a line.
+fn remarks(heading: &Heading) -> Vec<String> {
+    let mut lines: Vec<String> = heading.notes.iter().flat_map(|note| wrap(note, CAPTION_CHARACTERS)).collect();
     lines.push(format!("slipgrid {}", heading.version));
     lines
 }
@@ -266,7 +285,7 @@ impl Page {
         let enlargement = DETAIL_SIDE * self.unit_mm / (2.0 * pattern.pitch_m() * 1e3);
         let decimals = if enlargement < 9.95 { 1 } else { 0 };
         let label = format!("detail, {} : 1", decimal(enlargement, decimals));
-        self.text([left, y + 9.5], "start", TEXT_SIZE, "", &label);
+        self.text([left + DETAIL_SIDE, y + 9.0], "end", TEXT_SIZE, "", &label);
         self.out.push_str("</g>\n");
     }
 

@@ -6,6 +6,7 @@ use crate::{
 };
 use slipgrid_pattern::Pattern;
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -38,6 +39,13 @@ impl Record {
             Self::Failed(_) => None,
         }
     }
+
+    pub(crate) const fn failure(&self) -> Option<&FailedTrial> {
+        match self {
+            Self::Computed(_) => None,
+            Self::Failed(trial) => Some(trial),
+        }
+    }
 }
 
 /// Why no further design is evaluated.
@@ -58,6 +66,10 @@ pub(crate) struct Evaluator<'a> {
     /// Evaluations and the smallest misfit so far, for the reader of the progress alone.
     glance: Mutex<(usize, Option<f64>)>,
     cancelled: AtomicBool,
+    /// What any thread has computed. It saves calls and changes no outcome, the model being a function
+    /// of the design; a design that another thread is just computing is not waited for but computed
+    /// again, as a thread that waits inside rayon can end up waiting for itself.
+    memory: Mutex<BTreeMap<Key, Record>>,
 }
 
 impl<'a> Evaluator<'a> {
@@ -69,17 +81,23 @@ impl<'a> Evaluator<'a> {
         progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
     ) -> Self {
         let (glance, cancelled) = (Mutex::new((0, None)), AtomicBool::new(false));
-        Self { model, target, constraints, max_evaluations, progress, glance, cancelled }
+        let memory = Mutex::new(BTreeMap::new());
+        Self { model, target, constraints, max_evaluations, progress, glance, cancelled, memory }
     }
 
     pub(crate) fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Evaluates `design`.
+    /// The record of `design`, computed unless some thread already has.
     pub(crate) fn evaluate(&self, design: &Pattern, stage: Stage) -> Result<Record, Interruption> {
         if self.is_cancelled() {
             return Err(Interruption::Cancelled);
+        }
+        // Records are whole when they enter: those of a panicking thread are as good as any.
+        let memory = || self.memory.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = memory().get(&key(design)) {
+            return Ok(known.clone());
         }
         let failed = |reason: &str| Record::Failed(FailedTrial { design: *design, reason: reason.to_owned() });
         let record = match self.model.respond(design) {
@@ -103,6 +121,7 @@ impl<'a> Evaluator<'a> {
                 return Err(Interruption::Cancelled);
             }
         };
+        memory().insert(key(design), record.clone());
         self.report(&record, stage);
         Ok(record)
     }
@@ -166,11 +185,13 @@ impl Ledger {
         })
     }
 
-    /// Takes over what one thread found.
+    /// Takes over what one descent found, but for the designs that are known already.
     pub(crate) fn absorb(&mut self, records: Vec<Record>) {
         for record in records {
-            self.index.entry(key(record.design())).or_insert(self.records.len());
-            self.records.push(record);
+            if let Entry::Vacant(entry) = self.index.entry(key(record.design())) {
+                entry.insert(self.records.len());
+                self.records.push(record);
+            }
         }
     }
 
@@ -179,8 +200,9 @@ impl Ledger {
     }
 }
 
-/// What one thread adds to a ledger that stays as it is meanwhile. Threads do not see one another's
-/// designs, so that none waits and the outcome does not depend on who came first.
+/// What one descent adds to a ledger that stays as it is meanwhile. Its budget counts every design
+/// that the ledger lacks, whether or not another descent computes it too, so that the outcome does
+/// not depend on who came first.
 pub(crate) struct Notebook<'a> {
     evaluator: &'a Evaluator<'a>,
     ledger: &'a Ledger,
@@ -220,6 +242,14 @@ impl<'a> Notebook<'a> {
             }
         }
         self.own.find(&key)
+    }
+
+    pub(crate) const fn target(&self) -> &'a Target {
+        self.evaluator.target
+    }
+
+    pub(crate) const fn max_peak_pressure_pa(&self) -> Option<f64> {
+        self.evaluator.constraints.max_peak_pressure_pa
     }
 
     /// New records and what interrupted them.

@@ -1,1 +1,74 @@
-//! Search for the pattern that brings friction to a target
+//! Search for the pattern that brings friction to a target.
+//!
+//! Friction v_i at the pressures P_i, i = 1..n, should be t_i within the tolerance T. Over the
+//! designs x = (width, spacing, depth) that a laser can make, the search minimizes
+//!
+//! rms(x) = sqrt( (1/n) sum_i ((v_i(x) - t_i) / T)^2 )   subject to   peak pressure(x) <= the largest allowed.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Target`] | wanted values at pressures, and the tolerance |
+//! | [`DesignSpace`], [`Constraints`] | bounds; manufacturing limits and the largest peak pressure |
+//! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
+//! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
+//! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
+//! | [`SearchError`] | why there was nothing to search |
+//!
+//! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
+//! low-discrepancy sample, descends from the best distinct designs by damped Gauss-Newton steps and,
+//! where these do not suffice, by Nelder and Mead's method, polishes width and spacing at neighbouring numbers of bursts, and, before it calls a target
+//! unreachable, looks for the lowest and highest value there is. It moves only on the grid of
+//! designs that can be made (whole bursts deep; width and spacing to [`POSITION_STEP_M`]), so no
+//! result is rounded afterwards. It stops early only where a design misses by at most
+//! [`COMFORTABLE_RMS`] tolerances. A limit on the peak pressure is a
+//! linearized constraint of the former and an exact penalty of the latter.
+//!
+//! A design is evaluated once; only where two threads come to the same design at the same time do
+//! both call the model. Equal inputs and seeds give equal outcomes at any number of threads.
+//!
+//! This crate knows no files, no measurements, and nothing of how a model works.
+//!
+//! ```
+//! use slipgrid_optimize::{
+//!     Constraints, DesignSpace, Quantity, Response, SearchOptions, Status, Target, TargetPoint, search,
+//! };
+//! use slipgrid_pattern::{Pattern, Planform};
+//! use std::ops::ControlFlow;
+//!
+//! // A surface whose friction is proportional to its land: ratio = 1 - width / pitch. With grooves
+//! // 100 um wide the ratio 0.75 takes a spacing of 300 um.
+//! let model = |design: &Pattern| {
+//!     Ok(Response { value: vec![1.0 - design.section_density()], peak_pressure_pa: 2e6 })
+//! };
+//! let point = TargetPoint { pressure_pa: 1e6, value: 0.75 };
+//! let target = Target::new(Quantity::Ratio, vec![point], 0.01)?;
+//! let space = DesignSpace::new(Planform::Groove, [100e-6, 100e-6], [40e-6, 1000e-6], [5e-6, 5e-6])?;
+//! let carry_on = |_| ControlFlow::Continue(());
+//! let outcome =
+//!     search(&target, &space, &Constraints::default(), &SearchOptions::default(), &model, &carry_on)?;
+//! assert_eq!(outcome.status, Status::Met);
+//! assert!((outcome.best.design.spacing_m() - 300e-6).abs() < 1e-6);
+//! # Ok::<(), slipgrid_optimize::SearchError>(())
+//! ```
+
+mod error;
+mod gauss_newton;
+mod ledger;
+mod model;
+mod outcome;
+mod polish;
+mod search;
+mod sequence;
+mod space;
+mod target;
+
+pub use error::SearchError;
+pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
+pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status, Violation};
+pub use search::{SearchOptions, search};
+pub use space::{Constraints, DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
+pub use target::{Misfit, Quantity, Target, TargetPoint};
+
+/// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
+/// descending further would only spend evaluations: 0.0002 of a ratio at a tolerance of 0.01.
+pub const COMFORTABLE_RMS: f64 = 0.02;

@@ -142,7 +142,7 @@ pub struct SearchOutcome {
     pub best: Candidate,
     /// Other designs that meet the target, best first, each unlike the best and one another.
     pub alternatives: Vec<Candidate>,
-    /// Model evaluations, failed trials included.
+    /// Distinct designs evaluated, failed trials included.
     pub evaluations: usize,
     /// Designs that the model could not compute.
     pub failed_trials: Vec<FailedTrial>,

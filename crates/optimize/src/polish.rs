@@ -10,7 +10,7 @@
 use crate::ledger::{Notebook, Record};
 use crate::sequence::MOST_DIMENSIONS;
 use crate::space::Grid;
-use crate::{Candidate, COMFORTABLE_RMS};
+use crate::{COMFORTABLE_RMS, Candidate, gauss_newton};
 use argmin::core::{CostFunction, Error, Executor, IterState};
 use argmin::solver::neldermead::NelderMead;
 use slipgrid_pattern::Pattern;
@@ -25,8 +25,15 @@ const RESTART_SHRINK: f64 = 0.5;
 /// The simplex has collapsed when its costs, in tolerances, scatter less than this: a hundredth of
 /// what would matter to anybody, well above a model's own noise of 1e-4 of a ratio at tolerance 0.01.
 const COLLAPSED_STD: f64 = 2e-3;
-/// A restart that gains less than this share, or than [`COMFORTABLE_RMS`], is the last.
+/// The simplex has stalled when this many calls for each free dimension brought less than
+/// [`STALLED_GAIN`] tolerances: on a constraint, where the grid's steps scatter the penalty, or between
+/// designs that the model cannot compute, its costs need never agree. Fewer calls end slow descents too soon.
+const STALLED_CALLS: usize = 8;
+const STALLED_GAIN: f64 = 0.01;
+/// A restart that gains less than this share of the misfit, or than [`COMFORTABLE_RMS`], is the last.
 const WORTHWHILE_GAIN: f64 = 0.02;
+/// The same for a lowest or highest value, in tolerances.
+const WORTHWHILE_EXTENSION: f64 = 0.1;
 /// Cost of a design that the model cannot compute: worse than any other.
 const FAILED_COST: f64 = 1e12;
 
@@ -74,6 +81,23 @@ impl Cost {
             Objective::Lowest(_) | Objective::Highest(_) => f64::NEG_INFINITY,
         }
     }
+
+    /// Gain below which a restart from `cost` was the last.
+    fn worthwhile_gain(&self, cost: f64) -> f64 {
+        match self.objective {
+            Objective::RootMeanSquare | Objective::Largest => (WORTHWHILE_GAIN * cost).max(COMFORTABLE_RMS),
+            Objective::Lowest(_) | Objective::Highest(_) => WORTHWHILE_EXTENSION,
+        }
+    }
+}
+
+/// How a descent goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Method {
+    /// Few evaluations where the response is smooth; root-mean-square misfit alone.
+    GaussNewton,
+    /// Restarted simplex: any objective, kinks, noise.
+    Simplex,
 }
 
 /// A descent still to be made or continued.
@@ -82,17 +106,29 @@ pub(crate) struct Descent {
     pub(crate) grid: Grid,
     pub(crate) start: Pattern,
     pub(crate) cost: Cost,
+    method: Method,
     edge: f64,
 }
 
 impl Descent {
-    pub(crate) const fn new(grid: Grid, start: Pattern, cost: Cost) -> Self {
-        Self { grid, start, cost, edge: FIRST_EDGE }
+    pub(crate) const fn new(grid: Grid, start: Pattern, cost: Cost, method: Method) -> Self {
+        Self { grid, start, cost, method, edge: FIRST_EDGE }
     }
 
     /// Descends until nothing is gained; `None`, or, where the notebook was interrupted, the descent
     /// that would continue this one.
     pub(crate) fn run(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
+        match self.method {
+            Method::GaussNewton => {
+                let end = gauss_newton::descend(&self.grid, &self.start, &self.cost, notebook);
+                self.start = end.unwrap_or(self.start);
+                notebook.interruption.is_some().then_some(self)
+            }
+            Method::Simplex => self.restarted_simplex(notebook),
+        }
+    }
+
+    fn restarted_simplex(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
         let free = self.grid.free_axes();
         let mut least = FAILED_COST;
         loop {
@@ -104,7 +140,7 @@ impl Descent {
                 return Some(self);
             }
             let gain = least - cost;
-            if free.is_empty() || cost <= self.cost.comfortable() || gain < (WORTHWHILE_GAIN * cost.abs()).max(COMFORTABLE_RMS) {
+            if free.is_empty() || cost <= self.cost.comfortable() || gain < self.cost.worthwhile_gain(cost) {
                 return None;
             }
             least = cost;
@@ -116,13 +152,14 @@ impl Descent {
     fn simplex(&self, free: &[usize], notebook: &mut Notebook<'_>) -> (Option<Pattern>, f64) {
         let shares = self.grid.shares(&self.start);
         // u = acos(1 - 2 t) / pi
-        let start: Vec<f64> = free.iter().map(|&axis| (1.0 - 2.0 * shares[axis]).clamp(-1.0, 1.0).acos() / PI).collect();
+        let start: Vec<f64> =
+            free.iter().map(|&axis| (1.0 - 2.0 * shares[axis]).clamp(-1.0, 1.0).acos() / PI).collect();
         let problem = Problem {
             cost: self.cost,
             grid: self.grid,
             free: free.to_vec(),
             shares,
-            visit: RefCell::new(Visit { notebook, best: None, calls: 0 }),
+            visit: RefCell::new(Visit { notebook, best: None, calls: 0, landmark: (f64::INFINITY, 0) }),
         };
         let mut simplex = vec![start.clone()];
         for coordinate in 0..free.len() {
@@ -130,12 +167,12 @@ impl Descent {
         }
         if free.is_empty() {
             // One design: nothing to descend.
-            let _ = problem.cost(&start);
+            let _ = (&problem).cost(&start);
         } else if let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(COLLAPSED_STD) {
             let comfortable = self.cost.comfortable();
-            // An interruption surfaces as an error; what was seen before it stands in `visit`.
+            // An interruption or a stall surfaces as an error; what was seen before it stands in `visit`.
             let _ = Executor::new(&problem, solver)
-                .configure(|state: IterState<Vec<f64>, (), (), (), (), f64>| state.target_cost(comfortable).max_iters(MOST_ITERATIONS))
+                .configure(|state: IterState<Vec<f64>, (), (), (), (), f64>| state.target_cost(comfortable))
                 .ctrlc(false)
                 .timer(false)
                 .run();
@@ -144,10 +181,6 @@ impl Descent {
         best.map_or((None, FAILED_COST), |(design, cost)| (Some(design), cost))
     }
 }
-
-/// Iterations after which a simplex counts as collapsed, whatever its scatter: a guard against
-/// designs that the model cannot compute, between which it can hop without an end.
-const MOST_ITERATIONS: u64 = 400;
 
 /// What the simplex method sees.
 struct Problem<'a, 'b> {
@@ -162,6 +195,8 @@ struct Visit<'a, 'b> {
     notebook: &'a mut Notebook<'b>,
     best: Option<(Pattern, f64)>,
     calls: usize,
+    /// Cost at the last gain worth the name, and the call that brought it.
+    landmark: (f64, usize),
 }
 
 impl Problem<'_, '_> {
@@ -197,16 +232,23 @@ impl CostFunction for &Problem<'_, '_> {
     fn cost(&self, u: &Self::Param) -> Result<Self::Output, Error> {
         let visit = &mut *self.visit.borrow_mut();
         visit.calls += 1;
+        // argmin panics on an error while it evaluates the first simplex: end it just after.
+        let may_end = visit.calls > self.free.len() + 1;
+        if may_end && visit.calls > visit.landmark.1 + STALLED_CALLS * self.free.len() {
+            return Err(Error::msg("stalled"));
+        }
         let cost = match self.design(u).map(|design| (design, visit.notebook.look(&design))) {
             Some((design, Some(Record::Computed(candidate)))) => {
                 let cost = self.cost.of(candidate);
                 if visit.best.is_none_or(|(_, least)| cost < least) {
                     visit.best = Some((design, cost));
                 }
+                if cost < visit.landmark.0 - STALLED_GAIN {
+                    visit.landmark = (cost, visit.calls);
+                }
                 cost
             }
-            // argmin panics on an error while it evaluates the first simplex: end it just after.
-            Some((_, None)) if visit.calls > self.free.len() + 1 => return Err(Error::msg("interrupted")),
+            Some((_, None)) if may_end => return Err(Error::msg("interrupted")),
             _ => FAILED_COST,
         };
         Ok(cost)

@@ -46,9 +46,9 @@ mod tests {
     #[test]
     fn discrepancy_falls_nearly_as_one_over_n_for_any_seed() {
         for seed in 0..5 {
-            // Random points would have about 0.7 / sqrt(n): 0.06 and 0.015.
+            // Random points have about 0.7 / sqrt(n), that is 0.06 and 0.015, and gain a factor 4.
             let (few, many) = (star_discrepancy(&points(2, 128, seed)), star_discrepancy(&points(2, 2048, seed)));
-            assert!(few < 0.035 && many < 0.004, "{seed}: {few} {many}");
+            assert!(many < 0.004 && many < few / 8.0, "{seed}: {few} {many}");
         }
     }
 

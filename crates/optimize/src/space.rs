@@ -141,7 +141,8 @@ impl Axis {
         if bounds[0] == bounds[1] {
             return Self::Fixed(bounds[0]);
         }
-        Self::on_grid(bounds, Step::PerMetre((1.0 / step_m).round())).unwrap_or(Self::Fixed(f64::midpoint(bounds[0], bounds[1])))
+        Self::on_grid(bounds, Step::PerMetre((1.0 / step_m).round()))
+            .unwrap_or(Self::Fixed(f64::midpoint(bounds[0], bounds[1])))
     }
 
     /// The grid value nearest to the share `t` of the logarithm.
@@ -161,7 +162,9 @@ impl Axis {
     fn share(&self, value_m: f64) -> f64 {
         match *self {
             Self::Fixed(_) => 0.0,
-            Self::Free { lower_m, upper_m, .. } => ((value_m / lower_m).ln() / (upper_m / lower_m).ln()).clamp(0.0, 1.0),
+            Self::Free { lower_m, upper_m, .. } => {
+                ((value_m / lower_m).ln() / (upper_m / lower_m).ln()).clamp(0.0, 1.0)
+            }
         }
     }
 }
@@ -303,7 +306,8 @@ mod tests {
     #[test]
     fn limits_cut_the_bounds_exactly() {
         // 0.1 + 0.2 style limits: no design may break one by rounding.
-        let limits = ManufacturingLimits { min_land_m: Some(47.3 * 1e-6), spot_m: Some(80.7 * 1e-6), depth_per_burst_m: None };
+        let limits =
+            ManufacturingLimits { min_land_m: Some(47.3 * 1e-6), spot_m: Some(80.7 * 1e-6), depth_per_burst_m: None };
         let lowest = grid([40.0, 400.0], [2.0, 50.0], limits).unwrap().design(&[0.0; 3]).unwrap();
         assert!(limits.violations(&lowest).is_empty());
         assert!((lowest.width_m() - 80.7e-6).abs() < 1e-12 && (lowest.spacing_m() - 47.3e-6).abs() < 1e-12);

@@ -120,10 +120,7 @@ mod tests {
         assert_eq!(new(vec![], 0.01), Err(SearchError::NoTargetPoints));
         assert!(matches!(new(vec![point(1e6, 0.9); 2], 0.01), Err(SearchError::RepeatedPressure { .. })));
         for (pressure_pa, value, tolerance) in [(0.0, 0.9, 0.01), (1e6, f64::NAN, 0.01), (1e6, 0.9, 0.0)] {
-            assert!(matches!(
-                new(vec![point(pressure_pa, value)], tolerance),
-                Err(SearchError::OutOfRange { .. })
-            ));
+            assert!(matches!(new(vec![point(pressure_pa, value)], tolerance), Err(SearchError::OutOfRange { .. })));
         }
     }
 }

@@ -150,11 +150,7 @@ fn clip(columns: &mut Vec<Column>, column: Column, left: f64) {
 ///
 /// # Errors
 /// As [`Pattern::new`]; cannot happen for a positive block size.
-pub fn nearest_whole(
-    pattern: &Pattern,
-    block_m: f64,
-    rows: usize,
-) -> Result<Pattern, slipgrid_pattern::PatternError> {
+pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pattern, slipgrid_pattern::PatternError> {
     let whole = |length_m: f64| columns_in(snapped(length_m / block_m)) as f64 * block_m;
     let deepest_m = (rows.max(2) - 1) as f64 * block_m;
     Pattern::new(

@@ -41,7 +41,9 @@ pub enum SceneError {
         height_m: f64,
     },
     /// The time step is beyond the stability limit of the scheme.
-    #[error("step_s is {step_s:e} s: expected at most {limit_s:e} s, the stability limit of the {scheme} on this lattice")]
+    #[error(
+        "step_s is {step_s:e} s: expected at most {limit_s:e} s, the stability limit of the {scheme} on this lattice"
+    )]
     UnstableStep {
         /// The step asked for, in seconds.
         step_s: f64,

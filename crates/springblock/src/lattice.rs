@@ -112,20 +112,12 @@ impl Lattice {
 
     /// The column to the right of `i`, if there is one.
     fn right_of(&self, i: usize) -> Option<usize> {
-        if i + 1 < self.nx() {
-            Some(i + 1)
-        } else {
-            self.periodic.then_some(0)
-        }
+        if i + 1 < self.nx() { Some(i + 1) } else { self.periodic.then_some(0) }
     }
 
     /// The column to the left of `i`, if there is one.
     fn left_of(&self, i: usize) -> Option<usize> {
-        if i > 0 {
-            Some(i - 1)
-        } else {
-            self.periodic.then_some(self.nx() - 1)
-        }
+        if i > 0 { Some(i - 1) } else { self.periodic.then_some(self.nx() - 1) }
     }
 
     /// Distance between the centres of neighbouring columns.

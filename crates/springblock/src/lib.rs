@@ -1,29 +1,58 @@
-//! The spring-block model of sliding friction.
+//! The spring-block model of sliding friction, in the vertical plane along the sliding direction.
+//!
+//! A square mesh of blocks with springs to their eight neighbours is an elastic layer between a rigid
+//! counterface and a rigid bulk (Balestra et al., J. Tribol. 144, 031704). A block on the counterface
+//! that slides resists with
+//!
+//! ```text
+//! F_friction = mu_d f(p) F_n,     p = F_n / l^2
+//! ```
+//!
+//! and the friction coefficient of the surface is the sum of friction over the sum of normal force.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Scene`] | what is to be simulated, fixed |
+//! | [`simulate`] | solves a scene at every load, beside the flat surface |
+//! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
+//! | [`SectionModel`] | the steady ratio of many patterns: what a search calls |
+//! | [`Monitor`] | clock, progress, cancellation |
+//!
+//! This crate does not know that anyone optimizes it. It opens no files, reads no clock, prints nothing.
+//!
+//! ```
+//! use slipgrid_material::{Elastic, LocalFriction};
+//! use slipgrid_pattern::{Pattern, Planform};
+//! use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Unwatched, simulate};
+//! let scene = Scene {
+//!     elastic: Elastic::new(0.38e9, 900.0)?,
+//!     area_law: None, // Amontons-Coulomb: no pattern changes friction
+//!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+//!     loads: vec![Load { pressure_pa: 2.6e6, friction: LocalFriction::new(0.30, 0.27, 0.05)? }],
+//!     speed_m_s: 2e-3,
+//!     run: RunOptions::default(),
+//! };
+//! let simulation = simulate(&scene, &Unwatched)?;
+//! assert!((simulation.loads[0].ratio.unwrap() - 1.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod columns;
 mod draws;
+mod dynamics;
 mod error;
 mod lattice;
 mod monitor;
 mod outcome;
 mod scene;
-pub mod steady;
+mod section;
+mod simulate;
+mod steady;
 
 pub use error::SceneError;
 pub use monitor::{Monitor, Unwatched};
-pub use outcome::{
-    DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint,
-};
+pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Springs};
-
-/// Solves `scene` at every load, beside the flat surface where it has a pattern.
-///
-/// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
-/// number of threads.
-///
-/// # Errors
-/// [`SceneError`] if the scene means nothing; everything else is a [`Status`].
-pub fn simulate(scene: &Scene, _monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    scene.validate()?;
-    Err(SceneError::Unsupported { what: "simulate", instead: "the solver is under construction" })
-}
+pub use section::{SectionModel, SectionOutcome};
+pub use simulate::simulate;

@@ -159,7 +159,9 @@ pub enum ReadError {
         y: f64,
     },
     /// So few points that the grid found cannot be the one measured on.
-    #[error("{points} points on a grid of {rows:.0} x {cols:.0}: expected at least one point in {most_nodes_per_point} grid nodes")]
+    #[error(
+        "{points} points on a grid of {rows:.0} x {cols:.0}: expected at least one point in {most_nodes_per_point} grid nodes"
+    )]
     Sparse {
         /// Points given.
         points: usize,

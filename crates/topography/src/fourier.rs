@@ -13,8 +13,8 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 
-/// Rows transformed between two transpositions: as many complex numbers as fill a cache line.
-const BLOCK_ROWS: usize = 4;
+/// Rows transformed between two transpositions: their complex numbers in a column fill two cache lines.
+const BLOCK_ROWS: usize = 8;
 /// Complex numbers between the end of a column and the next: keeps columns of a power of two out of each
 /// other's cache sets.
 const COLUMN_PADDING: usize = 4;

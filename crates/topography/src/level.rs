@@ -28,12 +28,15 @@ impl HeightMap {
     /// Mean height of the points present, in metres.
     #[must_use]
     pub fn mean_m(&self) -> f64 {
-        let (mut sum, mut present) = (0.0, 0.0);
-        for height in self.heights_m().iter().filter(|height| !height.is_nan()) {
-            sum += height;
-            present += 1.0;
+        let mut present = self.heights_m().iter().filter(|height| !height.is_nan());
+        // Summed from one of the heights, so that a constant map has exactly that mean.
+        let Some(&origin) = present.next() else { return f64::NAN };
+        let (mut sum, mut count) = (0.0, 1.0);
+        for height in present {
+            sum += height - origin;
+            count += 1.0;
         }
-        sum / present
+        origin + sum / count
     }
 
     /// Subtracts the least squares plane through the points present and returns it.

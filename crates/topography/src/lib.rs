@@ -1,1 +1,54 @@
-//! Altitude maps of measured or synthetic surfaces
+//! Altitude maps of measured or synthetic surfaces: readers, levelling, roughness parameters.
+//!
+//! A map is a periodic surface h(x, y) on a grid of pixels dx by dy. Its parameters are
+//!
+//! ```text
+//! Sa = mean |h - mean h|,   Sq^2 = mean (h - mean h)^2,   h'rms^2 = sum over waves of |q|^2 |h_q|^2
+//! ```
+//!
+//! | item | role |
+//! |---|---|
+//! | [`HeightMap`] | a valid map in metres: parameters, levelling, filling of missing points, writing |
+//! | [`read_map`] | a map from text: matrix or points x y z, units in the header or given |
+//! | [`SelfAffine`] | synthetic self-affine maps, the same on every platform |
+//! | [`Filling`], [`Plane`] | what filling and levelling did |
+//! | [`Fourier`](fourier::Fourier) | the periodic transform behind spectral parameters and contact solvers |
+//!
+//! This crate knows nothing of contact and opens no files.
+//!
+//! ```
+//! use slipgrid_topography::{ReadOptions, read_map};
+//! let text = "# Width: 4 um\n# Height: 2 um\n# Value units: um\n1 -1 1 -1\n1 -1 1 NaN\n";
+//! let mut map = read_map(text.as_bytes(), &ReadOptions::default())?.map;
+//! assert_eq!((map.rows(), map.cols(), map.dx_m(), map.missing()), (2, 4, 1e-6, 1));
+//! map.fill_missing();
+//! assert!(map.heights_m()[7].abs() < 1e-18); // halfway between its neighbours, 1 and -1 um
+//! // Mean 1/8 um: four heights 7/8, three 9/8 and one 1/8 um from it.
+//! assert!((map.sa_m() - 0.875e-6).abs() < 1e-18);
+//! # Ok::<(), slipgrid_topography::ReadError>(())
+//! ```
+
+pub mod fourier;
+
+mod error;
+mod fill;
+mod header;
+mod level;
+mod lines;
+mod map;
+mod matrix;
+mod parameters;
+mod read;
+mod synthetic;
+mod unit;
+mod write;
+mod xyz;
+
+pub use error::{MapError, ReadError};
+pub use fill::Filling;
+pub use level::Plane;
+pub use map::{HeightMap, MOST_POINTS};
+pub use read::{MapFormat, ReadMap, ReadOptions, read_map};
+pub use synthetic::SelfAffine;
+pub use unit::{LengthUnit, UnknownUnit};
+pub use write::MatrixStyle;

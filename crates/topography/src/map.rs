@@ -118,11 +118,7 @@ impl HeightMap {
     /// [`MapError::OutOfRange`] if a height leaves the range of [`HeightMap::new`] or `factor` is no number.
     pub fn scaled(&self, factor: f64) -> Result<Self, MapError> {
         if !factor.is_finite() {
-            return Err(MapError::OutOfRange {
-                quantity: "height factor",
-                value: factor,
-                expected: "a finite number",
-            });
+            return Err(MapError::OutOfRange { quantity: "height factor", value: factor, expected: "a finite number" });
         }
         let height_m = self.height_m.iter().map(|height| height * factor).collect();
         Self::new(self.rows, self.cols, self.dx_m, self.dy_m, height_m)

@@ -37,15 +37,8 @@ impl SelfAffine {
     /// The map that stands in for an unpublished measurement: 1 mm square, 512 x 512, Hurst exponent 0.8
     /// between 4 and 64 waves per side, Sa 0.158 um, the value measured on the flat sample (Balestra et al.,
     /// J. Tribol. 144, 031704). Everything but Sa was chosen, not measured.
-    pub const STAND_IN: Self = Self {
-        pixels: 512,
-        side_m: 1e-3,
-        hurst: 0.8,
-        min_wave: 4,
-        max_wave: 64,
-        sa_m: 0.158e-6,
-        seed: 20_240_607,
-    };
+    pub const STAND_IN: Self =
+        Self { pixels: 512, side_m: 1e-3, hurst: 0.8, min_wave: 4, max_wave: 64, sa_m: 0.158e-6, seed: 20_240_607 };
 
     /// Computes the map; the work is pixels^2 times `max_wave`.
     ///
@@ -125,7 +118,11 @@ impl SelfAffine {
             return refuse("longest wave per side", f64::from(self.min_wave), "at least 1 and at most the shortest");
         }
         if self.max_wave > MOST_WAVES || 2 * self.max_wave as usize >= self.pixels {
-            return refuse("shortest wave per side", f64::from(self.max_wave), "less than half the pixels, at most 32767");
+            return refuse(
+                "shortest wave per side",
+                f64::from(self.max_wave),
+                "less than half the pixels, at most 32767",
+            );
         }
         // Below 1e-30 m squares of heights would vanish.
         if !(self.sa_m >= 1e-30 && self.sa_m <= 1.0) {
@@ -200,7 +197,7 @@ mod tests {
         let at = |i: usize, j: usize| map.heights_m()[i * 256 + j];
         let scale = at(0, 0) / direct(0.0, 0.0);
         for (i, j) in [(0, 1), (1, 0), (17, 200), (255, 255), (128, 3)] {
-            assert!((at(i, j) - scale * direct(i as f64, j as f64)).abs() < 1e-12 * 0.158e-6 * 1e3);
+            assert!((at(i, j) - scale * direct(i as f64, j as f64)).abs() < 1e-12 * 0.158e-6);
         }
     }
 

@@ -11,9 +11,7 @@ use super::material::existing;
 use super::measurements::{self, Measurement};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{
-    DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE,
-};
+use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -166,8 +164,7 @@ impl Calibration {
             document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
         )
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
-        let surface =
-            file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
+        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
         let flat = measurements::read(&existing(document, &file.measurements.flat, file.measurements.flat.get_ref())?)?;
         let patterned = match &file.measurements.patterned {
             Some(name) => measurements::read(&existing(document, name, name.get_ref())?)?,

@@ -74,7 +74,7 @@ impl Document {
     #[must_use]
     pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
         Diagnostic {
-            file: Some(self.path.clone()),
+            file: Some(self.path.as_path().into()),
             line: Some(self.line(span.start)),
             key: self.key_at(&span),
             value: self.value_at(span),
@@ -86,9 +86,9 @@ impl Document {
     /// Says that `key` is missing in the table at `table`.
     #[must_use]
     pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
-        let inside = self.key_at(&table).map_or_else(|| key.to_owned(), |outer| format!("{outer}.{key}"));
+        let inside = self.key_at(&table).map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
         Diagnostic {
-            file: Some(self.path.clone()),
+            file: Some(self.path.as_path().into()),
             line: Some(self.line(table.start)),
             key: Some(inside),
             reason: "is missing".to_owned(),
@@ -140,19 +140,19 @@ impl Document {
         all.iter().copied().find(|&one| name(one) == value.get_ref()).ok_or_else(|| {
             let names: Vec<String> = all.iter().map(|&one| format!("\"{}\"", name(one))).collect();
             let mut refused = self.refuse(value.span(), "is not known").expected(names.join(" or "));
-            refused.suggestion = nearest(value.get_ref(), all.iter().map(|&one| name(one))).map(str::to_owned);
+            refused.suggestion = nearest(value.get_ref(), all.iter().map(|&one| name(one))).map(Into::into);
             refused
         })
     }
 
     /// Line of a byte, from 1.
-    fn line(&self, byte: usize) -> usize {
+    fn line(&self, byte: usize) -> u32 {
         let before = self.text.as_bytes().iter().take(byte);
-        1 + before.filter(|&&letter| letter == b'\n').count()
+        before.filter(|&&letter| letter == b'\n').fold(1, |line, _| line + 1)
     }
 
     /// The source text of a span on one line, shortened; `None` for tables.
-    fn value_at(&self, span: Range<usize>) -> Option<String> {
+    fn value_at(&self, span: Range<usize>) -> Option<Box<str>> {
         let text = self.text.get(span)?;
         if text.is_empty() || text.starts_with('{') || (text.starts_with('[') && !text.contains(['.', ',', '1'])) {
             return None;
@@ -161,15 +161,15 @@ impl Document {
         Some(if joined.chars().count() > LONGEST_VALUE {
             joined.chars().take(LONGEST_VALUE).chain("...".chars()).collect()
         } else {
-            joined
+            joined.into()
         })
     }
 
     /// The dotted key of what stands at `span`.
-    fn key_at(&self, span: &Range<usize>) -> Option<String> {
+    fn key_at(&self, span: &Range<usize>) -> Option<Box<str>> {
         let table = DeTable::parse(&self.text).ok()?;
         let mut path = Vec::new();
-        find_in_table(table.get_ref(), span, &mut path).then(|| path.join("."))
+        find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
     }
 
     fn explain(&self, error: &toml::de::Error) -> Diagnostic {
@@ -180,7 +180,7 @@ impl Document {
             let written = quoted[0];
             let mut refused = self.refuse(span, "is not a known key");
             refused.value = None;
-            refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(str::to_owned);
+            refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
             return refused.expected(format!("one of {}", quoted[1..].join(", ")));
         }
         if message.starts_with("missing field") && !quoted.is_empty() {
@@ -249,7 +249,9 @@ fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut V
         DeValue::Table(table) if find_in_table(table, span, path) => true,
         DeValue::Array(array) => {
             // Elements of an array of tables have keys of their own; numbers go by the array's.
-            array.iter().any(|element| matches!(element.get_ref(), DeValue::Table(_)) && find_in_value(element, span, path))
+            array
+                .iter()
+                .any(|element| matches!(element.get_ref(), DeValue::Table(_)) && find_in_value(element, span, path))
                 || covers(&value.span(), span)
         }
         _ => covers(&value.span(), span),
@@ -286,11 +288,20 @@ mod tests {
     #[test]
     fn refusals_name_line_and_key() {
         for (text, message) in [
-            ("[inner]\nwidth_um = 1.0\nwidht_um = 2", "a.toml:3: inner.widht_um: is not a known key; expected one of width_um, count (did you mean `width_um`?)"),
+            (
+                "[inner]\nwidth_um = 1.0\nwidht_um = 2",
+                "a.toml:3: inner.widht_um: is not a known key; expected one of width_um, count (did you mean `width_um`?)",
+            ),
             ("\n[inner]\n", "a.toml:2: inner.width_um: is missing"),
             ("", "a.toml:1: inner: is missing"),
-            ("inner = { width_um = \"wide\" }", "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number"),
-            ("[inner]\nwidth_um = 1\ncount = -3", "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero"),
+            (
+                "inner = { width_um = \"wide\" }",
+                "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number",
+            ),
+            (
+                "[inner]\nwidth_um = 1\ncount = -3",
+                "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",
+            ),
         ] {
             assert_eq!(refused(text), message);
         }

@@ -163,10 +163,7 @@ pub fn read_condition(document: &Document, condition: &ConditionFile) -> Result<
 ///
 /// # Errors
 /// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
-pub fn read_referenced(
-    document: &Document,
-    material: &Spanned<PathOr<MaterialFile>>,
-) -> Result<Material, Diagnostic> {
+pub fn read_referenced(document: &Document, material: &Spanned<PathOr<MaterialFile>>) -> Result<Material, Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => read_material(document, table, &material.span()),
         PathOr::Path(path) => read_file(&existing(document, material, path)?),
@@ -249,7 +246,8 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
         list(document, errors, FRICTION_STD)?;
     }
     if !friction.conditions.is_empty() {
-        let stray = [friction.static_mean.as_ref().map(Spanned::span), friction.dynamic_mean.as_ref().map(Spanned::span)];
+        let stray =
+            [friction.static_mean.as_ref().map(Spanned::span), friction.dynamic_mean.as_ref().map(Spanned::span)];
         if let Some(stray) = stray.into_iter().flatten().next() {
             return Err(document.refuse(stray, "stands beside coefficients per condition").expected("one of the two"));
         }
@@ -332,12 +330,9 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
             .refuse(law.factor.get_ref()[0].span(), "starts the law with a jump, since f = 1 below the first pressure")
             .expected("1 at the first pressure"));
     }
-    for (about, quantity) in [
-        (&law.rms_slope, SLOPE),
-        (&law.sa_um, LENGTH_UM),
-        (&law.pixel_um, LENGTH_UM),
-        (&law.poisson_ratio, POISSON),
-    ] {
+    for (about, quantity) in
+        [(&law.rms_slope, SLOPE), (&law.sa_um, LENGTH_UM), (&law.pixel_um, LENGTH_UM), (&law.poisson_ratio, POISSON)]
+    {
         document.optional(about.as_ref(), quantity)?;
     }
     if let Some(area_fraction) = &law.area_fraction {

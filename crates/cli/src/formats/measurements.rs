@@ -50,17 +50,17 @@ pub fn read(path: &Path) -> Result<Vec<Measurement>, Diagnostic> {
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
 pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
-    let refuse = |line: usize, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
+    let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
-        key: key.map(str::to_owned),
-        value: value.map(|value| format!("\"{value}\"")),
+        key: key.map(Into::into),
+        value: value.map(|value| format!("\"{value}\"").into()),
         ..Diagnostic::file(path, reason)
     };
     let mut lines = text
         .trim_start_matches('\u{feff}')
         .lines()
-        .enumerate()
-        .map(|(index, line)| (index + 1, line.trim()))
+        .zip(1..)
+        .map(|(line, number)| (number, line.trim()))
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let names = || COLUMNS.map(|(name, _, _)| name);
     let Some((header_line, header)) = lines.next() else {
@@ -71,7 +71,7 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
         let Some(column) = COLUMNS.iter().position(|column| column.0 == name) else {
             let mut refused = refuse(header_line, Some(name), None, "is not a known column".into())
                 .expected(format!("one of {}", names().join(", ")));
-            refused.suggestion = nearest(name, names()).map(str::to_owned);
+            refused.suggestion = nearest(name, names()).map(Into::into);
             return Err(refused);
         };
         if order.contains(&column) {
@@ -102,8 +102,9 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
             match cell.parse::<f64>() {
                 Ok(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
                 Ok(_) => {
-                    return Err(refuse(line, Some(name), Some(cell), "is out of range".into())
-                        .expected(quantity.to_string()));
+                    return Err(
+                        refuse(line, Some(name), Some(cell), "is out of range".into()).expected(quantity.to_string())
+                    );
                 }
                 Err(_) => {
                     return Err(
@@ -112,10 +113,25 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
                 }
             }
         }
-        if let [Some(force_n), Some(speed_m_s), Some(humidity), Some(mu_dynamic), Some(mu_dynamic_std), mu_static, mu_static_std] =
-            values
+        if let [
+            Some(force_n),
+            Some(speed_m_s),
+            Some(humidity),
+            Some(mu_dynamic),
+            Some(mu_dynamic_std),
+            mu_static,
+            mu_static_std,
+        ] = values
         {
-            rows.push(Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, mu_static, mu_static_std });
+            rows.push(Measurement {
+                force_n,
+                speed_m_s,
+                humidity,
+                mu_dynamic,
+                mu_dynamic_std,
+                mu_static,
+                mu_static_std,
+            });
         }
     }
     if rows.is_empty() {

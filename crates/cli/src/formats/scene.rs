@@ -183,8 +183,8 @@ impl SceneInput {
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, &material)?;
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
-        let (loads, friction_extrapolated) =
-            loads(&material.friction, &pressures_pa, condition.as_ref()).map_err(|error| document.refuse(asked, error.to_string()))?;
+        let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
+            .map_err(|error| document.refuse(asked, error.to_string()))?;
         let load = file.load.get_ref().pressure_mpa.span();
         let place = |number: Option<&Number>| number.map_or(load.clone(), Spanned::span);
         let sample = file.sample.get_ref();
@@ -308,7 +308,8 @@ pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Lay
         if blocks < 0.5 || (blocks - blocks.round()).abs() > 1e-6 * blocks {
             let named = value.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
             let whole_um = LENGTH_UM.from_si(blocks.round().max(1.0) * layer.block_m);
-            let reason = format!("makes {name} = {} no whole number of blocks of {block_um} um", LENGTH_UM.from_si(length_m));
+            let reason =
+                format!("makes {name} = {} no whole number of blocks of {block_um} um", LENGTH_UM.from_si(length_m));
             return Err(document
                 .refuse(named, reason)
                 .expected(format!("a multiple of block_um, for instance {name} = {whole_um}")));
@@ -340,11 +341,7 @@ pub fn read_pressures(
     Ok(read)
 }
 
-fn read_speed(
-    document: &Document,
-    load: &Spanned<LoadFile>,
-    condition: Option<&Condition>,
-) -> Result<f64, Diagnostic> {
+fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&Condition>) -> Result<f64, Diagnostic> {
     match (&load.get_ref().speed_mm_s, condition) {
         (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
         (None, Some(condition)) => Ok(condition.speed_m_s),
@@ -362,7 +359,8 @@ fn read_speed(
 
 fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result<RunOptions, Diagnostic> {
     let default = RunOptions::default();
-    let fidelity = file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
+    let fidelity =
+        file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
     let extent = file.extent.as_ref().map(|name| document.choice(name, &Extent::ALL, Extent::name)).transpose()?;
     let springs = file.springs.as_ref().map(|name| document.choice(name, &Springs::ALL, Springs::name)).transpose()?;
     if let Some(dimensions) = &file.dimensions {

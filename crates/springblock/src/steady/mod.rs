@@ -90,8 +90,7 @@ impl SteadyModel {
         if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
             return self.unloaded();
         }
-        let equilibrium = if self.liftoff { self.solve_unilateral(load) } else { iterate(&self.system, load) };
-        self.observe(load, &equilibrium)
+        self.observe(load, &self.equilibrium(load))
     }
 
     /// Lifts blocks under tension and lands those that sink below the counterface until none does.
@@ -130,6 +129,32 @@ impl SteadyModel {
         }
     }
 
+    /// Displacements over l of steady sliding under `load`, by block number j * nx + i, the bulk at x = 0.
+    #[must_use]
+    pub fn displacements(&self, load: &SteadyLoad) -> Vec<[f64; 2]> {
+        let (nx, ny) = (self.lattice.nx(), self.lattice.ny());
+        if load.pressure_pa == 0.0 || self.system.contacts().is_empty() {
+            return vec![[0.0; 2]; nx * ny];
+        }
+        let state = self.equilibrium(load);
+        let unit = self.displacement_unit(load.pressure_pa);
+        (0..nx * ny)
+            .map(|number| {
+                let dof = self.system.dof(number % nx, number / nx);
+                [state.displacement[dof] * unit, state.displacement[dof + 1] * unit]
+            })
+            .collect()
+    }
+
+    fn equilibrium(&self, load: &SteadyLoad) -> Equilibrium {
+        if self.liftoff { self.solve_unilateral(load) } else { iterate(&self.system, load) }
+    }
+
+    /// Unit of displacement over l: P l^2 / (k l) = P / (3/4 E).
+    fn displacement_unit(&self, pressure_pa: f64) -> f64 {
+        pressure_pa / (0.75 * self.youngs_modulus_pa)
+    }
+
     fn unloaded(&self) -> SurfaceOutcome {
         let contacts = self.system.contacts();
         SurfaceOutcome {
@@ -159,9 +184,7 @@ impl SteadyModel {
             .iter()
             .zip(state.normal.iter().zip(&state.friction))
             // p = F_n / (w l), forces in units of P l^2
-            .map(|(c, (n, t))| {
-                self.point(c.centre, n / c.width * load.pressure_pa, t / c.width * load.pressure_pa)
-            })
+            .map(|(c, (n, t))| self.point(c.centre, n / c.width * load.pressure_pa, t / c.width * load.pressure_pa))
             .collect();
         let compressive: f64 = state.normal.iter().filter(|n| **n > 0.0).sum();
         let friction: f64 = state.friction.iter().sum();
@@ -191,8 +214,7 @@ impl SteadyModel {
 
     /// Whether a ceiling sags to the counterface.
     fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
-        // displacement unit over l: P l^2 / (k l) = P / (3/4 E)
-        let unit = pressure_pa / (0.75 * self.youngs_modulus_pa);
+        let unit = self.displacement_unit(pressure_pa);
         self.lattice.columns().iter().enumerate().filter(|(_, column)| !column.is_land()).any(|(i, column)| {
             let ceiling = self.system.dof(i, self.lattice.lowest_row(i));
             column.cavity_rows + displacement[ceiling + 1] * unit <= 0.0
@@ -205,13 +227,14 @@ fn iterate(system: &System, load: &SteadyLoad) -> Equilibrium {
     let contacts = system.contacts();
     let scale = system.load();
     // Every contact starts from its share of the load.
-    let mut friction: Vec<f64> = contacts.iter().map(|c| if c.lifted { 0.0 } else { load.dynamic_mu[c.column] * c.width }).collect();
+    let mut friction: Vec<f64> =
+        contacts.iter().map(|c| if c.lifted { 0.0 } else { load.dynamic_mu[c.column] * c.width }).collect();
     let mut mixer = Anderson::new(friction.len());
     let mut displacement = vec![0.0; system.order()];
     let mut normal = vec![0.0; contacts.len()];
     let mut image = vec![0.0; contacts.len()];
     let mut best: Option<(f64, Vec<f64>)> = None;
-    let mut evaluate = |friction: &[f64], displacement: &mut [f64], normal: &mut [f64], image: &mut [f64]| {
+    let evaluate = |friction: &[f64], displacement: &mut [f64], normal: &mut [f64], image: &mut [f64]| {
         system.respond(friction, displacement, normal);
         for ((image, contact), &n) in image.iter_mut().zip(contacts).zip(normal.iter()) {
             let n = if contact.lifted { 0.0 } else { n.max(0.0) };

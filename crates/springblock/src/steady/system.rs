@@ -200,8 +200,8 @@ impl System {
             let (other_x, other_y) =
                 support.other.map_or((0.0, height), |dof| (displacement[dof], displacement[dof + 1]));
             // N = -(force of the springs on the block)_y
-            normal[support.contact] += support.kxy * (displacement[own] - other_x)
-                + support.kyy * (displacement[own + 1] - other_y);
+            normal[support.contact] +=
+                support.kxy * (displacement[own] - other_x) + support.kyy * (displacement[own + 1] - other_y);
         }
         for (normal, contact) in normal.iter_mut().zip(&self.contacts) {
             if contact.lifted {

@@ -48,7 +48,8 @@ fn a_flat_periodic_layer_is_uniform_and_slides_at_mu_f() {
 
 #[test]
 fn amontons_coulomb_gives_mu_d_for_any_pattern_and_the_bulk_feels_it() {
-    for (width, spacing, depth) in [(130.0, 370.0, 20.0), (133.0, 368.5, 13.0), (200.0, 60.0, 55.0), (40.0, 90.0, 4.0)] {
+    for (width, spacing, depth) in [(130.0, 370.0, 20.0), (133.0, 368.5, 13.0), (200.0, 60.0, 55.0), (40.0, 90.0, 4.0)]
+    {
         let model = cell(&pattern(width, spacing, depth), 10.0, 200.0);
         let dynamic_mu = vec![0.27; model.lattice().nx()];
         let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: None };
@@ -167,9 +168,15 @@ fn few_iterations_converge_to_rounding() {
 #[test]
 fn refinement_moves_the_ratio_by_less_than_stated() {
     let [coarse, middle, fine] = [10.0, 5.0, 2.5].map(|block_um| ratio(130.0, 370.0, 20.0, block_um));
-    println!("{coarse} {middle} {fine}");
     assert!((coarse - middle).abs() < 0.002, "{coarse} {middle}");
     assert!((middle - fine).abs() < 0.0007, "{middle} {fine}");
+}
+
+#[test]
+fn slope_in_width_is_that_of_a_fine_lattice() {
+    let slope = |block_um: f64| (ratio(134.0, 370.0, 20.0, block_um) - ratio(126.0, 370.0, 20.0, block_um)) / 8.0;
+    let (own, fine) = (slope(10.0), slope(2.0));
+    assert!((own / fine - 1.0).abs() < 0.2, "{own} {fine}");
 }
 
 #[test]
@@ -197,7 +204,6 @@ fn deep_body_pressures_converge_to_the_closed_form() {
         worst
     };
     let errors = [error(1), error(2)];
-    println!("{errors:?}");
     assert!(errors[0] < 0.03 && errors[1] < 0.6 * errors[0], "{errors:?}");
 }
 
@@ -257,7 +263,6 @@ fn the_ratio_is_continuous_in_width_spacing_and_depth() {
     let depth = sweep(37, |d| ratio(130.0, 370.0, 3.0 + d, 10.0));
     for (name, values) in [("width", width), ("spacing", spacing), ("depth", depth)] {
         let (worst, against) = roughness(&values);
-        println!("{name}: {worst:.1e} {against} {values:.4?}");
         assert!(worst < 6e-4 && !against, "{name}: {worst} {values:.5?}");
     }
 }

@@ -1,0 +1,310 @@
+//! The command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Designs laser-textured surfaces for a target dry friction.
+#[derive(Debug, Parser)]
+#[command(
+    name = "slipgrid",
+    version,
+    about,
+    arg_required_else_help = true,
+    after_help = "Units stand in the keys of all files (width_um, pressure_mpa, speed_mm_s).\n\n\
+        Exit codes: 0 done (optimize: target met), 2 input refused and nothing written,\n\
+        optimize also 3 target unreachable and 4 budget spent, 1 anything else.\n\n\
+        Examples:\n  \
+        slipgrid optimize designs/ldpe-lower-friction.toml\n  \
+        slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n  \
+        slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml -o ldpe.toml"
+)]
+pub struct Arguments {
+    /// Threads to compute with; all cores by default. Results do not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<NonZeroUsize>,
+    /// No progress bar and no notes; results still go to stdout
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Friction of a given surface at given loads
+    Simulate(SimulateArgs),
+    /// Search the pattern that brings friction to a target, confirm it, and write what a laser needs
+    Optimize(OptimizeArgs),
+    /// Local friction coefficients from measurements on flat samples
+    Calibrate(CalibrateArgs),
+    /// Real contact area of an altitude map against pressure
+    AreaLaw(AreaLawArgs),
+    /// Make a synthetic self-affine altitude map
+    Synthesize(SynthesizeArgs),
+    /// Write a result's design again in other formats
+    Export(ExportArgs),
+    /// Measured ratios patterned/flat beside the model's
+    Validate(ValidateArgs),
+}
+
+/// `simulate`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid simulate scene.toml\n  \
+    slipgrid simulate scene.toml --json > result.json\n  \
+    slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n\n\
+    steady solves the equilibrium with every contact block sliding: no time, no static friction;\n\
+    for searching. dynamic integrates in time by the fastest scheme whose error is measured; for\n\
+    confirming. reference is the published scheme to the letter (RK4, 1 ns); for judging the others.\n\n\
+    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+pub struct SimulateArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    /// What to solve; the scene's choice by default
+    #[arg(long, value_enum)]
+    pub fidelity: Option<FidelityName>,
+    /// One period with periodic sides, or the whole specimen; the scene's choice by default
+    #[arg(long, value_enum)]
+    pub extent: Option<ExtentName>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for result.json, tables and pictures
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `optimize`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid optimize designs/ldpe-lower-friction.toml\n  \
+    slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n\n\
+    Writes result.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
+    process.toml and pictures. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
+    it, 4 budget of evaluations spent; the best design is written in all three cases.\n\n\
+    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear. Of square cavities the\n\
+    model takes the section through their centres, as if they were grooves.")]
+pub struct OptimizeArgs {
+    /// Design file
+    pub design: PathBuf,
+    /// Folder for the results; out/NAME for designs/NAME.toml by default
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print result.json instead of a summary
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `calibrate`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml\n  \
+    slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml -o ldpe.toml\n\n\
+    Scenes and designs name the written file: material = \"ldpe.toml\".")]
+pub struct CalibrateArgs {
+    /// Calibration file
+    pub calibration: PathBuf,
+    /// Material file to write; without it the fit is only printed
+    #[arg(long, short, value_name = "MATERIAL.toml")]
+    pub output: Option<PathBuf>,
+}
+
+/// `area-law`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid area-law flat-map.asc --youngs-modulus-gpa 0.38\n  \
+    slipgrid area-law scan.txt --pixel-um 0.5 --height-unit nm --pressures-mpa 0.1,0.7,2.6 --json\n\n\
+    The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through\n\
+    the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.")]
+pub struct AreaLawArgs {
+    /// Altitude map
+    pub map: PathBuf,
+    /// Young's modulus
+    #[arg(long, default_value_t = 0.38, value_name = "GPA")]
+    pub youngs_modulus_gpa: f64,
+    /// Poisson's ratio; the default is 1/3
+    #[arg(long, default_value_t = 1.0 / 3.0, value_name = "NU", hide_default_value = true)]
+    pub poisson_ratio: f64,
+    /// Nominal pressures, separated by commas; 0.1 to 30 MPa by default
+    #[arg(long, value_delimiter = ',', value_name = "P,P,...")]
+    pub pressures_mpa: Option<Vec<f64>>,
+    /// Error at which the contact computation ends
+    #[arg(long, default_value_t = 1e-8, value_name = "ERROR")]
+    pub tolerance: f64,
+    /// Pixel size, for a plain matrix of heights
+    #[arg(long, value_name = "UM")]
+    pub pixel_um: Option<f64>,
+    /// Unit of the heights, for a plain matrix: m, mm, um or nm
+    #[arg(long, value_name = "UNIT")]
+    pub height_unit: Option<String>,
+    /// Do not subtract the least-squares plane
+    #[arg(long)]
+    pub no_level: bool,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for result.json, the table and a picture
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `synthesize`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid synthesize -o flat-map.asc\n  \
+    slipgrid synthesize --pixels 256 --hurst 0.7 --waves 4:32 --sa-um 0.3 --seed 7 -o rough.asc\n\n\
+    The defaults make the map that stands in for the unpublished one of the LDPE calibration.\n\
+    Waves n:m are the longest and the shortest wave, in waves per side.")]
+pub struct SynthesizeArgs {
+    /// Pixels per side
+    #[arg(long, default_value_t = 512, value_name = "N")]
+    pub pixels: usize,
+    /// Side of the square
+    #[arg(long, default_value_t = 1.0, value_name = "MM")]
+    pub side_mm: f64,
+    /// Hurst exponent
+    #[arg(long, default_value_t = 0.8, value_name = "H")]
+    pub hurst: f64,
+    /// Fewest and most waves per side
+    #[arg(long, default_value = "4:64", value_name = "MIN:MAX", value_parser = parse_waves)]
+    pub waves: (u32, u32),
+    /// Arithmetic mean height Sa
+    #[arg(long, default_value_t = 0.158, value_name = "UM")]
+    pub sa_um: f64,
+    /// Seed of the phases
+    #[arg(long, default_value_t = 20_240_607, value_name = "SEED")]
+    pub seed: u32,
+    /// Map to write
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// `export`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser")]
+pub struct ExportArgs {
+    /// result.json of `optimize`
+    pub result: PathBuf,
+    /// Formats, separated by commas
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = ExportFormat::ALL)]
+    pub format: Vec<ExportFormat>,
+    /// Folder for the files; the result's own by default
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `validate`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid validate\n  \
+    slipgrid validate calibration/ldpe-cast-iron/calibration.toml --json")]
+pub struct ValidateArgs {
+    /// Calibration file with measurements on patterned samples
+    #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]
+    pub calibration: PathBuf,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Names of the fidelities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FidelityName {
+    /// Equilibrium with every contact block sliding
+    Steady,
+    /// Time integration by the fastest scheme whose error is measured
+    Dynamic,
+    /// The published scheme to the letter
+    Reference,
+}
+
+impl From<FidelityName> for slipgrid_springblock::Fidelity {
+    fn from(name: FidelityName) -> Self {
+        match name {
+            FidelityName::Steady => Self::Steady,
+            FidelityName::Dynamic => Self::Dynamic,
+            FidelityName::Reference => Self::Reference,
+        }
+    }
+}
+
+/// Names of the extents.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExtentName {
+    /// One period with periodic sides
+    Cell,
+    /// The whole specimen with free sides
+    Sample,
+}
+
+impl From<ExtentName> for slipgrid_springblock::Extent {
+    fn from(name: ExtentName) -> Self {
+        match name {
+            ExtentName::Cell => Self::Cell,
+            ExtentName::Sample => Self::Sample,
+        }
+    }
+}
+
+/// Formats of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ExportFormat {
+    /// pattern.dxf, drawing for the laser
+    Dxf,
+    /// pattern.svg, picture to scale
+    Svg,
+    /// pattern.csv, one row per cavity
+    Csv,
+    /// process.toml, process sheet
+    Process,
+}
+
+impl ExportFormat {
+    /// All formats.
+    pub const ALL: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
+}
+
+impl std::fmt::Display for ExportFormat {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Dxf => "dxf",
+            Self::Svg => "svg",
+            Self::Csv => "csv",
+            Self::Process => "process",
+        })
+    }
+}
+
+fn parse_waves(text: &str) -> Result<(u32, u32), String> {
+    let expected = || "expected two whole numbers, for instance 4:64".to_owned();
+    let (least, most) = text.split_once(':').ok_or_else(expected)?;
+    match (least.trim().parse(), most.trim().parse()) {
+        (Ok(least), Ok(most)) if 0 < least && least <= most => Ok((least, most)),
+        (Ok(_), Ok(_)) => Err("expected the smaller number first, from 1 up".to_owned()),
+        _ => Err(expected()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn waves_are_a_range() {
+        assert_eq!(parse_waves("4:64"), Ok((4, 64)));
+        for bad in ["4", "64:4", "0:4", "a:b", "4:"] {
+            assert!(parse_waves(bad).is_err(), "{bad}");
+        }
+    }
+}

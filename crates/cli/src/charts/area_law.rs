@@ -1,0 +1,120 @@
+use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::plot::{Axis, Plot};
+use super::{ChartError, check, check_length};
+
+/// Real contact area and the factor that follows from it, against pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaLawChart<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Pressures, in MPa, increasing.
+    pub pressure_mpa: &'a [f64],
+    /// Real contact area over nominal area, one per pressure.
+    pub area_fraction: &'a [f64],
+    /// The factor f, one per pressure.
+    pub factor: &'a [f64],
+    /// Pressure P0 up to which friction is proportional to load, in MPa, and the area fraction there.
+    pub threshold: Option<[f64; 2]>,
+}
+
+/// Height of the picture.
+const HEIGHT: f64 = 640.0;
+/// Between the panels.
+const GAP: f64 = 22.0;
+
+/// Draws area fraction above factor over one pressure axis, with the line through the origin that
+/// proportional friction would follow.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw, lengths differ or a value is not finite.
+pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
+    check_length(chart.title, chart.pressure_mpa.len(), chart.area_fraction.len())?;
+    check_length(chart.title, chart.pressure_mpa.len(), chart.factor.len())?;
+    let values = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor);
+    check(chart.title, chart.pressure_mpa)?;
+    check(chart.title, values().chain(chart.threshold.iter().flatten()))?;
+
+    let [blue, vermilion, ..] = PALETTE;
+    let mut legend = vec![
+        (Swatch::Mark(Mark::Circle, blue), "real contact area"),
+        (Swatch::Mark(Mark::Square, vermilion), "factor f"),
+    ];
+    if chart.threshold.is_some() {
+        legend.push((Swatch::Dashed(GREY), "proportional to load"));
+    }
+    let column = |column: &[f64]| -> Vec<[f64; 2]> {
+        chart.pressure_mpa.iter().zip(column).map(|(&pressure, &value)| [pressure, value]).collect()
+    };
+    let x_axis = Axis::from_zero("nominal pressure (MPa)", chart.pressure_mpa.iter().copied());
+    let area_axis = Axis::from_zero("area fraction", chart.area_fraction.iter().copied());
+    let factor_axis = Axis::around("factor f", chart.factor.iter().copied().chain([1.0]));
+    let area_high = chart.area_fraction.iter().fold(0.0_f64, |high, &area| high.max(area));
+    let last = chart.pressure_mpa.iter().fold(0.0_f64, |high, &pressure| high.max(pressure));
+    picture(HEIGHT, |canvas| {
+        let top = canvas.heading(chart.title, &legend)?;
+        let (right, bottom) = (WIDTH - RIGHT, HEIGHT - 62.0);
+        let panel = (bottom - top - GAP) / 2.0;
+
+        let upper = Plot::new(canvas, [LEFT, top, right, top + panel], x_axis.clone().unlabelled(), area_axis)?;
+        if let Some([threshold_mpa, area]) = chart.threshold {
+            upper.vertical(threshold_mpa, "P0")?;
+            if area > 0.0 && threshold_mpa > 0.0 {
+                // A = A(P0) P/P0, as far as the panel goes.
+                let end_mpa = last.min(area_high / area * threshold_mpa);
+                upper.dashed([[0.0, 0.0], [end_mpa, area * end_mpa / threshold_mpa]], GREY)?;
+            }
+        }
+        let points = column(chart.area_fraction);
+        upper.line(&points, blue, 1.8)?;
+        for &point in &points {
+            upper.mark(Mark::Circle, point, None, 0.0, blue)?;
+        }
+
+        let lower = Plot::new(canvas, [LEFT, bottom - panel, right, bottom], x_axis, factor_axis)?;
+        if let Some([threshold_mpa, _]) = chart.threshold {
+            lower.vertical(threshold_mpa, "")?;
+            lower.horizontal(1.0, GREY)?;
+        }
+        let points = column(chart.factor);
+        lower.line(&points, vermilion, 1.8)?;
+        for &point in &points {
+            lower.mark(Mark::Square, point, None, 0.0, vermilion)?;
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_panels_share_the_pressure_axis() {
+        let chart = AreaLawChart {
+            title: "Area law",
+            pressure_mpa: &[0.35, 0.7, 1.4, 2.8],
+            area_fraction: &[0.1, 0.2, 0.35, 0.5],
+            factor: &[1.0, 1.0, 0.875, 0.625],
+            threshold: Some([0.7, 0.2]),
+        };
+        let svg = area_law(&chart).unwrap();
+        for text in ["area fraction", "factor f", "P0", "proportional to load"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert_eq!(svg.matches("\nnominal pressure (MPa)\n").count(), 1);
+        // Four marks in each panel and one in the legend.
+        assert_eq!(svg.matches("<circle").count(), 5);
+    }
+
+    #[test]
+    fn columns_of_unequal_length_are_refused() {
+        let chart = AreaLawChart {
+            title: "t",
+            pressure_mpa: &[1.0, 2.0],
+            area_fraction: &[0.1],
+            factor: &[1.0, 1.0],
+            threshold: None,
+        };
+        assert!(matches!(area_law(&chart), Err(ChartError::LengthMismatch { left: 2, right: 1, .. })));
+    }
+}

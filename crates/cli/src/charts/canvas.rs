@@ -1,0 +1,226 @@
+//! The page: text, title, legend, and the palette.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+use super::ChartError;
+
+/// Blue, vermilion, bluish green, reddish purple, orange: Okabe and Ito's palette.
+pub(super) const PALETTE: [RGBColor; 5] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+];
+pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
+pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
+pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+
+/// Width of every picture.
+pub(super) const WIDTH: f64 = 900.0;
+/// Space left of the axes for numbers and the axis title, and right of them.
+pub(super) const LEFT: f64 = 88.0;
+pub(super) const RIGHT: f64 = 28.0;
+
+/// The drawing library rounds to whole pixels: pictures are drawn this much larger, and the view
+/// box scales them back.
+const PRECISION: f64 = 8.0;
+/// The drawing library writes a font size of s as s / 1.24.
+const FONT_FACTOR: f64 = 1.24;
+/// Mean width of a character over the font size, on the generous side.
+const CHARACTER_WIDTH: f64 = 0.58;
+
+const TITLE_SIZE: f64 = 18.0;
+pub(super) const TEXT_SIZE: f64 = 14.0;
+const LEGEND_HEIGHT: f64 = 22.0;
+const SWATCH: f64 = 26.0;
+
+/// What stands beside a name in the legend.
+#[derive(Clone, Copy)]
+pub(super) enum Swatch {
+    Line(RGBColor),
+    Dashed(RGBColor),
+    Band(RGBColor, f64),
+    Mark(Mark, RGBColor),
+}
+
+/// Shapes of points.
+#[derive(Clone, Copy)]
+pub(super) enum Mark {
+    Circle,
+    /// Larger and open, so that a mark inside it shows.
+    Ring,
+    Square,
+    Diamond,
+    Triangle,
+}
+
+impl Mark {
+    /// One shape per series.
+    pub(super) const ALL: [Self; 5] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Ring];
+}
+
+/// A picture under construction; positions in the picture's own units, y down.
+pub(super) struct Canvas<'a> {
+    root: DrawingArea<SVGBackend<'a>, Shift>,
+}
+
+/// Draws a picture `height` high.
+pub(super) fn picture(
+    height: f64,
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
+) -> Result<String, ChartError> {
+    // Heights are a few hundred units: the casts are exact.
+    let size = ((WIDTH * PRECISION) as u32, (height * PRECISION) as u32);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
+        root.fill(&WHITE).map_err(failed)?;
+        let canvas = Canvas { root };
+        draw(&canvas)?;
+        canvas.root.present().map_err(failed)?;
+    }
+    let drawn = format!("<svg width=\"{}\" height=\"{}\"", size.0, size.1);
+    Ok(svg.replacen(&drawn, &format!("<svg width=\"{WIDTH}\" height=\"{height}\""), 1))
+}
+
+fn failed(error: impl std::fmt::Display) -> ChartError {
+    ChartError::Drawing { reason: error.to_string() }
+}
+
+fn pixel(point: [f64; 2]) -> (i32, i32) {
+    // Positions lie on the page: the casts do not saturate.
+    ((point[0] * PRECISION).round() as i32, (point[1] * PRECISION).round() as i32)
+}
+
+fn pixels(points: &[[f64; 2]]) -> Vec<(i32, i32)> {
+    points.iter().copied().map(pixel).collect()
+}
+
+fn stroke(color: RGBColor, width: f64) -> ShapeStyle {
+    ShapeStyle::from(&color).stroke_width((width * PRECISION).round() as u32)
+}
+
+impl Canvas<'_> {
+    pub(super) fn line(&self, points: &[[f64; 2]], color: RGBColor, width: f64) -> Result<(), ChartError> {
+        if points.len() < 2 {
+            return Ok(());
+        }
+        self.root.draw(&PathElement::new(pixels(points), stroke(color, width))).map_err(failed)
+    }
+
+    /// A straight dashed line.
+    pub(super) fn dashed(&self, [from, to]: [[f64; 2]; 2], color: RGBColor, width: f64) -> Result<(), ChartError> {
+        const DASH: f64 = 6.0;
+        const GAP: f64 = 4.0;
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let at = |distance: f64| {
+            let share = distance.min(length) / length;
+            [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+        };
+        let mut start = 0.0;
+        while start < length {
+            self.line(&[at(start), at(start + DASH)], color, width)?;
+            start += DASH + GAP;
+        }
+        Ok(())
+    }
+
+    pub(super) fn polygon(&self, points: &[[f64; 2]], color: RGBColor, opacity: f64) -> Result<(), ChartError> {
+        self.root.draw(&Polygon::new(pixels(points), color.mix(opacity))).map_err(failed)
+    }
+
+    pub(super) fn rectangle(&self, [from, to]: [[f64; 2]; 2], color: RGBColor, opacity: f64) -> Result<(), ChartError> {
+        self.root.draw(&Rectangle::new([pixel(from), pixel(to)], color.mix(opacity).filled())).map_err(failed)
+    }
+
+    pub(super) fn mark(&self, mark: Mark, [x, y]: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
+        const RADIUS: f64 = 5.0;
+        let polygon = |corners: &[[f64; 2]]| {
+            let points: Vec<[f64; 2]> = corners.iter().map(|[dx, dy]| [x + RADIUS * dx, y + RADIUS * dy]).collect();
+            self.polygon(&points, color, 1.0)
+        };
+        match mark {
+            Mark::Circle => {
+                self.root.draw(&Circle::new(pixel([x, y]), RADIUS * PRECISION, color.filled())).map_err(failed)
+            }
+            Mark::Ring => {
+                let ring = Circle::new(pixel([x, y]), 1.7 * RADIUS * PRECISION, stroke(color, 2.0));
+                self.root.draw(&ring).map_err(failed)
+            }
+            Mark::Square => polygon(&[[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]]),
+            Mark::Diamond => polygon(&[[0.0, -1.3], [1.3, 0.0], [0.0, 1.3], [-1.3, 0.0]]),
+            Mark::Triangle => polygon(&[[0.0, -1.2], [1.15, 0.9], [-1.15, 0.9]]),
+        }
+    }
+
+    pub(super) fn text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        anchor: (HPos, VPos),
+        color: RGBColor,
+    ) -> Result<(), ChartError> {
+        self.styled_text(text, at, anchor, color, TEXT_SIZE, FontStyle::Normal, FontTransform::None)
+    }
+
+    /// Text that reads upwards.
+    pub(super) fn upward_text(&self, text: &str, at: [f64; 2]) -> Result<(), ChartError> {
+        let anchor = (HPos::Center, VPos::Top);
+        self.styled_text(text, at, anchor, INK, TEXT_SIZE, FontStyle::Normal, FontTransform::Rotate270)
+    }
+
+    #[allow(clippy::too_many_arguments)] // the one place where every property of a text meets
+    fn styled_text(
+        &self,
+        text: &str,
+        at: [f64; 2],
+        (horizontal, vertical): (HPos, VPos),
+        color: RGBColor,
+        size: f64,
+        style: FontStyle,
+        transform: FontTransform,
+    ) -> Result<(), ChartError> {
+        // Control characters have no place in XML.
+        let text: String = text.chars().filter(|c| !c.is_control()).collect();
+        let style = TextStyle::from(("sans-serif", size * FONT_FACTOR * PRECISION, style).into_font())
+            .transform(transform)
+            .color(&color)
+            .pos(Pos::new(horizontal, vertical));
+        self.root.draw(&Text::new(text, pixel(at), style)).map_err(failed)
+    }
+
+    /// Title and legend at the top of the page; returns the height they take.
+    pub(super) fn heading(&self, title: &str, legend: &[(Swatch, &str)]) -> Result<f64, ChartError> {
+        let anchor = (HPos::Left, VPos::Center);
+        self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)?;
+        let mut at = [LEFT, 52.0];
+        for &(swatch, label) in legend {
+            let width = SWATCH + 8.0 + text_width(label) + 22.0;
+            if at[0] > LEFT && at[0] + width > WIDTH - RIGHT {
+                at = [LEFT, at[1] + LEGEND_HEIGHT];
+            }
+            self.swatch(swatch, at)?;
+            self.text(label, [at[0] + SWATCH + 8.0, at[1]], anchor, INK)?;
+            at[0] += width;
+        }
+        Ok(if legend.is_empty() { 48.0 } else { at[1] + LEGEND_HEIGHT })
+    }
+
+    fn swatch(&self, swatch: Swatch, [x, y]: [f64; 2]) -> Result<(), ChartError> {
+        let ends = [[x, y], [x + SWATCH, y]];
+        match swatch {
+            Swatch::Line(color) => self.line(&ends, color, 2.5),
+            Swatch::Dashed(color) => self.dashed(ends, color, 2.0),
+            Swatch::Band(color, opacity) => self.rectangle([[x, y - 6.0], [x + SWATCH, y + 6.0]], color, opacity),
+            Swatch::Mark(mark, color) => self.mark(mark, [x + SWATCH / 2.0, y], color),
+        }
+    }
+}
+
+/// Estimated width of a text of the usual size.
+fn text_width(text: &str) -> f64 {
+    text.chars().count() as f64 * CHARACTER_WIDTH * TEXT_SIZE
+}

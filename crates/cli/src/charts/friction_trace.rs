@@ -1,0 +1,145 @@
+use plotters::style::RGBColor;
+
+use super::canvas::{GREY, INK, LEFT, PALETTE, Swatch, TEXT_SIZE, WIDTH, picture};
+use super::plot::{Axis, Plot};
+use super::{ChartError, Series, check};
+
+/// Friction coefficient against time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionTraceChart<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// One per surface: flat, patterned.
+    pub traces: &'a [Trace<'a>],
+}
+
+/// The trace of one surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trace<'a> {
+    /// Time in milliseconds and friction coefficient.
+    pub series: Series<'a>,
+    /// From when to when the dynamic coefficient was averaged, in milliseconds.
+    pub window_ms: Option<[f64; 2]>,
+    /// The mean over that window.
+    pub mu_dynamic: Option<f64>,
+}
+
+/// Height of the picture.
+const HEIGHT: f64 = 500.0;
+/// Room for the means' values at the right.
+const VALUES: f64 = 84.0;
+const SHADE: f64 = 0.12;
+
+/// Draws friction against time, the averaging windows shaded and their means marked.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw or a value is not finite.
+pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartError> {
+    let points = || chart.traces.iter().flat_map(|trace| trace.series.points);
+    check(chart.title, points().flatten())?;
+    let marks = || chart.traces.iter().flat_map(|trace| trace.window_ms.into_iter().flatten().chain(trace.mu_dynamic));
+    if let Some(value) = marks().find(|value| !value.is_finite()) {
+        return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
+    }
+
+    let coloured = || chart.traces.iter().zip(PALETTE.into_iter().cycle());
+    let mut legend: Vec<(Swatch, &str)> =
+        coloured().map(|(trace, color)| (Swatch::Line(color), trace.series.label)).collect();
+    if chart.traces.iter().any(|trace| trace.window_ms.is_some()) {
+        legend.push((Swatch::Band(GREY, SHADE), "averaging window"));
+    }
+    if chart.traces.iter().any(|trace| trace.mu_dynamic.is_some()) {
+        legend.push((Swatch::Dashed(INK), "mean over the window"));
+    }
+
+    let x_axis = || {
+        let times = points().map(|point| point[0]);
+        let [low, high] = times.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], t| [l.min(t), h.max(t)]);
+        Axis::over("time (ms)", if high > low { [low.min(0.0), high] } else { [low - 0.5, high + 0.5] })
+    };
+    let mu = points().map(|point| point[1]).chain(chart.traces.iter().filter_map(|trace| trace.mu_dynamic));
+    let y_axis = Axis::from_zero("friction coefficient", mu);
+    picture(HEIGHT, |canvas| {
+        let top = canvas.heading(chart.title, &legend)?;
+        let frame = [LEFT, top, WIDTH - VALUES, HEIGHT - 62.0];
+        let plot = Plot::new(canvas, frame, x_axis(), y_axis)?;
+        for span_ms in united(chart.traces.iter().filter_map(|trace| trace.window_ms).collect()) {
+            plot.span(span_ms, GREY, SHADE)?;
+        }
+        for (trace, color) in coloured() {
+            plot.line(trace.series.points, color, 1.6)?;
+        }
+        let mut means: Vec<(f64, f64, RGBColor)> = Vec::new();
+        for (trace, color) in coloured() {
+            let (Some(mean), [first, .., last]) = (trace.mu_dynamic, trace.series.points) else { continue };
+            let [from, to] = trace.window_ms.unwrap_or([first[0], last[0]]);
+            plot.dashed([[from, mean], [to, mean]], INK)?;
+            means.push((plot.at([to, mean])[1], mean, color));
+        }
+        // Values from the top down, none over another.
+        means.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut free = f64::NEG_INFINITY;
+        for (page_y, mean, color) in means {
+            let page_y = page_y.max(free);
+            plot.margin_text(&format!("{mean:.4}"), page_y, color)?;
+            free = page_y + 1.2 * TEXT_SIZE;
+        }
+        Ok(())
+    })
+}
+
+/// Spans that overlap, made one: shading does not add up.
+fn united(mut spans: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    spans.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut united: Vec<[f64; 2]> = Vec::new();
+    for span in spans {
+        match united.last_mut() {
+            Some(last) if span[0] <= last[1] => last[1] = last[1].max(span[1]),
+            _ => united.push(span),
+        }
+    }
+    united
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_means_and_title_are_text_and_the_bytes_are_the_same() {
+        let points = [[0.0, 0.0], [0.5, 0.3], [1.0, 0.27]];
+        let trace = |label, mean| Trace {
+            series: Series { label, points: &points },
+            window_ms: Some([0.6, 1.0]),
+            mu_dynamic: Some(mean),
+        };
+        let traces = [trace("flat", 0.2702), trace("patterned <130>", 0.2148)];
+        let chart = FrictionTraceChart { title: "Friction at 2.6 MPa", traces: &traces };
+        let svg = friction_trace(&chart).unwrap();
+        for text in ["Friction at 2.6 MPa", "time (ms)", "flat", "patterned &lt;130&gt;", "0.2702", "0.2148"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(svg.starts_with("<svg width=\"900\" height=\"500\" viewBox=\"0 0 7200 4000\""));
+        assert_eq!(svg, friction_trace(&chart).unwrap());
+    }
+
+    #[test]
+    fn overlapping_windows_are_shaded_once() {
+        assert_eq!(united(vec![[0.64, 1.0], [0.6, 0.9], [2.0, 3.0]]), [[0.6, 1.0], [2.0, 3.0]]);
+    }
+
+    #[test]
+    fn nothing_and_infinity_are_refused() {
+        let empty = FrictionTraceChart { title: "t", traces: &[] };
+        assert!(matches!(friction_trace(&empty), Err(ChartError::Empty { .. })));
+        let points = [[0.0, f64::NAN]];
+        let traces = [Trace { series: Series { label: "a", points: &points }, window_ms: None, mu_dynamic: None }];
+        // A mean without a trace is left out beside a trace that is there.
+        let there = [[0.0, 0.1], [1.0, 0.2]];
+        let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(0.1234) };
+        let half = friction_trace(&FrictionTraceChart { title: "t", traces: &[trace(&[]), trace(&there)] }).unwrap();
+        assert_eq!(half.matches("0.1234").count(), 1);
+        let bad = FrictionTraceChart { title: "t", traces: &traces };
+        assert!(matches!(friction_trace(&bad), Err(ChartError::NotFinite { .. })));
+    }
+}

@@ -1,0 +1,97 @@
+//! Pictures of results: pure functions from values to SVG text.
+//!
+//! | function | picture |
+//! |---|---|
+//! | [`friction_trace`] | friction coefficient against time, averaging window and mean |
+//! | [`interface_pressure`] | pressure along the interface |
+//! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
+//! | [`area_law`] | real contact area and the factor f against pressure |
+//! | [`ratios`] | measured beside modelled ratios |
+//!
+//! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
+//! are those of Okabe and Ito, which every common colour vision tells apart; marks differ in shape
+//! as well. The same values give the same bytes.
+
+mod area_law;
+mod canvas;
+mod friction_trace;
+mod interface_pressure;
+mod plot;
+mod ratios;
+mod target;
+
+pub use area_law::{AreaLawChart, area_law};
+pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
+pub use interface_pressure::{InterfacePressureChart, interface_pressure};
+pub use ratios::{RatioSeries, RatiosChart, ratios};
+pub use target::{TargetChart, TargetPoint, target};
+
+/// A labelled line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Series<'a> {
+    /// Name in the legend.
+    pub label: &'a str,
+    /// `[x, y]`, x not decreasing, in the units of the chart's axes.
+    pub points: &'a [[f64; 2]],
+}
+
+/// A value with its standard error or deviation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Half the length of its error bar; none is drawn where it is absent.
+    pub error: Option<f64>,
+}
+
+/// Why a chart was not drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ChartError {
+    /// Nothing to draw.
+    #[error("chart \"{title}\": there are no values to draw")]
+    Empty {
+        /// Title of the chart.
+        title: String,
+    },
+    /// A value that has no place on an axis.
+    #[error("chart \"{title}\": {value} cannot be drawn, expected a finite number")]
+    NotFinite {
+        /// Title of the chart.
+        title: String,
+        /// The value.
+        value: f64,
+    },
+    /// Two columns that should have equal lengths.
+    #[error("chart \"{title}\": {left} pressures but {right} values")]
+    LengthMismatch {
+        /// Title of the chart.
+        title: String,
+        /// Number of pressures.
+        left: usize,
+        /// Number of values.
+        right: usize,
+    },
+    /// The drawing library failed.
+    #[error("drawing failed: {reason}")]
+    Drawing {
+        /// What it said.
+        reason: String,
+    },
+}
+
+/// Checks that there are values and that all are finite.
+fn check<'a>(title: &str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), ChartError> {
+    let mut values = values.into_iter().peekable();
+    if values.peek().is_none() {
+        return Err(ChartError::Empty { title: title.to_owned() });
+    }
+    match values.find(|value| !value.is_finite()) {
+        Some(&value) => Err(ChartError::NotFinite { title: title.to_owned(), value }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a column has one value per pressure.
+fn check_length(title: &str, left: usize, right: usize) -> Result<(), ChartError> {
+    if left == right { Ok(()) } else { Err(ChartError::LengthMismatch { title: title.to_owned(), left, right }) }
+}

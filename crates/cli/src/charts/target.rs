@@ -1,0 +1,147 @@
+use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::plot::{Axis, Plot};
+use super::{ChartError, Estimate, check};
+
+/// What was wanted, what the search predicts and what the confirming run found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetChart<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Title of the vertical axis: what the target is about.
+    pub quantity: &'a str,
+    /// The target, pressures increasing.
+    pub target: &'a [TargetPoint],
+    /// Predicted: nominal pressure in MPa and value.
+    pub predicted: &'a [[f64; 2]],
+    /// Confirmed: nominal pressure in MPa and value with its standard error.
+    pub confirmed: &'a [(f64, Estimate)],
+    /// The flat surface in the same quantity: nominal pressure in MPa and value. May be empty.
+    pub flat: &'a [[f64; 2]],
+}
+
+/// One point of the target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TargetPoint {
+    /// Nominal pressure, in MPa.
+    pub pressure_mpa: f64,
+    /// The value wanted.
+    pub value: f64,
+    /// Permitted departure, plus or minus.
+    pub tolerance: f64,
+}
+
+/// Height of the picture.
+const HEIGHT: f64 = 500.0;
+const BAND: f64 = 0.22;
+/// Draws target, prediction and confirmation against pressure.
+///
+/// # Errors
+/// [`ChartError`] if there is no target or a value is not finite.
+pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
+    check(chart.title, chart.target.iter().flat_map(|point| [&point.pressure_mpa, &point.value, &point.tolerance]))?;
+    let confirmed_points = || chart.confirmed.iter().map(|&(pressure, estimate)| [pressure, estimate.value]);
+    let bars = || {
+        chart.confirmed.iter().flat_map(|&(_, Estimate { value, error })| {
+            let error = error.unwrap_or(0.0);
+            [value - error, value + error]
+        })
+    };
+    let points = || chart.predicted.iter().chain(chart.flat).copied().chain(confirmed_points());
+    let limits =
+        || chart.target.iter().flat_map(|point| [point.value - point.tolerance, point.value + point.tolerance]);
+    let pressures = || chart.target.iter().map(|point| point.pressure_mpa).chain(points().map(|point| point[0]));
+    let values = || limits().chain(points().map(|point| point[1])).chain(bars());
+    if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
+        return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
+    }
+
+    let [blue, vermilion, green, ..] = PALETTE;
+    let mut legend =
+        vec![(Swatch::Band(green, BAND), "target ± tolerance"), (Swatch::Mark(Mark::Diamond, green), "target")];
+    if !chart.predicted.is_empty() {
+        legend.push((Swatch::Mark(Mark::Ring, blue), "predicted"));
+    }
+    if !chart.confirmed.is_empty() {
+        let bars = chart.confirmed.iter().any(|(_, estimate)| estimate.error.is_some());
+        let label = if bars { "confirmed ± standard error" } else { "confirmed" };
+        legend.push((Swatch::Mark(Mark::Square, vermilion), label));
+    }
+    if !chart.flat.is_empty() {
+        legend.push((Swatch::Line(GREY), "flat surface"));
+    }
+
+    // The band reaches a little beyond the first and the last pressure, so that marks lie on it.
+    let (Some(first), Some(last)) = (chart.target.first(), chart.target.last()) else {
+        return Err(ChartError::Empty { title: chart.title.to_owned() });
+    };
+    let (low_mpa, high_mpa) =
+        pressures().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let beyond_mpa = if high_mpa > low_mpa { 0.03 * (high_mpa - low_mpa) } else { 0.01 * high_mpa.abs() };
+    let ends = [(first, -beyond_mpa), (last, beyond_mpa)]
+        .map(|(point, beyond_mpa)| TargetPoint { pressure_mpa: point.pressure_mpa + beyond_mpa, ..*point });
+    let widened = || ends[..1].iter().chain(chart.target).chain(&ends[1..]);
+    let edge = |side: f64| widened().map(move |point| [point.pressure_mpa, point.value + side * point.tolerance]);
+    let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
+
+    let x_axis = Axis::around("nominal pressure (MPa)", pressures());
+    let y_axis = Axis::around(chart.quantity, values());
+    picture(HEIGHT, |canvas| {
+        let top = canvas.heading(chart.title, &legend)?;
+        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
+        plot.polygon(&band, green, BAND)?;
+        plot.line(chart.flat, GREY, 1.6)?;
+        for &point in chart.flat {
+            plot.mark(Mark::Triangle, point, None, 0.0, GREY)?;
+        }
+        let wanted: Vec<[f64; 2]> = edge(0.0).collect();
+        plot.line(&wanted, green, 1.6)?;
+        for point in chart.target {
+            plot.mark(Mark::Diamond, [point.pressure_mpa, point.value], None, 0.0, green)?;
+        }
+        for &(pressure, estimate) in chart.confirmed {
+            plot.mark(Mark::Square, [pressure, estimate.value], estimate.error, 0.0, vermilion)?;
+        }
+        for &point in chart.predicted {
+            plot.mark(Mark::Ring, point, None, 0.0, blue)?;
+        }
+        Ok(())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TARGET: [TargetPoint; 2] = [
+        TargetPoint { pressure_mpa: 0.65, value: 0.97, tolerance: 0.01 },
+        TargetPoint { pressure_mpa: 2.6, value: 0.83, tolerance: 0.01 },
+    ];
+
+    #[test]
+    fn only_what_is_there_stands_in_the_legend() {
+        let bare = TargetChart {
+            title: "Target",
+            quantity: "friction ratio",
+            target: &TARGET,
+            predicted: &[],
+            confirmed: &[],
+            flat: &[],
+        };
+        let svg = target(&bare).unwrap();
+        assert!(svg.contains("\ntarget ± tolerance\n") && svg.contains("\nfriction ratio\n"));
+        assert!(!svg.contains("\npredicted\n") && !svg.contains("\nflat surface\n"));
+        let confirmed = [(0.65, Estimate { value: 0.971, error: Some(0.002) })];
+        let full = TargetChart { predicted: &[[0.65, 0.972]], confirmed: &confirmed, flat: &[[0.65, 1.0]], ..bare };
+        let svg = target(&full).unwrap();
+        assert!(svg.contains("\npredicted\n") && svg.contains("\nconfirmed ± standard error\n"));
+        assert!(svg.contains("\nflat surface\n"));
+        // One point of the target is drawn as well.
+        assert!(target(&TargetChart { target: &TARGET[..1], ..full }).is_ok());
+    }
+
+    #[test]
+    fn a_target_without_points_is_refused() {
+        let chart = TargetChart { title: "t", quantity: "q", target: &[], predicted: &[], confirmed: &[], flat: &[] };
+        assert!(matches!(target(&chart), Err(ChartError::Empty { .. })));
+    }
+}

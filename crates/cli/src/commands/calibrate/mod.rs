@@ -1,0 +1,205 @@
+//! `calibrate`: local friction coefficients from measurements on flat samples.
+
+mod fit;
+mod write;
+
+use std::path::Path;
+
+use slipgrid_contact::Status;
+use slipgrid_material::{AreaLaw, Elastic, Material};
+
+use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law};
+use crate::args::CalibrateArgs;
+use crate::diagnostic::Diagnostic;
+use crate::formats::calibration::{Calibration, Coefficients, Surface};
+use crate::formats::material::read_material;
+use crate::formats::measurements::Measurement;
+use crate::formats::{Document, material::MaterialFile};
+use crate::output::{check_file, write_file};
+use crate::progress::Progress;
+use crate::report::Table;
+use crate::report::table::fixed;
+use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
+use crate::{CliError, Console, exit_code};
+
+/// Error at which the contact computation of a calibration ends: far below what f needs.
+const CONTACT_TOLERANCE: f64 = 1e-8;
+
+/// What a fit takes: everything that was read or computed before it.
+#[derive(Clone, Debug)]
+pub struct CalibrationInput {
+    /// Young's modulus and density.
+    pub elastic: Elastic,
+    /// Area law; absent for Amontons-Coulomb.
+    pub area_law: Option<AreaLaw>,
+    /// Radius of one specimen, in metres.
+    pub specimen_radius_m: f64,
+    /// Measurements on flat samples.
+    pub measurements: Vec<Measurement>,
+    /// What is fitted.
+    pub coefficients: Coefficients,
+    /// Scatter of the local coefficients relative to their means: no mean identifies it.
+    pub relative_std: f64,
+}
+
+/// Coefficients fitted at one measurement, or for all of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FittedPair {
+    /// Mean local static coefficient.
+    pub static_mean: f64,
+    /// Its standard error, where it was fitted.
+    pub static_std_error: Option<f64>,
+    /// Mean local dynamic coefficient.
+    pub dynamic_mean: f64,
+    /// Its standard error.
+    pub dynamic_std_error: Option<f64>,
+}
+
+/// What a fit found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// One pair for all, or one per measurement in their order.
+    pub pairs: Vec<FittedPair>,
+    /// Model minus measurement of dynamic friction on the flat sample, one per measurement.
+    pub residuals: Vec<f64>,
+    /// How values were obtained, what was assumed.
+    pub notes: Vec<String>,
+}
+
+/// The surface behind an area law, for the material file.
+#[derive(Clone, Debug, Default)]
+struct SurfaceFacts {
+    origin: Option<&'static str>,
+    synthetic: bool,
+    rms_slope: Option<f64>,
+    sa_m: Option<f64>,
+    pixel_m: Option<f64>,
+    curve: Vec<AreaPoint>,
+    notes: Vec<String>,
+}
+
+/// A calibration made: the material, as a file and validated.
+struct Calibrated {
+    file: String,
+    material: Material,
+    fit: Fit,
+}
+
+/// Calibrates and reports.
+pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if let Some(path) = &args.output {
+        check_file(path)?;
+    }
+    let calibration = Calibration::read(&args.calibration)?;
+    let calibrated = calibrate(&args.calibration, &calibration, console)?;
+    if let Some(path) = &args.output {
+        write_file(path, calibrated.file.as_bytes())?;
+    }
+    console.out.write_all(summary(&calibration, &calibrated).as_bytes())?;
+    match &args.output {
+        Some(path) => console.note(&format!("wrote {}", path.display())),
+        None => console.note("nothing written; -o MATERIAL.toml keeps the material"),
+    }
+    Ok(exit_code::DONE)
+}
+
+/// The material of a calibration file.
+pub fn material(path: &Path, console: &mut Console<'_>) -> Result<Material, CliError> {
+    let calibration = Calibration::read(path)?;
+    Ok(calibrate(path, &calibration, console)?.material)
+}
+
+fn calibrate(path: &Path, calibration: &Calibration, console: &mut Console<'_>) -> Result<Calibrated, CliError> {
+    let facts = surface_facts(calibration, console)?;
+    let law = if facts.curve.is_empty() {
+        None
+    } else {
+        let law = area_law(&facts.curve);
+        Some(law.map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))?)
+    };
+    let input = CalibrationInput {
+        elastic: calibration.elastic,
+        area_law: law,
+        specimen_radius_m: calibration.specimen_radius_m,
+        measurements: calibration.flat.clone(),
+        coefficients: calibration.coefficients,
+        relative_std: calibration.relative_std,
+    };
+    let progress = Progress::start("calibration", console.quiet);
+    let fit = fit::fit(&input, &progress);
+    progress.finish();
+    let fit = fit?;
+    let file = write::material_toml(calibration, &input, &facts, &fit)?;
+    // The material is the written one, read back: what is kept in a file gives the same numbers.
+    let document = Document::new(path, file.clone());
+    let read: MaterialFile = document.parse()?;
+    let material = read_material(&document, &read, &(0..0))?;
+    Ok(Calibrated { file, material, fit })
+}
+
+fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {
+    let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
+    let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+    match &calibration.surface {
+        Surface::None => Ok(SurfaceFacts {
+            notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
+            ..SurfaceFacts::default()
+        }),
+        Surface::Persson { rms_slope } => Ok(SurfaceFacts {
+            origin: Some("persson"),
+            rms_slope: Some(*rms_slope),
+            curve: super::surface::persson_curve(*rms_slope, contact_modulus_pa, &pressures_pa),
+            notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
+            ..SurfaceFacts::default()
+        }),
+        Surface::Map { path, synthetic, pixel_m, height_unit, level } => {
+            let unit = height_unit.as_deref().map(super::area_law::height_unit).transpose()?;
+            let options = MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level };
+            let surface = SurfaceMap::read(path, &options)?;
+            let progress = Progress::start("area law", console.quiet);
+            let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
+            progress.finish();
+            let curve = curve.map_err(|error| Diagnostic::file(path, error.to_string()))?;
+            let mut notes = surface.notes.clone();
+            let unfinished = curve.points.iter().filter(|point| point.status != Status::Converged).count();
+            if unfinished > 0 {
+                notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
+            }
+            Ok(SurfaceFacts {
+                origin: Some("map"),
+                synthetic: *synthetic || surface.synthetic,
+                rms_slope: Some(surface.rms_slope),
+                sa_m: Some(surface.sa_m),
+                pixel_m: Some(surface.pixel_m()),
+                curve: curve.points,
+                notes,
+            })
+        }
+    }
+}
+
+fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
+    let fit = &calibrated.fit;
+    let mut text = format!("{} ({})\n", calibration.name, calibration.source);
+    for note in &calibrated.material.provenance.notes {
+        text += &format!("- {note}\n");
+    }
+    let mut table =
+        Table::new(["F N", "P MPa", "v mm/s", "RH %", "mu measured", "+-", "mu_d", "+-", "mu_s", "model - measured"]);
+    for (row, measured) in calibration.flat.iter().enumerate() {
+        let pair = if fit.pairs.len() == 1 { fit.pairs.first() } else { fit.pairs.get(row) };
+        table.row([
+            measured.force_n.to_string(),
+            fixed(Some(PRESSURE_MPA.from_si(calibration.pressure_pa(measured.force_n))), 3),
+            SPEED_MM_S.from_si(measured.speed_m_s).to_string(),
+            HUMIDITY_PCT.from_si(measured.humidity).to_string(),
+            fixed(Some(measured.mu_dynamic), 4),
+            fixed(Some(measured.mu_dynamic_std), 4),
+            fixed(pair.map(|pair| pair.dynamic_mean), 4),
+            fixed(pair.and_then(|pair| pair.dynamic_std_error), 4),
+            fixed(pair.map(|pair| pair.static_mean), 4),
+            fixed(fit.residuals.get(row).copied(), 4),
+        ]);
+    }
+    format!("{text}\n{table}")
+}

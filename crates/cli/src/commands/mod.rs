@@ -1,0 +1,31 @@
+//! One module a command: read, call the libraries, report.
+
+mod area_law;
+mod calibrate;
+mod drawings;
+mod export;
+mod optimize;
+mod pictures;
+mod simulate;
+mod surface;
+mod synthesize;
+mod validate;
+
+use crate::args::Command;
+use crate::{CliError, Console};
+
+/// Runs `command` and returns the exit code.
+///
+/// # Errors
+/// [`CliError`] if it ended without a result.
+pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError> {
+    match command {
+        Command::Simulate(args) => simulate::run(args, console),
+        Command::Optimize(args) => optimize::run(args, console),
+        Command::Calibrate(args) => calibrate::run(args, console),
+        Command::AreaLaw(args) => area_law::run(args, console),
+        Command::Synthesize(args) => synthesize::run(args, console),
+        Command::Export(args) => export::run(args, console),
+        Command::Validate(args) => validate::run(args, console),
+    }
+}

@@ -1,0 +1,174 @@
+//! The scene of a design: design.toml, which `simulate` takes.
+
+use slipgrid_material::Material;
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Layer, Load, RunOptions};
+use toml::Spanned;
+
+use crate::CliError;
+use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
+use crate::formats::scene::{LoadFile, PatternFile, RunFile, SampleFile, SceneFile};
+use crate::formats::values::{Numbers, PathOr, number, number_list};
+use crate::report::VERSION;
+use crate::units::{DENSITY_G_CM3, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
+
+/// What design.toml is made of.
+pub struct DesignScene<'a> {
+    /// Name of the design.
+    pub name: &'a str,
+    /// The material.
+    pub material: &'a Material,
+    /// The design.
+    pub pattern: &'a Pattern,
+    /// The modelled layer.
+    pub layer: &'a Layer,
+    /// Loads with their coefficients.
+    pub loads: &'a [Load],
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// How the confirming run was made.
+    pub run: &'a RunOptions,
+}
+
+impl DesignScene<'_> {
+    /// The scene as TOML. It stands alone: the material is written into it.
+    ///
+    /// # Errors
+    /// [`CliError::Other`] if the values have no TOML form.
+    pub fn to_toml(&self) -> Result<String, CliError> {
+        let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
+        let file = SceneFile {
+            name: Some(self.name.to_owned()),
+            condition: None,
+            material: unplaced(PathOr::Table(Box::new(self.material()))),
+            pattern: Some(unplaced(PatternFile {
+                width_um: micrometres(self.pattern.width_m()),
+                spacing_um: micrometres(self.pattern.spacing_m()),
+                depth_um: micrometres(self.pattern.depth_m()),
+                planform: Some(unplaced(self.pattern.planform().name().to_owned())),
+            })),
+            sample: unplaced(SampleFile {
+                length_um: Some(micrometres(self.layer.length_m)),
+                layer_um: Some(micrometres(self.layer.height_m)),
+                block_um: Some(micrometres(self.layer.block_m)),
+            }),
+            load: unplaced(LoadFile {
+                pressure_mpa: each(self.loads.iter().map(|load| load.pressure_pa), PRESSURE_MPA),
+                speed_mm_s: Some(number(SPEED_MM_S.from_si(self.speed_m_s))),
+            }),
+            run: RunFile {
+                fidelity: Some(unplaced(self.run.fidelity.name().to_owned())),
+                extent: Some(unplaced(self.run.extent.name().to_owned())),
+                seed: Some(self.run.seed),
+                sliding_um: Some(micrometres(self.run.sliding_m)),
+                ..RunFile::default()
+            },
+        };
+        let body =
+            toml::to_string(&file).map_err(|error| CliError::Other(format!("the design has no TOML form: {error}")))?;
+        Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate design.toml\n{body}"))
+    }
+
+    fn material(&self) -> MaterialFile {
+        let provenance = &self.material.provenance;
+        let named = |text: &str| (!text.is_empty()).then(|| text.to_owned());
+        MaterialFile {
+            name: named(&provenance.name),
+            source: named(&provenance.source),
+            slipgrid_version: Some(VERSION.to_owned()),
+            synthetic_surface: Some(provenance.synthetic_surface),
+            notes: provenance.notes.clone(),
+            youngs_modulus_gpa: number(MODULUS_GPA.from_si(self.material.elastic.youngs_modulus_pa())),
+            youngs_modulus_std_gpa: None,
+            density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
+            friction: unplaced(self.friction()),
+            area_law: self.material.area_law.as_ref().map(|law| {
+                unplaced(AreaLawFile {
+                    origin: None,
+                    rms_slope: None,
+                    sa_um: None,
+                    pixel_um: None,
+                    poisson_ratio: None,
+                    pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
+                    factor: number_list(law.factors().iter().copied()),
+                    area_fraction: None,
+                })
+            }),
+        }
+    }
+
+    /// One pair where all loads share it, otherwise one per pressure.
+    fn friction(&self) -> FrictionFile {
+        let mut loads = self.loads.to_vec();
+        loads.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+        let relative_std = loads.first().map(|load| number(load.friction.relative_std()));
+        let shared = loads.first().filter(|first| loads.iter().all(|load| load.friction == first.friction));
+        if let Some(load) = shared {
+            return FrictionFile {
+                static_mean: Some(unplaced(Numbers::One(load.friction.static_mean()))),
+                dynamic_mean: Some(unplaced(Numbers::One(load.friction.dynamic_mean()))),
+                relative_std,
+                ..FrictionFile::default()
+            };
+        }
+        let column = |value: fn(&Load) -> f64| {
+            Some(unplaced(Numbers::Each(loads.iter().map(|load| number(value(load))).collect())))
+        };
+        FrictionFile {
+            pressure_mpa: Some(number_list(loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa)))),
+            static_mean: column(|load| load.friction.static_mean()),
+            dynamic_mean: column(|load| load.friction.dynamic_mean()),
+            relative_std,
+            ..FrictionFile::default()
+        }
+    }
+}
+
+fn unplaced<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
+fn each(values: impl Iterator<Item = f64>, quantity: Quantity) -> Spanned<Numbers> {
+    unplaced(Numbers::Each(values.map(|value| number(tidy(quantity.from_si(value)))).collect()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::Document;
+    use crate::formats::scene::{Overrides, SceneInput};
+    use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Provenance};
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn the_written_scene_is_the_confirmed_one() {
+        let friction = |dynamic_mean| LocalFriction::new(0.3, dynamic_mean, 0.04).unwrap();
+        let loads = [(2.6e6, 0.27), (0.65e6, 0.25)]
+            .map(|(pressure_pa, dynamic_mean)| Load { pressure_pa, friction: friction(dynamic_mean) });
+        let material = Material {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            friction: Friction::Single(friction(0.25)),
+            area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap()),
+            provenance: Provenance { name: "a \"b\"".into(), synthetic_surface: true, ..Provenance::default() },
+        };
+        let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
+        let layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
+        let run = RunOptions { seed: 7, ..RunOptions::default() };
+        let scene = DesignScene {
+            name: "test",
+            material: &material,
+            pattern: &pattern,
+            layer: &layer,
+            loads: &loads,
+            speed_m_s: 2e-3,
+            run: &run,
+        };
+        let document = Document::new("design.toml", scene.to_toml().unwrap());
+        let read = SceneInput::from_file(document.clone(), &document.parse().unwrap(), Overrides::default()).unwrap();
+        assert_eq!(read.scene.pattern, Some(pattern));
+        assert_eq!((read.scene.layer, read.scene.run, read.scene.speed_m_s), (layer, run, 2e-3));
+        assert_eq!(read.scene.area_law, material.area_law);
+        assert_eq!(read.scene.loads, loads);
+        assert_eq!(read.material.provenance, material.provenance);
+    }
+}

@@ -1,0 +1,272 @@
+//! What `optimize` found, as JSON and as text.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_export::{Laser, Outline};
+use slipgrid_optimize::Target;
+use slipgrid_pattern::Pattern;
+
+use crate::formats::design::quantity_name;
+use crate::report::Table;
+use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
+use crate::report::table::fixed;
+use crate::units::{LENGTH_MM, PRESSURE_MPA};
+
+/// result.json of `optimize`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DesignReport {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Name of the design.
+    pub name: String,
+    /// `met`, `unreachable` or `budget`.
+    pub status: &'static str,
+    /// The best design.
+    pub design: PatternReport,
+    /// Bursts per cavity; null where the design file gives no depth per burst.
+    pub bursts: Option<u32>,
+    /// The vertical plane took a section of a planform that needs three dimensions.
+    pub section_model: bool,
+    /// What was asked for.
+    pub target: TargetReport,
+    /// The search's model at the target's pressures.
+    pub predicted: Vec<LoadReport>,
+    /// The whole sample in time at the target's pressures.
+    pub confirmed: Vec<LoadReport>,
+    /// Largest distance from the target in tolerances.
+    pub misfit: MisfitReport,
+    /// Constraints that the best design breaks.
+    pub violations: Vec<String>,
+    /// Lowest and highest value among the designs tried that respect every constraint.
+    pub reachable: Vec<ReachableReport>,
+    /// Other designs that the search's model found to meet the target.
+    pub alternatives: Vec<PatternReport>,
+    /// Evaluations of the search's model.
+    pub evaluations: usize,
+    /// Designs that the model could not compute.
+    pub failed_trials: usize,
+    /// Searches made: each after the first corrected by the confirming run before it.
+    pub rounds: usize,
+    /// What was modelled and why.
+    pub model: Vec<String>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// Seconds by stage.
+    pub timings_s: Timings,
+    /// Seconds in all.
+    pub wall_s: f64,
+    /// Threads that computed.
+    pub threads: usize,
+    /// Seed of search and local coefficients.
+    pub seed: u64,
+}
+
+/// The part of result.json that `export` needs.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct StoredDesign {
+    /// Name of the design.
+    pub name: String,
+    /// Version that made it.
+    pub version: String,
+    /// The design.
+    pub design: PatternReport,
+    /// The material.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// A target as result.json holds it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TargetReport {
+    /// `ratio` or `mu_dynamic`.
+    pub quantity: &'static str,
+    /// Nominal pressures.
+    pub pressure_mpa: Vec<f64>,
+    /// Wanted values.
+    pub value: Vec<f64>,
+    /// Largest accepted distance.
+    pub tolerance: f64,
+}
+
+impl From<&Target> for TargetReport {
+    fn from(target: &Target) -> Self {
+        Self {
+            quantity: quantity_name(target.quantity()),
+            pressure_mpa: target.points().iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect(),
+            value: target.points().iter().map(|point| point.value).collect(),
+            tolerance: target.tolerance(),
+        }
+    }
+}
+
+/// Largest distances from the target, in tolerances: up to 1 where it is met.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MisfitReport {
+    /// Of the search's model.
+    pub predicted: f64,
+    /// Of the confirming run; null where it has no value at some pressure.
+    pub confirmed: Option<f64>,
+}
+
+/// What designs within bounds and limits can do at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReachableReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Lowest value.
+    pub lowest: f64,
+    /// Highest value.
+    pub highest: f64,
+}
+
+/// A specimen as result.json holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "shape", rename_all = "lowercase")]
+pub enum SpecimenReport {
+    /// Round.
+    Disc {
+        /// Diameter.
+        diameter_mm: f64,
+    },
+    /// Rectangular.
+    Rectangle {
+        /// Extent along the sliding direction.
+        length_mm: f64,
+        /// Extent across it.
+        width_mm: f64,
+    },
+}
+
+impl From<&Outline> for SpecimenReport {
+    fn from(outline: &Outline) -> Self {
+        match *outline {
+            Outline::Disc { diameter_m } => Self::Disc { diameter_mm: LENGTH_MM.from_si(diameter_m) },
+            Outline::Rectangle { length_m, width_m } => {
+                Self::Rectangle { length_mm: LENGTH_MM.from_si(length_m), width_mm: LENGTH_MM.from_si(width_m) }
+            }
+        }
+    }
+}
+
+impl SpecimenReport {
+    /// The outline, in metres.
+    #[must_use]
+    pub fn outline(&self) -> Outline {
+        match *self {
+            Self::Disc { diameter_mm } => Outline::Disc { diameter_m: LENGTH_MM.to_si(diameter_mm) },
+            Self::Rectangle { length_mm, width_mm } => {
+                Outline::Rectangle { length_m: LENGTH_MM.to_si(length_mm), width_m: LENGTH_MM.to_si(width_mm) }
+            }
+        }
+    }
+}
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Timings {
+    /// Reading or calibrating the material.
+    pub material: f64,
+    /// Searching.
+    pub search: f64,
+    /// Confirming.
+    pub confirm: f64,
+    /// Drawing and tabulating.
+    pub export: f64,
+}
+
+impl DesignReport {
+    /// The value of the target's quantity in a load's report.
+    #[must_use]
+    pub fn value(&self, load: &LoadReport) -> Option<f64> {
+        if self.target.quantity == "ratio" { load.ratio } else { load.mu_dynamic }
+    }
+
+    /// The report for people.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let design = &self.design;
+        let mut text = format!("{}: target {}\n\n", self.name, self.verdict());
+        text += &format!(
+            "  {} {} um wide, {} um apart, {} um deep{}\n  {:.1} % of the surface\n\n",
+            design.planform,
+            design.width_um,
+            design.spacing_um,
+            design.depth_um,
+            self.bursts.map_or_else(String::new, |bursts| format!(" ({bursts} bursts)")),
+            100.0 * design.areal_density,
+        );
+        let mut table = Table::new(["P MPa", "target", "predicted", "confirmed", "+-", "mu", "mu flat", "peak MPa"]);
+        for (row, (pressure_mpa, wanted)) in self.target.pressure_mpa.iter().zip(&self.target.value).enumerate() {
+            let (predicted, confirmed) = (self.predicted.get(row), self.confirmed.get(row));
+            let error = confirmed.and_then(|load| {
+                if self.target.quantity == "ratio" { load.ratio_stderr } else { load.mu_dynamic_stderr }
+            });
+            table.row([
+                pressure_mpa.to_string(),
+                fixed(Some(*wanted), 4),
+                fixed(predicted.and_then(|load| self.value(load)), 4),
+                fixed(confirmed.and_then(|load| self.value(load)), 4),
+                fixed(error, 4),
+                fixed(confirmed.and_then(|load| load.mu_dynamic), 4),
+                fixed(confirmed.and_then(|load| load.mu_flat), 4),
+                fixed(predicted.map(|load| load.peak_pressure_mpa), 2),
+            ]);
+        }
+        text +=
+            &format!("  {} (predicted: steady cell; confirmed: whole sample in time)\n{table}", self.target.quantity);
+        text += &format!(
+            "\n  misfit {} of the tolerance {} predicted, {} confirmed\n",
+            fixed(Some(self.misfit.predicted), 2),
+            self.target.tolerance,
+            fixed(self.misfit.confirmed, 2),
+        );
+        if self.status != "met" {
+            for range in &self.reachable {
+                text += &format!(
+                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}\n",
+                    range.pressure_mpa, range.lowest, range.highest
+                );
+            }
+        }
+        for broken in &self.violations {
+            text += &format!("! {broken}\n");
+        }
+        for warning in crate::report::simulation::warnings(&self.confirmed) {
+            text += &format!("! {warning}\n");
+        }
+        for note in &self.model {
+            text += &format!("- {note}\n");
+        }
+        text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
+        let timings = &self.timings_s;
+        text += &format!(
+            "\n{} designs tried in {} searches; material {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            self.evaluations, self.rounds, timings.material, timings.search, timings.confirm, timings.export
+        );
+        text
+    }
+
+    fn verdict(&self) -> &'static str {
+        match self.status {
+            "met" => "met",
+            "unreachable" => "not reachable within bounds and limits; nearest design:",
+            _ => "not met before the evaluations allowed were spent; nearest design:",
+        }
+    }
+}
+
+/// The patterns of `candidates`.
+#[must_use]
+pub fn patterns<'a>(candidates: impl IntoIterator<Item = &'a Pattern>) -> Vec<PatternReport> {
+    candidates.into_iter().map(PatternReport::from).collect()
+}

@@ -1,0 +1,156 @@
+//! From the file of an altitude map to contact area against pressure and the area law.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use slipgrid_contact::{ContactError, SolveOptions, Status};
+use slipgrid_material::{AreaLaw, MaterialError, THRESHOLD_PRESSURE_PA};
+use slipgrid_topography::{HeightMap, LengthUnit, ReadOptions, read_map};
+
+use crate::diagnostic::Diagnostic;
+use crate::progress::Progress;
+
+/// Pressures of an area law where none are given, in MPa: dense where f bends, up to full contact.
+pub const DEFAULT_PRESSURES_MPA: [f64; 24] = [
+    0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
+    22.0, 30.0,
+];
+
+/// How a map is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapOptions {
+    /// Pixel size of a plain matrix, in metres.
+    pub pixel_m: Option<f64>,
+    /// Unit of its heights.
+    pub height_unit: Option<LengthUnit>,
+    /// Subtract the least-squares plane.
+    pub level: bool,
+}
+
+/// A map ready for a contact computation.
+#[derive(Clone, Debug)]
+pub struct SurfaceMap {
+    /// The map, complete.
+    pub map: HeightMap,
+    /// The file says of itself that it is synthetic.
+    pub synthetic: bool,
+    /// Arithmetic mean height Sa, in metres.
+    pub sa_m: f64,
+    /// Rms slope, from the spectrum.
+    pub rms_slope: f64,
+    /// What was done to it.
+    pub notes: Vec<String>,
+}
+
+impl SurfaceMap {
+    /// Reads the map at `path`, fills what is missing and levels it.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if the file cannot be read or is no map.
+    pub fn read(path: &Path, options: &MapOptions) -> Result<Self, Diagnostic> {
+        let file = File::open(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
+        let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
+        let read = read_map(
+            BufReader::new(file),
+            &ReadOptions {
+                pixel_m: options.pixel_m.map(|pixel_m| [pixel_m; 2]),
+                height_unit: options.height_unit,
+                ..ReadOptions::default()
+            },
+        )
+        .map_err(|error| refuse(&error))?;
+        let synthetic = read.is_synthetic();
+        let mut map = read.map;
+        let mut notes = Vec::new();
+        let filling = map.fill_missing();
+        if filling.points > 0 {
+            notes.push(format!(
+                "{} of {} points were missing and have been filled by the smoothest surface",
+                filling.points,
+                map.rows() * map.cols()
+            ));
+        }
+        if options.level {
+            map.subtract_plane().map_err(|error| refuse(&error))?;
+        } else {
+            map.subtract_mean();
+        }
+        let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
+        Ok(Self { sa_m: map.sa_m(), rms_slope, map, synthetic, notes })
+    }
+
+    /// Pixel size along the sliding direction, in metres.
+    #[must_use]
+    pub const fn pixel_m(&self) -> f64 {
+        self.map.dx_m()
+    }
+}
+
+/// Real contact area at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaPoint {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Counted share of the surface in contact.
+    pub area_fraction: f64,
+    /// The same, corrected for the pixels along the perimeter.
+    pub area_fraction_corrected: f64,
+    /// Iterations of the contact computation; 0 for a closed form.
+    pub iterations: usize,
+    /// Its error at the end.
+    pub residual: f64,
+    /// How it ended.
+    pub status: Status,
+}
+
+/// Real contact area against pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaCurve {
+    /// One per pressure, in the order asked for.
+    pub points: Vec<AreaPoint>,
+    /// From which pressure all of the map is in contact, in pascals.
+    pub full_contact_pressure_pa: f64,
+}
+
+/// Computes the contact area of `map` at every pressure.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the contact solver.
+pub fn area_curve(
+    map: &HeightMap,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+    tolerance: f64,
+    progress: &Progress,
+) -> Result<AreaCurve, ContactError> {
+    let options = SolveOptions { tolerance, ..SolveOptions::default() };
+    let curve = slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, progress)?;
+    let point = |point: &slipgrid_contact::AreaPoint| AreaPoint {
+        pressure_pa: point.pressure_pa,
+        area_fraction: point.area_fraction,
+        area_fraction_corrected: point.area_fraction_corrected,
+        iterations: point.convergence.iterations,
+        residual: point.convergence.residual,
+        status: point.convergence.status,
+    };
+    Ok(AreaCurve {
+        points: curve.points.iter().map(point).collect(),
+        full_contact_pressure_pa: curve.full_contact_pressure_pa,
+    })
+}
+
+/// The area law that `curve` implies.
+///
+/// # Errors
+/// [`MaterialError`] if the curve does not bracket the threshold pressure.
+pub fn area_law(curve: &[AreaPoint]) -> Result<AreaLaw, MaterialError> {
+    let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
+    let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
+    AreaLaw::from_area_curve(&pressure_pa, &area, THRESHOLD_PRESSURE_PA)
+}
+
+/// PENDING contact crate
+pub fn persson_curve(_rms_slope: f64, _contact_modulus_pa: f64, _pressures_pa: &[f64]) -> Vec<AreaPoint> {
+    Vec::new()
+}

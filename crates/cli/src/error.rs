@@ -1,0 +1,30 @@
+use crate::diagnostic::Diagnostic;
+use crate::output::WriteError;
+
+/// Why a command ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub enum CliError {
+    /// Input was refused; nothing was written.
+    #[error(transparent)]
+    Input(#[from] Diagnostic),
+    /// A result could not be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// Stdout could not be written.
+    #[error("standard output: {0}")]
+    Stdout(#[from] std::io::Error),
+    /// Anything else.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl CliError {
+    /// The exit code.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Input(_) => crate::exit_code::BAD_INPUT,
+            Self::Write(_) | Self::Stdout(_) | Self::Other(_) => crate::exit_code::FAILURE,
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! Design files: what `optimize` takes.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_export::{Laser, Outline};
+use slipgrid_material::{Condition, Material};
+use slipgrid_optimize::{Constraints, DesignSpace, Quantity, Target, TargetPoint};
+use slipgrid_pattern::ManufacturingLimits;
+use slipgrid_springblock::Layer;
+use toml::Spanned;
+
+use super::document::Document;
+use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
+use super::scene::{SampleFile, default_sample, read_layer, read_planform, read_pressures};
+use super::values::{Number, NumberList, Numbers, PathOr, for_each, list};
+use crate::diagnostic::Diagnostic;
+use crate::units::{FRICTION, LENGTH_MM, LENGTH_UM, POSITIVE, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE};
+
+/// Most model evaluations where a file names no limit.
+const DEFAULT_MAX_EVALUATIONS: usize = 2000;
+/// Sliding speed of the confirming run where neither condition nor target names one: the paper's.
+const DEFAULT_SPEED_MM_S: f64 = 2.0;
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DesignFile {
+    name: Option<String>,
+    material: Spanned<PathOr<MaterialFile>>,
+    condition: Option<Spanned<ConditionFile>>,
+    target: Spanned<TargetFile>,
+    bounds: Spanned<BoundsFile>,
+    #[serde(default)]
+    pattern: PlanformFile,
+    #[serde(default)]
+    limits: LimitsFile,
+    laser: Option<LaserFile>,
+    specimen: Spanned<SpecimenFile>,
+    #[serde(default = "default_sample")]
+    sample: Spanned<SampleFile>,
+    #[serde(default)]
+    search: SearchFile,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TargetFile {
+    quantity: Spanned<String>,
+    pressure_mpa: Spanned<Numbers>,
+    value: Spanned<Numbers>,
+    tolerance: Number,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundsFile {
+    width_um: NumberList,
+    spacing_um: NumberList,
+    depth_um: NumberList,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlanformFile {
+    planform: Option<Spanned<String>>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsFile {
+    min_land_um: Option<Number>,
+    depth_per_burst_um: Option<Number>,
+    max_peak_pressure_mpa: Option<Number>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LaserFile {
+    wavelength_nm: Option<Number>,
+    spot_um: Option<Number>,
+    pulse_ns: Option<Number>,
+    power_density_gw_cm2: Option<Number>,
+    repetition_hz: Option<Number>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpecimenFile {
+    shape: Spanned<String>,
+    diameter_mm: Option<Number>,
+    length_mm: Option<Number>,
+    width_mm: Option<Number>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SearchFile {
+    seed: Option<u64>,
+    max_evaluations: Option<Spanned<u64>>,
+}
+
+/// Where the material comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialInput {
+    /// Known already.
+    Given(Box<Material>),
+    /// To be calibrated from this file first.
+    Calibration(PathBuf),
+}
+
+/// A design task, validated.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// Name for reports.
+    pub name: String,
+    /// Where the material comes from.
+    pub material: MaterialInput,
+    /// Selects coefficients per condition.
+    pub condition: Option<Condition>,
+    /// The wanted friction.
+    pub target: Target,
+    /// Planform and bounds of the patterns that may be tried.
+    pub space: DesignSpace,
+    /// What a pattern must respect beside its bounds.
+    pub constraints: Constraints,
+    /// The laser, for the process sheet.
+    pub laser: Laser,
+    /// The specimen's outline.
+    pub outline: Outline,
+    /// The modelled layer.
+    pub layer: Layer,
+    /// Sliding speed of the confirming run, in m/s.
+    pub speed_m_s: f64,
+    /// Seed of search and local coefficients.
+    pub seed: u64,
+    /// Most evaluations of the model.
+    pub max_evaluations: usize,
+    document: Document,
+    condition_place: std::ops::Range<usize>,
+    target_pressures: Spanned<Numbers>,
+}
+
+impl Design {
+    /// Reads the design file at `path` and the material file it names.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused.
+    pub fn read(path: &Path) -> Result<Self, Diagnostic> {
+        Self::from_document(Document::read(path)?)
+    }
+
+    /// Reads a design from a document.
+    ///
+    /// # Errors
+    /// As [`Design::read`].
+    pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
+        let file: DesignFile = document.parse()?;
+        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        let target = read_target(&document, &file.target)?;
+        let layer = read_layer(&document, &file.sample)?;
+        let bounds = file.bounds.get_ref();
+        let (width_m, spacing_m, depth_m) = (
+            read_range(&document, &bounds.width_um)?,
+            read_range(&document, &bounds.spacing_um)?,
+            read_range(&document, &bounds.depth_um)?,
+        );
+        if depth_m[1] >= layer.height_m {
+            let layer_um = LENGTH_UM.from_si(layer.height_m);
+            return Err(document
+                .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
+                .expected(format!("depths below {layer_um} um")));
+        }
+        let planform = read_planform(&document, file.pattern.planform.as_ref())?;
+        let space = DesignSpace::new(planform, width_m, spacing_m, depth_m)
+            .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
+        let laser = read_laser(&document, &file)?;
+        let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
+        let max_peak_pressure_pa = document.optional(file.limits.max_peak_pressure_mpa.as_ref(), PRESSURE_MPA)?;
+        let material = read_material_input(&document, &file.material)?;
+        if let MaterialInput::Given(material) = &material {
+            read_pressures(&document, &file.target.get_ref().pressure_mpa, material)?;
+        }
+        let max_evaluations = match &file.search.max_evaluations {
+            None => DEFAULT_MAX_EVALUATIONS,
+            Some(most) => {
+                usize::try_from(*most.get_ref()).ok().filter(|most| (1..=10_000_000).contains(most)).ok_or_else(
+                    || document.refuse(most.span(), "is out of range").expected("a whole number from 1 to 10000000"),
+                )?
+            }
+        };
+        let design = Self {
+            name: file.name.clone().unwrap_or_else(|| document.stem()),
+            material,
+            condition,
+            target,
+            space,
+            constraints: Constraints { limits, max_peak_pressure_pa },
+            laser,
+            outline: read_outline(&document, &file.specimen)?,
+            layer,
+            speed_m_s: condition.map_or_else(|| SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S), |condition| condition.speed_m_s),
+            seed: file.search.seed.unwrap_or(1),
+            max_evaluations,
+            condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
+            target_pressures: file.target.get_ref().pressure_mpa.clone(),
+            document,
+        };
+        if let MaterialInput::Given(material) = &design.material {
+            design.loads(material)?;
+        }
+        Ok(design)
+    }
+
+    /// The loads at the target's pressures, and whether each lies outside the measured range.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the condition if `material` has no coefficients for it, or at the
+    /// pressures if one exceeds its modulus.
+    pub fn loads(&self, material: &Material) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
+        read_pressures(&self.document, &self.target_pressures, material)?;
+        super::scene::loads(&material.friction, &self.pressures_pa(), self.condition.as_ref())
+            .map_err(|error| self.document.refuse(self.condition_place.clone(), error.to_string()))
+    }
+
+    /// Nominal pressures of the target, in pascals.
+    #[must_use]
+    pub fn pressures_pa(&self) -> Vec<f64> {
+        self.target.points().iter().map(|point| point.pressure_pa).collect()
+    }
+
+    /// Refuses the design as a whole, for reasons that only a solver or the search finds.
+    #[must_use]
+    pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
+        Diagnostic::file(self.document.path(), reason)
+    }
+}
+
+/// The name of a target's quantity in files.
+#[must_use]
+pub const fn quantity_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Ratio => "ratio",
+        Quantity::DynamicFriction => "mu_dynamic",
+    }
+}
+
+fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
+    let target = file.get_ref();
+    let all = [Quantity::Ratio, Quantity::DynamicFriction];
+    let quantity = document.choice(&target.quantity, &all, quantity_name)?;
+    let pressures_pa = list(document, &target.pressure_mpa, PRESSURE_MPA)?;
+    for (place, pressure_pa) in pressures_pa.iter().enumerate() {
+        if pressures_pa[..place].contains(pressure_pa) {
+            return Err(document
+                .refuse(target.pressure_mpa.span(), format!("has {} MPa twice", PRESSURE_MPA.from_si(*pressure_pa)))
+                .expected("each pressure once"));
+        }
+    }
+    let range = match quantity {
+        Quantity::Ratio => RATIO,
+        Quantity::DynamicFriction => FRICTION,
+    };
+    let values = for_each(document, &target.value, range, pressures_pa.len(), "pressure")?;
+    let points = pressures_pa.iter().zip(values).map(|(&pressure_pa, value)| TargetPoint { pressure_pa, value });
+    Target::new(quantity, points.collect(), document.number(&target.tolerance, TOLERANCE)?)
+        .map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+fn read_range(document: &Document, bounds: &NumberList) -> Result<[f64; 2], Diagnostic> {
+    const EXPECTED: &str = "[smallest, largest]";
+    let read = document.numbers(bounds, LENGTH_UM)?;
+    match read[..] {
+        [least, most] if least <= most => Ok([least, most]),
+        [_, _] => Err(document.refuse(bounds.span(), "has its larger number first").expected(EXPECTED)),
+        _ => Err(document.refuse(bounds.span(), format!("has {} numbers", read.len())).expected(EXPECTED)),
+    }
+}
+
+/// Width, spacing and depth bounds, in metres.
+type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
+
+fn read_limits(
+    document: &Document,
+    file: &DesignFile,
+    laser: &Laser,
+    (width_m, spacing_m, depth_m): Bounds,
+) -> Result<ManufacturingLimits, Diagnostic> {
+    let limits = ManufacturingLimits {
+        min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
+        spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
+        depth_per_burst_m: document.optional(file.limits.depth_per_burst_um.as_ref(), LENGTH_UM)?,
+    };
+    let bounds = file.bounds.get_ref();
+    if let Some(min_land_m) = limits.min_land_m
+        && spacing_m[1] < min_land_m
+    {
+        return Err(document
+            .refuse(bounds.spacing_um.span(), "ends below limits.min_land_um: no pattern is left")
+            .expected(format!("a largest spacing of at least {} um", LENGTH_UM.from_si(min_land_m))));
+    }
+    if let Some(spot_m) = limits.spot_m
+        && width_m[1] < spot_m
+    {
+        return Err(document
+            .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
+            .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    if let Some(burst_m) = limits.depth_per_burst_m {
+        // The first whole number of bursts at or above the least depth, with slack for decimals.
+        let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
+        if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
+            return Err(document
+                .refuse(bounds.depth_um.span(), "holds no whole number of bursts")
+                .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
+        }
+    }
+    Ok(limits)
+}
+
+fn read_laser(document: &Document, file: &DesignFile) -> Result<Laser, Diagnostic> {
+    let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
+    let depth_per_burst_um = copied(file.limits.depth_per_burst_um.as_ref())?;
+    let Some(laser) = &file.laser else { return Ok(Laser { depth_per_burst_um, ..Laser::default() }) };
+    document.optional(laser.spot_um.as_ref(), LENGTH_UM)?;
+    // As written: only the limits take the spot in metres.
+    Ok(Laser {
+        wavelength_nm: copied(laser.wavelength_nm.as_ref())?,
+        spot_um: copied(laser.spot_um.as_ref())?,
+        pulse_ns: copied(laser.pulse_ns.as_ref())?,
+        power_density_gw_cm2: copied(laser.power_density_gw_cm2.as_ref())?,
+        depth_per_burst_um,
+        repetition_hz: copied(laser.repetition_hz.as_ref())?,
+    })
+}
+
+fn read_outline(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
+    let specimen = file.get_ref();
+    let needed = |value: &Option<Number>, key: &str| {
+        let value = value.as_ref().ok_or_else(|| document.missing(file.span(), key))?;
+        document.number(value, LENGTH_MM)
+    };
+    let stray = |value: &Option<Number>| {
+        value.as_ref().map_or(Ok(()), |value| {
+            Err(document
+                .refuse(value.span(), format!("has no meaning for a {}", specimen.shape.get_ref()))
+                .expected("diameter_mm for a disc, length_mm and width_mm for a rectangle"))
+        })
+    };
+    match document.choice(&specimen.shape, &["disc", "rectangle"], |name| name)? {
+        "disc" => {
+            stray(&specimen.length_mm)?;
+            stray(&specimen.width_mm)?;
+            Ok(Outline::Disc { diameter_m: needed(&specimen.diameter_mm, "diameter_mm")? })
+        }
+        _ => {
+            stray(&specimen.diameter_mm)?;
+            Ok(Outline::Rectangle {
+                length_m: needed(&specimen.length_mm, "length_mm")?,
+                width_m: needed(&specimen.width_mm, "width_mm")?,
+            })
+        }
+    }
+}
+
+fn read_material_input(
+    document: &Document,
+    material: &Spanned<PathOr<MaterialFile>>,
+) -> Result<MaterialInput, Diagnostic> {
+    match material.get_ref() {
+        PathOr::Table(table) => {
+            read_material(document, table, &material.span()).map(|read| MaterialInput::Given(Box::new(read)))
+        }
+        PathOr::Path(path) => {
+            let path = existing(document, material, path)?;
+            if Document::read(&path)?.has_key("measurements") {
+                Ok(MaterialInput::Calibration(path))
+            } else {
+                read_file(&path).map(|read| MaterialInput::Given(Box::new(read)))
+            }
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Files written whole or not at all: first under another name beside their place, then renamed.
+
+use std::fs::{self, Permissions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use crate::diagnostic::Diagnostic;
+
+/// Name of a file that is not finished, at its beginning and end.
+const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
+/// Age at which an unfinished file belongs to a run that was killed: writing takes milliseconds.
+const ABANDONED: Duration = Duration::from_secs(600);
+
+/// An output that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: cannot be written: {source}", path = path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    /// What the system said.
+    pub source: std::io::Error,
+}
+
+impl WriteError {
+    fn at(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
+        move |source| Self { path: path.to_owned(), source }
+    }
+}
+
+/// Files of one result, in memory: name and bytes.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    files: Vec<(String, Vec<u8>)>,
+}
+
+impl Outputs {
+    /// Adds a file.
+    pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
+        self.files.push((name.into(), bytes.into()));
+    }
+
+    /// Names of the files, in the order in which they were added.
+    #[must_use]
+    pub fn names(&self) -> Vec<&str> {
+        self.files.iter().map(|(name, _)| name.as_str()).collect()
+    }
+
+    /// Writes all files into `folder`. A new folder appears with everything in it; in one that
+    /// exists, files of the same names are replaced one by one once all are ready. Other files stay.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the system refuses; then the folder holds what it held before, unless a
+    /// rename failed.
+    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        let failed = WriteError::at(folder);
+        let parent = parent(folder);
+        fs::create_dir_all(parent).map_err(&failed)?;
+        if folder.is_dir() {
+            remove_abandoned(folder);
+            let mut ready = Vec::new();
+            for (name, bytes) in &self.files {
+                ready.push((unfinished(folder, bytes).map_err(&failed)?, folder.join(name)));
+            }
+            for (file, path) in ready {
+                file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
+            }
+            return Ok(());
+        }
+        remove_abandoned(parent);
+        let staging = builder().permissions(permissions(0o777)).tempdir_in(parent).map_err(&failed)?;
+        for (name, bytes) in &self.files {
+            fs::write(staging.path().join(name), bytes).map_err(&failed)?;
+        }
+        fs::rename(staging.path(), folder).map_err(&failed)?;
+        // Renamed away: nothing is left to remove.
+        let _ = staging.keep();
+        Ok(())
+    }
+}
+
+/// Writes one file whole, making its folder if needed.
+///
+/// # Errors
+/// [`WriteError`] if the system refuses; then `path` holds what it held before.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
+    let failed = WriteError::at(path);
+    let folder = parent(path);
+    fs::create_dir_all(folder).map_err(&failed)?;
+    remove_abandoned(folder);
+    let file = unfinished(folder, bytes).map_err(&failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
+    Ok(())
+}
+
+/// Checks, before long work starts, that results can go to `folder`.
+///
+/// # Errors
+/// [`Diagnostic`] if something else than a folder has that name.
+pub fn check_folder(folder: &Path) -> Result<(), Diagnostic> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Diagnostic::flag("--output", folder.display().to_string(), "is a file").expected("a folder"));
+    }
+    check_parents(folder)
+}
+
+/// Checks, before long work starts, that a result can go to the file `path`.
+///
+/// # Errors
+/// [`Diagnostic`] if a folder has that name.
+pub fn check_file(path: &Path) -> Result<(), Diagnostic> {
+    if path.is_dir() {
+        return Err(Diagnostic::flag("--output", path.display().to_string(), "is a folder").expected("a file"));
+    }
+    check_parents(path)
+}
+
+fn check_parents(path: &Path) -> Result<(), Diagnostic> {
+    let blocking = path.ancestors().skip(1).find(|above| above.exists());
+    match blocking {
+        Some(above) if !above.as_os_str().is_empty() && !above.is_dir() => {
+            let reason = format!("cannot be made: {} is a file", above.display());
+            Err(Diagnostic::flag("--output", path.display().to_string(), reason).expected("a path below folders"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The folder that holds `path`.
+fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1);
+    builder
+}
+
+/// A file ready to be renamed; it disappears if it is not.
+fn unfinished(folder: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut file = builder().permissions(permissions(0o666)).tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.flush()?;
+    Ok(file)
+}
+
+/// Permissions before the user's mask: temporary files are otherwise private.
+#[cfg(unix)]
+fn permissions(mode: u32) -> Permissions {
+    use std::os::unix::fs::PermissionsExt;
+    Permissions::from_mode(mode)
+}
+
+/// Removes what killed runs left in `folder`: entries of our unfinished names, old enough that no
+/// living run owns them. Failing to do so harms nobody.
+fn remove_abandoned(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let ours = name.starts_with(UNFINISHED.0) && name.ends_with(UNFINISHED.1);
+        let old = entry
+            .metadata()
+            .and_then(|metadata| metadata.modified())
+            .is_ok_and(|modified| SystemTime::now().duration_since(modified).is_ok_and(|age| age > ABANDONED));
+        if ours && old {
+            let path = entry.path();
+            let _ = if path.is_dir() { fs::remove_dir_all(&path) } else { fs::remove_file(&path) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_folder_is_made_whole_and_replaced_file_by_file() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("deep/out");
+        let mut outputs = Outputs::default();
+        outputs.add("a.txt", "one");
+        outputs.add("b.txt", "two");
+        outputs.write(&folder).unwrap();
+        assert_eq!(names(&folder), ["a.txt", "b.txt"]);
+        fs::write(folder.join("notes.txt"), "foreign").unwrap();
+
+        let mut outputs = Outputs::default();
+        outputs.add("a.txt", "three");
+        outputs.write(&folder).unwrap();
+        assert_eq!(names(&folder), ["a.txt", "b.txt", "notes.txt"]);
+        assert_eq!(fs::read_to_string(folder.join("a.txt")).unwrap(), "three");
+        assert_eq!(names(&place.path().join("deep")), ["out"]);
+    }
+
+    #[test]
+    fn nothing_changes_where_a_file_cannot_be_made() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("out");
+        let mut outputs = Outputs::default();
+        outputs.add("a.txt", "one");
+        outputs.add("missing/b.txt", "two");
+        assert!(outputs.write(&folder).is_err());
+        assert!(names(place.path()).is_empty());
+    }
+
+    #[test]
+    fn only_old_unfinished_files_are_removed() {
+        let place = tempfile::tempdir().unwrap();
+        let old = place.path().join(".slipgrid-old.part");
+        for name in [".slipgrid-old.part", ".slipgrid-new.part", "other.part"] {
+            fs::write(place.path().join(name), "").unwrap();
+        }
+        let long_ago = SystemTime::now() - 2 * ABANDONED;
+        fs::File::options().write(true).open(&old).unwrap().set_modified(long_ago).unwrap();
+        write_file(&place.path().join("a.txt"), b"one").unwrap();
+        assert_eq!(names(place.path()), [".slipgrid-new.part", "a.txt", "other.part"]);
+    }
+
+    #[test]
+    fn an_output_that_cannot_be_is_seen_before_the_work() {
+        let place = tempfile::tempdir().unwrap();
+        let file = place.path().join("file");
+        fs::write(&file, "").unwrap();
+        assert!(check_folder(&file).is_err() && check_folder(&file.join("below")).is_err());
+        assert!(check_file(place.path()).is_err() && check_file(&place.path().join("new/file")).is_ok());
+        assert!(check_folder(Path::new("relative/out")).is_ok());
+    }
+}

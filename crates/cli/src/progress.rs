@@ -1,0 +1,88 @@
+//! A bar on a terminal, and the clock of long runs.
+
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use slipgrid_springblock::Monitor;
+
+/// Parts into which the work is counted.
+const PARTS: f64 = 1e6;
+
+/// Progress of one stage of work, shown on stderr where that is a terminal.
+#[derive(Debug)]
+pub struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+    /// Share done, as the bits of an f64.
+    done: AtomicU64,
+}
+
+impl Progress {
+    /// Starts a stage called `what`; hidden if `quiet` or where stderr is no terminal.
+    #[must_use]
+    pub fn start(what: &str, quiet: bool) -> Self {
+        let hidden = quiet || !std::io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(PARTS as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} % {elapsed} (left {eta})") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_message(what.to_owned());
+        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()) }
+    }
+
+    /// Seconds since the start.
+    #[must_use]
+    pub fn elapsed_s(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    /// Sets the share done, 0 to 1.
+    pub fn set(&self, share: f64) {
+        self.bar.set_position((share.clamp(0.0, 1.0) * PARTS) as u64);
+    }
+
+    /// Removes the bar and returns the seconds the stage took.
+    pub fn finish(self) -> f64 {
+        self.bar.finish_and_clear();
+        self.elapsed_s()
+    }
+}
+
+impl Monitor for Progress {
+    fn seconds(&self) -> f64 {
+        self.elapsed_s()
+    }
+
+    fn advance(&self, share: f64) {
+        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
+        let before = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        let (Ok(bits) | Err(bits)) = before;
+        self.set(f64::from_bits(bits) + share);
+    }
+}
+
+impl slipgrid_contact::Monitor for Progress {
+    fn advance(&self, share: f64) {
+        Monitor::advance(self, share);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_from_many_threads_add_up() {
+        let progress = Progress::start("test", true);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..1000).for_each(|_| progress.advance(1.0 / 4000.0)));
+            }
+        });
+        assert!((f64::from_bits(progress.done.load(Ordering::Relaxed)) - 1.0).abs() < 1e-9);
+        assert!(progress.finish() >= 0.0);
+    }
+}

@@ -1,0 +1,43 @@
+//! Tables of recorded history.
+
+use std::fmt::Write;
+
+use slipgrid_springblock::{Simulation, SurfaceOutcome};
+
+use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+
+/// Both surfaces of every load, with the names that tables give them.
+fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {
+    simulation.loads.iter().flat_map(|load| {
+        let own = if load.flat.is_some() { "patterned" } else { "flat" };
+        let both = [Some((own, &load.surface)), load.flat.as_ref().map(|flat| ("flat", flat))];
+        both.into_iter().flatten().map(|(name, surface)| (PRESSURE_MPA.from_si(load.pressure_pa), name, surface))
+    })
+}
+
+/// mu against time, one row a sample; `None` for steady runs.
+#[must_use]
+pub fn friction_trace(simulation: &Simulation) -> Option<String> {
+    let mut text = String::from("load_mpa,surface,time_us,mu\n");
+    let header = text.len();
+    for (load_mpa, name, surface) in surfaces(simulation) {
+        for point in &surface.trace {
+            let _ = writeln!(text, "{load_mpa},{name},{},{}", tidy(point.time_s * 1e6), point.mu);
+        }
+    }
+    (text.len() > header).then_some(text)
+}
+
+/// Pressure and friction along the interface, one row a contact block.
+#[must_use]
+pub fn interface(simulation: &Simulation) -> String {
+    let mut text = String::from("load_mpa,surface,x_um,pressure_mpa,friction_mpa\n");
+    for (load_mpa, name, surface) in surfaces(simulation) {
+        for point in &surface.interface {
+            let (x_um, pressure_mpa) = (LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa));
+            let friction_mpa = PRESSURE_MPA.from_si(point.friction_pa);
+            let _ = writeln!(text, "{load_mpa},{name},{x_um},{pressure_mpa},{friction_mpa}");
+        }
+    }
+    text
+}

@@ -1,0 +1,335 @@
+//! A simulation as JSON and as a table.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_material::Provenance;
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation};
+
+use super::table::{Table, fixed};
+use crate::units::{LENGTH_UM, PRESSURE_MPA};
+
+/// What `simulate --json` prints.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SimulationReport {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// What was solved.
+    pub fidelity: &'static str,
+    /// How much of the specimen.
+    pub extent: &'static str,
+    /// Dimensions of the model.
+    pub dimensions: u8,
+    /// What was modelled and why.
+    pub model: Vec<String>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+    /// The texture; null for a flat scene.
+    pub pattern: Option<PatternReport>,
+    /// The vertical plane took a section of a planform that needs three dimensions.
+    pub section_model: bool,
+    /// Share of the surface that is cavity; null for a flat scene.
+    pub areal_density: Option<f64>,
+    /// Share of the modelled section that is cavity; null for a flat scene.
+    pub section_density: Option<f64>,
+    /// Lattice spacing.
+    pub block_um: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Seconds.
+    pub wall_s: f64,
+    /// Threads that computed.
+    pub threads: usize,
+    /// One per pressure, in the scene's order.
+    pub results: Vec<LoadReport>,
+}
+
+/// Where a material came from.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MaterialReport {
+    /// Its name.
+    pub name: String,
+    /// Publication or laboratory.
+    pub source: String,
+    /// The surface behind the area law is synthetic.
+    pub synthetic_surface: bool,
+    /// How values were obtained.
+    pub notes: Vec<String>,
+}
+
+impl From<&Provenance> for MaterialReport {
+    fn from(provenance: &Provenance) -> Self {
+        Self {
+            name: provenance.name.clone(),
+            source: provenance.source.clone(),
+            synthetic_surface: provenance.synthetic_surface,
+            notes: provenance.notes.clone(),
+        }
+    }
+}
+
+/// A texture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PatternReport {
+    /// Width of a cavity along the sliding direction.
+    pub width_um: f64,
+    /// Gap between two cavities.
+    pub spacing_um: f64,
+    /// Depth of a cavity.
+    pub depth_um: f64,
+    /// Shape seen from above.
+    pub planform: String,
+    /// Share of the surface that is cavity.
+    pub areal_density: f64,
+    /// Share of the section through the cavities' centres that is cavity.
+    pub section_density: f64,
+}
+
+impl From<&Pattern> for PatternReport {
+    fn from(pattern: &Pattern) -> Self {
+        Self {
+            width_um: LENGTH_UM.from_si(pattern.width_m()),
+            spacing_um: LENGTH_UM.from_si(pattern.spacing_m()),
+            depth_um: LENGTH_UM.from_si(pattern.depth_m()),
+            planform: pattern.planform().name().to_owned(),
+            areal_density: pattern.areal_density(),
+            section_density: pattern.section_density(),
+        }
+    }
+}
+
+/// Results at one pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LoadReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Dynamic friction coefficient.
+    pub mu_dynamic: Option<f64>,
+    /// Its standard error; null for steady.
+    pub mu_dynamic_stderr: Option<f64>,
+    /// Static friction coefficient; null for steady.
+    pub mu_static: Option<f64>,
+    /// Dynamic friction coefficient of the flat surface; null for a flat scene.
+    pub mu_flat: Option<f64>,
+    /// Its standard error.
+    pub mu_flat_stderr: Option<f64>,
+    /// Static friction coefficient of the flat surface.
+    pub mu_flat_static: Option<f64>,
+    /// Dynamic friction, patterned over flat; of the section in a section model.
+    pub ratio: Option<f64>,
+    /// Its standard error.
+    pub ratio_stderr: Option<f64>,
+    /// Estimated change of the ratio from this block size to vanishing blocks.
+    pub ratio_discretization_error: Option<f64>,
+    /// Section models: strips between rows of cavities counted as flat.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_strip_estimate: Option<f64>,
+    /// Largest local pressure; it grows as blocks shrink.
+    pub peak_pressure_mpa: f64,
+    /// Contact blocks under tension.
+    pub tension_blocks: usize,
+    /// How the run ended.
+    pub status: &'static str,
+    /// How the flat run ended; null for a flat scene.
+    pub status_flat: Option<&'static str>,
+    /// A cavity's ceiling reaches the counterface.
+    pub cavity_closed: bool,
+    /// A pressure lies past the last of the area law.
+    pub area_law_extrapolated: bool,
+    /// The nominal pressure lies outside the measured range of the friction coefficients.
+    pub friction_extrapolated: bool,
+    /// Steady: bound on the convergence error of mu.
+    pub residual: Option<f64>,
+    /// Steady: iterations.
+    pub iterations: usize,
+    /// Dynamic: time steps.
+    pub steps: Option<u64>,
+    /// Dynamic: time step.
+    pub dt_s: Option<f64>,
+    /// Dynamic: blocks times force evaluations.
+    pub site_updates: Option<u64>,
+    /// Dynamic: the same per second.
+    pub site_updates_per_s: Option<f64>,
+}
+
+impl LoadReport {
+    /// The report on `load` of a surface with `pattern`.
+    #[must_use]
+    pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
+        let surface = &load.surface;
+        let strip = pattern.filter(|pattern| pattern.planform().dimensions() > 2).zip(load.ratio);
+        let cost = surface.cost;
+        Self {
+            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+            mu_dynamic: surface.mu_dynamic,
+            mu_dynamic_stderr: surface.mu_dynamic_stderr,
+            mu_static: surface.mu_static,
+            mu_flat: load.flat.as_ref().and_then(|flat| flat.mu_dynamic),
+            mu_flat_stderr: load.flat.as_ref().and_then(|flat| flat.mu_dynamic_stderr),
+            mu_flat_static: load.flat.as_ref().and_then(|flat| flat.mu_static),
+            ratio: load.ratio,
+            ratio_stderr: load.ratio_stderr,
+            ratio_discretization_error: load.ratio_discretization_error,
+            ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
+            peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
+            tension_blocks: surface.tension_blocks,
+            status: surface.status.name(),
+            status_flat: load.flat.as_ref().map(|flat| flat.status.name()),
+            cavity_closed: surface.cavity_closed,
+            area_law_extrapolated: surface.area_law_extrapolated
+                || load.flat.as_ref().is_some_and(|flat| flat.area_law_extrapolated),
+            friction_extrapolated,
+            residual: surface.residual,
+            iterations: surface.iterations,
+            steps: cost.map(|cost| cost.steps),
+            dt_s: cost.map(|cost| cost.dt_s),
+            site_updates: cost.map(|cost| cost.site_updates),
+            site_updates_per_s: cost
+                .filter(|cost| cost.wall_s > 0.0)
+                .map(|cost| cost.site_updates as f64 / cost.wall_s),
+        }
+    }
+}
+
+/// Reports on every load of `simulation`.
+#[must_use]
+pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside: &[bool]) -> Vec<LoadReport> {
+    let flags = outside.iter().copied().chain(std::iter::repeat(false));
+    simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
+}
+
+/// What else than the solver's own statements a reader must know about the model.
+#[must_use]
+pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(pattern) = pattern.filter(|pattern| pattern.planform().dimensions() > 2) {
+        notes.push(format!(
+            "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
+             of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
+             between rows of cavities as flat",
+            pattern.planform(),
+            100.0 * pattern.section_density(),
+            100.0 * pattern.areal_density(),
+        ));
+    }
+    if provenance.synthetic_surface {
+        notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
+    }
+    notes
+}
+
+impl SimulationReport {
+    /// The report on a solved scene.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        simulation: &Simulation,
+        provenance: &Provenance,
+        outside: &[bool],
+        wall_s: f64,
+        threads: usize,
+    ) -> Self {
+        let pattern = scene.pattern.as_ref();
+        Self {
+            program: "slipgrid",
+            version: super::VERSION,
+            fidelity: scene.run.fidelity.name(),
+            extent: scene.run.extent.name(),
+            dimensions: 2,
+            model: simulation.model.iter().cloned().chain(model_notes(pattern, provenance)).collect(),
+            material: provenance.into(),
+            pattern: pattern.map(PatternReport::from),
+            section_model: pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2),
+            areal_density: pattern.map(Pattern::areal_density),
+            section_density: pattern.map(Pattern::section_density),
+            block_um: LENGTH_UM.from_si(scene.layer.block_m),
+            speed_mm_s: crate::units::SPEED_MM_S.from_si(scene.speed_m_s),
+            seed: scene.run.seed,
+            wall_s,
+            threads,
+            results: load_reports(simulation, pattern, outside),
+        }
+    }
+
+    /// The report for people.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        let surface = self.pattern.as_ref().map_or_else(
+            || "flat surface".to_owned(),
+            |p| format!("{} {} um wide, {} um apart, {} um deep", p.planform, p.width_um, p.spacing_um, p.depth_um),
+        );
+        text += &format!("{surface}; {}, {}\n", self.fidelity, self.extent);
+        for statement in &self.model {
+            text += &format!("- {statement}\n");
+        }
+        text.push('\n');
+        text += &load_table(&self.results, self.pattern.is_some(), self.section_model).to_string();
+        for warning in warnings(&self.results) {
+            text += &format!("! {warning}\n");
+        }
+        text += &format!("\n{:.3} s on {} threads\n", self.wall_s, self.threads);
+        text
+    }
+}
+
+fn load_table(results: &[LoadReport], patterned: bool, section_model: bool) -> Table {
+    let dynamic = results.iter().any(|load| load.steps.is_some());
+    let mut header = vec!["P MPa", "mu_dynamic"];
+    if dynamic {
+        header.extend(["+-", "mu_static"]);
+    }
+    if patterned {
+        header.extend(["mu_flat", "ratio"]);
+    }
+    if section_model {
+        header.push("strip ratio");
+    }
+    header.extend(["peak MPa", "status"]);
+    let mut table = Table::new(header);
+    for load in results {
+        let mut row = vec![load.pressure_mpa.to_string(), fixed(load.mu_dynamic, 4)];
+        if dynamic {
+            row.extend([fixed(load.mu_dynamic_stderr, 4), fixed(load.mu_static, 4)]);
+        }
+        if patterned {
+            row.extend([fixed(load.mu_flat, 4), fixed(load.ratio, 4)]);
+        }
+        if section_model {
+            row.push(fixed(load.ratio_strip_estimate, 4));
+        }
+        row.extend([fixed(Some(load.peak_pressure_mpa), 2), load.status.to_owned()]);
+        table.row(row);
+    }
+    table
+}
+
+/// What a reader should know before using the numbers.
+#[must_use]
+pub fn warnings(results: &[LoadReport]) -> Vec<String> {
+    type Test = fn(&LoadReport) -> bool;
+    let at = |test: Test| {
+        let named: Vec<String> =
+            results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
+        (!named.is_empty()).then(|| named.join(", "))
+    };
+    let all: [(Test, &str); 4] = [
+        (
+            |load| load.cavity_closed,
+            "cavities close: their ceiling reaches the counterface, which the model lets through",
+        ),
+        (
+            |load| load.area_law_extrapolated,
+            "local pressures exceed the area law's last: the area is taken as constant there",
+        ),
+        (
+            |load| load.friction_extrapolated,
+            "outside the measured range: the nearest measurement's coefficients were taken",
+        ),
+        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction"),
+    ];
+    all.into_iter().filter_map(|(test, text)| at(test).map(|named| format!("at {named} MPa {text}"))).collect()
+}

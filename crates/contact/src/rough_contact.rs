@@ -1,0 +1,200 @@
+use slipgrid_topography::HeightMap;
+use slipgrid_topography::fourier::{Fourier, Multiplier};
+
+use crate::area::{ContactArea, contact_area};
+use crate::error::within;
+use crate::solver::{Outcome, minimize};
+use crate::{ContactError, Monitor};
+
+/// How far the solver goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveOptions {
+    /// Residual at which a state counts as converged: |sum (g - min g) p| / (sum p Sq), the mean gap under
+    /// pressure over the rms height. The area follows it: 1e-4 leaves about 2e-4 of it, 1e-5 about 3e-5.
+    pub tolerance: f64,
+    /// Iterations after which the best state is reported as it is.
+    pub max_iterations: usize,
+}
+
+impl Default for SolveOptions {
+    fn default() -> Self {
+        Self { tolerance: 1e-8, max_iterations: 2000 }
+    }
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Status {
+    /// The residual is at most the tolerance.
+    Converged,
+    /// The limit of iterations was met: the best state is reported.
+    IterationLimit,
+    /// Rounding leaves no direction of descent: the best state is reported.
+    Stalled,
+    /// The monitor asked to stop: the best state is reported.
+    Cancelled,
+}
+
+impl Status {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::IterationLimit => "iteration_limit",
+            Self::Stalled => "stalled",
+            Self::Cancelled => "cancelled",
+        }
+    }
+}
+
+/// What a solve took, and how well it ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Convergence {
+    /// How the solve ended.
+    pub status: Status,
+    /// Iterations.
+    pub iterations: usize,
+    /// Applications of an operator in Fourier space: pairs of a transform and its inverse.
+    pub fourier_pairs: usize,
+    /// The residual of [`SolveOptions::tolerance`].
+    pub residual: f64,
+}
+
+/// A state of contact: pressure and gap at every point of the map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactState {
+    /// Contact pressure, row by row, not negative, in pascals.
+    pub pressure_pa: Vec<f64>,
+    /// Distance to the rigid plane, row by row, not negative, in metres.
+    pub gap_m: Vec<f64>,
+    /// Real contact area.
+    pub area: ContactArea,
+    /// What the solve took.
+    pub convergence: Convergence,
+}
+
+/// Range of moduli and pressures in which nothing overflows, in pascals.
+const MODULUS_RANGE_PA: std::ops::RangeInclusive<f64> = 1e-3..=1e15;
+const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
+
+/// A rough elastic half-space against a rigid plane: fixed parameters, normalized.
+///
+/// Heights are in units of Sq and pressures in units of E* Sq q1/2, q1 the smallest wave number of the map.
+/// So A(P; s h) = A(P/s; h) holds to the last digits: one curve of the normalized map serves every Sa and E*.
+#[derive(Clone, Debug)]
+pub struct RoughContact {
+    pub(crate) cols: usize,
+    pub(crate) fourier: Fourier,
+    /// u = K p: q1/q for each wave, 0 for the mean.
+    pub(crate) compliance: Multiplier,
+    /// The preconditioner: q/q1 for each wave, 1/2 for the mean.
+    pub(crate) stiffness: Multiplier,
+    /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
+    pub(crate) height: Vec<f64>,
+    height_unit_m: f64,
+    pressure_unit_pa: f64,
+    /// Normalized p*.
+    full_contact_pressure: f64,
+}
+
+impl RoughContact {
+    /// The surface `map`, taken as one period, on a half-space of contact modulus E* = E/(1 - nu^2).
+    ///
+    /// # Errors
+    /// [`ContactError`] if points of the map are missing or the modulus lies outside 1e-3 to 1e15 Pa.
+    pub fn new(map: &HeightMap, contact_modulus_pa: f64) -> Result<Self, ContactError> {
+        map.require_complete()?;
+        within("contact modulus", contact_modulus_pa, MODULUS_RANGE_PA, "a modulus from 1e-3 to 1e15 Pa")?;
+        let mean_m = map.mean_m();
+        let deviation = map.heights_m().iter().map(|h| h - mean_m);
+        // Squares of the highest deviation's share do not vanish, however small the heights.
+        let highest_m = deviation.clone().fold(0.0, |highest, h| f64::max(highest, h.abs()));
+        let rms: f64 = deviation.clone().map(|h| (h / highest_m).powi(2)).sum::<f64>() / map.heights_m().len() as f64;
+        let height_unit_m = if highest_m > 0.0 { highest_m * rms.sqrt() } else { 0.0 };
+        let height: Vec<f64> = deviation.map(|h| if highest_m > 0.0 { h / height_unit_m } else { 0.0 }).collect();
+
+        let fourier = Fourier::new(map.rows(), map.cols());
+        let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
+        let first = std::f64::consts::TAU / longest_m;
+        // u_q = 2/(E* q) p_q; in the units above q1/q.
+        let compliance = fourier.multiplier(map.dx_m(), map.dy_m(), 0.0, |q| first / q);
+        // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
+        let stiffness = fourier.multiplier(map.dx_m(), map.dy_m(), 0.5, |q| q / first);
+        let mut contact = Self {
+            cols: map.cols(),
+            fourier,
+            compliance,
+            stiffness,
+            height,
+            height_unit_m,
+            pressure_unit_pa: 0.5 * contact_modulus_pa * height_unit_m * first,
+            full_contact_pressure: 0.0,
+        };
+        let lowest = contact.full_contact_fluctuation().into_iter().fold(0.0, f64::min);
+        contact.full_contact_pressure = -lowest;
+        Ok(contact)
+    }
+
+    /// The deviation from the mean of the normalized pressure that flattens the surface.
+    pub(crate) fn full_contact_fluctuation(&self) -> Vec<f64> {
+        let mut pressure = vec![0.0; self.height.len()];
+        self.fourier.filter(&self.height, &self.stiffness, &mut pressure, &mut self.fourier.work());
+        pressure
+    }
+
+    /// p*, the pressure from which all of the map is in contact, in pascals.
+    #[must_use]
+    pub fn full_contact_pressure_pa(&self) -> f64 {
+        self.full_contact_pressure * self.pressure_unit_pa
+    }
+
+    /// The state of contact at the nominal pressure `pressure_pa`. Without load nothing is in contact, from
+    /// p* on everything is: both are known without iterations, and so is a flat map.
+    ///
+    /// # Errors
+    /// [`ContactError::OutOfRange`] unless the pressure lies between 0 and 1e15 Pa, the tolerance between
+    /// 1e-15 and 1.
+    pub fn solve(
+        &self,
+        pressure_pa: f64,
+        options: &SolveOptions,
+        monitor: &dyn Monitor,
+    ) -> Result<ContactState, ContactError> {
+        check(pressure_pa, options)?;
+        let known = |pressure_pa, gap_m, area| {
+            let convergence = Convergence { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
+            Ok(ContactState {
+                pressure_pa,
+                gap_m,
+                area: ContactArea { fraction: area, fraction_corrected: area },
+                convergence,
+            })
+        };
+        let points = self.height.len();
+        if pressure_pa == 0.0 {
+            let highest = self.height.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let gap_m = self.height.iter().map(|h| (highest - h) * self.height_unit_m).collect();
+            return known(vec![0.0; points], gap_m, 0.0);
+        }
+        let full_contact_pressure_pa = self.full_contact_pressure_pa();
+        if pressure_pa >= full_contact_pressure_pa {
+            let fluctuation = self.full_contact_fluctuation().into_iter();
+            let local_pa = fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect();
+            return known(local_pa, vec![0.0; points], 1.0);
+        }
+        let Outcome { mut pressure, mut gap, convergence } =
+            minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor);
+        let area = contact_area(&pressure, self.cols);
+        pressure.iter_mut().for_each(|p| *p *= self.pressure_unit_pa);
+        gap.iter_mut().for_each(|g| *g *= self.height_unit_m);
+        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, convergence })
+    }
+}
+
+/// Checks what a solve is asked for.
+pub(crate) fn check(pressure_pa: f64, options: &SolveOptions) -> Result<(), ContactError> {
+    within("pressure", pressure_pa, PRESSURE_RANGE_PA, "a pressure from 0 to 1e15 Pa")?;
+    within("tolerance", options.tolerance, 1e-15..=1.0, "a number from 1e-15 to 1")?;
+    Ok(())
+}

@@ -1,0 +1,383 @@
+use crate::ledger::{Evaluator, Interruption, Ledger, Notebook};
+use crate::polish::{Cost, Descent, Method, Objective};
+use crate::space::Grid;
+use crate::{
+    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, FailedTrial, ForwardModel, HistoryPoint, ReachableRange,
+    SearchError, SearchOutcome, SearchProgress, Stage, Status, Target, sequence,
+};
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+use std::ops::ControlFlow;
+
+/// How the search is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SearchOptions {
+    /// Seed of the sample.
+    pub seed: u64,
+    /// Most model evaluations.
+    pub max_evaluations: usize,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self { seed: 1, max_evaluations: 2000 }
+    }
+}
+
+/// Points of the sample by number of free dimensions, beside the corners of the box. More make the
+/// starts safer and cost what they cost: from 56 to 32 a search in three dimensions went from 100 to
+/// 75 evaluations, and no seed of any test fails with either.
+const SAMPLE: [usize; sequence::MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
+/// Descents started together, about ten evaluations each. More give more alternatives and survive more false valleys.
+const STARTS: usize = 5;
+/// Simplexes started from the best of these where Gauss-Newton steps did not suffice.
+const SIMPLEX_STARTS: usize = 2;
+/// Smallest distance of two starts, as a share of the (logarithmic) bounds.
+const START_DISTANCE: f64 = 0.15;
+/// Alternatives reported, and how unlike one another they are, as a share of the bounds.
+const ALTERNATIVES: usize = 4;
+const ALTERNATIVE_DISTANCE: f64 = 0.1;
+/// Penalty of a relative excess of 1, in median misfits of the sample: a constraint that changes by
+/// its own size over the box is then twenty times as steep as the misfit.
+const PENALTY_STEEPNESS: f64 = 20.0;
+/// Whole numbers of bursts, nearest to the best one, at which width and spacing are polished: where
+/// the target is not met, and where it is but not comfortably.
+const NEAREST_BURSTS: usize = 12;
+const NEXT_BURSTS: usize = 3;
+/// Target points up to which every one has its extremes sought; beyond, the lowest and highest
+/// pressure and the one missed most.
+const EVERY_EXTREME: usize = 4;
+/// Share of the remaining evaluations that a stage before the last may spend.
+const STAGE_SHARE: f64 = 0.6;
+
+/// Searches `space` for a design that brings friction to `target` under `constraints`.
+///
+/// `progress` is called after every evaluation, from any thread; on `Break` the search ends with
+/// what it has. The rayon pool of the caller is used.
+///
+/// # Errors
+/// [`SearchError`] where the input leaves nothing to search, or the model is broken or fails
+/// for every design of the sample.
+pub fn search(
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    model: &dyn ForwardModel,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
+    if options.max_evaluations == 0 {
+        return Err(SearchError::OutOfRange { quantity: "max_evaluations", value: 0.0, expected: "at least 1" });
+    }
+    let grid = Grid::new(space, constraints)?;
+    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
+    let mut search = Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0 };
+    let sample_is_whole = search.sample(options)?;
+    let status = match search.descend_in_stages() {
+        Ok(()) if search.is_met() => Status::Met,
+        Ok(()) if search.unfinished.is_empty() && sample_is_whole => Status::Unreachable,
+        Ok(()) | Err(Interruption::Budget) => Status::Budget,
+        Err(Interruption::Cancelled) if search.is_met() => Status::Met,
+        Err(Interruption::Cancelled) => Status::Cancelled,
+        Err(Interruption::Error(error)) => return Err(error),
+    };
+    search.outcome(status)
+}
+
+/// State of a search.
+struct Search<'a> {
+    evaluator: Evaluator<'a>,
+    grid: Grid,
+    ledger: Ledger,
+    /// Descents that a stage's share of the evaluations cut short.
+    unfinished: Vec<Descent>,
+    penalty: f64,
+}
+
+impl Search<'_> {
+    /// Evaluates the corners of the box and a low-discrepancy sample. Returns whether the
+    /// evaluations allowed sufficed for the sample as planned.
+    fn sample(&mut self, options: &SearchOptions) -> Result<bool, SearchError> {
+        let free = self.grid.free_axes();
+        let corners = 1_usize << free.len();
+        let (planned, most) = (corners + SAMPLE[free.len()], options.max_evaluations.div_ceil(2));
+        let is_whole = planned <= most;
+        let mut shares = Vec::new();
+        if is_whole {
+            for corner in 0..corners {
+                shares.push(free.iter().enumerate().fold([0.0; 3], |mut shares, (bit, &axis)| {
+                    shares[axis] = (corner >> bit & 1) as f64;
+                    shares
+                }));
+            }
+        }
+        for point in sequence::points(free.len(), SAMPLE[free.len()].min(most), options.seed) {
+            shares.push(free.iter().zip(point).fold([0.0; 3], |mut shares, (&axis, t)| {
+                shares[axis] = t;
+                shares
+            }));
+        }
+        let mut designs: Vec<Pattern> = Vec::new();
+        for design in shares.iter().filter_map(|shares| self.grid.design(shares)) {
+            // On a coarse grid two points can be one design.
+            if !designs.contains(&design) {
+                designs.push(design);
+            }
+        }
+        let results: Vec<_> =
+            designs.par_iter().map(|design| self.evaluator.evaluate(design, Stage::Sampling)).collect();
+        for result in results {
+            match result {
+                Ok(record) => self.ledger.absorb(vec![record]),
+                Err(Interruption::Error(error)) => return Err(error),
+                Err(Interruption::Budget | Interruption::Cancelled) => {}
+            }
+        }
+        if self.ledger.records().is_empty() {
+            return Err(SearchError::CancelledAtStart);
+        }
+        let mut misfits: Vec<f64> = self.ledger.candidates().map(|candidate| candidate.misfit.rms).collect();
+        misfits.sort_by(f64::total_cmp);
+        match misfits.get(misfits.len() / 2) {
+            Some(median) => self.penalty = PENALTY_STEEPNESS * median.max(1.0),
+            None => return Err(self.every_trial_failed()),
+        }
+        Ok(is_whole)
+    }
+
+    fn every_trial_failed(&self) -> SearchError {
+        let failed = failed_trials(&self.ledger);
+        let reason = failed.first().map_or_else(String::new, |trial| trial.reason.clone());
+        SearchError::EveryTrialFailed { trials: failed.len(), reason }
+    }
+
+    /// Everything after the sample, each stage only where the ones before leave something to gain.
+    fn descend_in_stages(&mut self) -> Result<(), Interruption> {
+        if self.evaluator.is_cancelled() {
+            return Err(Interruption::Cancelled);
+        }
+        // 1. From the best distinct designs of the sample.
+        let mut tried = self.distinct_starts(&[], STARTS);
+        self.polish(&tried.clone())?;
+        // 2. Width and spacing at the numbers of bursts near the best one.
+        if !self.is_comfortable() {
+            let most = if self.is_met() { NEXT_BURSTS } else { NEAREST_BURSTS };
+            self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
+        }
+        // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
+        if let Some(best) = self.ledger.best().filter(|best| best.misfit.rms < 0.0) {
+            let descents = vec![self.descent(self.grid, best.design, Objective::Largest, Method::Simplex)];
+            self.run(descents, Stage::Polishing, self.stage_budget())?;
+        }
+        // 4. Before saying that the target is out of reach: how far friction can be brought, and
+        // starts unlike those before.
+        if !self.is_met() {
+            self.run(self.extreme_descents(), Stage::Extremes, self.stage_budget())?;
+            tried.extend(self.ledger.best().map(|best| best.design));
+            let starts = self.distinct_starts(&tried, STARTS);
+            self.polish(&starts)?;
+        }
+        // 5. With all evaluations left, what was cut short.
+        if !self.is_comfortable() {
+            let descents = std::mem::take(&mut self.unfinished);
+            self.run(descents, Stage::Polishing, self.remaining())?;
+        }
+        Ok(())
+    }
+
+    /// Gauss-Newton steps from `starts`, then, unless that was enough, simplexes from the best distinct
+    /// designs so far.
+    fn polish(&mut self, starts: &[Pattern]) -> Result<(), Interruption> {
+        let from = |search: &Self, starts: &[Pattern], method| -> Vec<Descent> {
+            let descent = |&start: &Pattern| search.descent(search.grid, start, Objective::RootMeanSquare, method);
+            starts.iter().map(descent).collect()
+        };
+        self.run(from(self, starts, Method::GaussNewton), Stage::Polishing, self.stage_budget())?;
+        if !self.is_comfortable() {
+            let starts = self.distinct_starts(&[], SIMPLEX_STARTS);
+            self.run(from(self, &starts, Method::Simplex), Stage::Polishing, self.stage_budget())?;
+        }
+        Ok(())
+    }
+
+    fn descent(&self, grid: Grid, start: Pattern, objective: Objective, method: Method) -> Descent {
+        Descent::new(grid, start, self.cost(objective), method)
+    }
+
+    fn cost(&self, objective: Objective) -> Cost {
+        Cost { objective, tolerance: self.evaluator.target.tolerance(), penalty: self.penalty }
+    }
+
+    /// Runs `descents` in rounds. In a round each has the same number of evaluations, fixed in
+    /// advance, so that the outcome does not depend on the number of threads; what some leave
+    /// unspent goes to the others in the next round.
+    fn run(&mut self, mut descents: Vec<Descent>, stage: Stage, budget: usize) -> Result<(), Interruption> {
+        let last = self.ledger.records().len() + budget;
+        while !descents.is_empty() {
+            let left = last.saturating_sub(self.ledger.records().len());
+            if left == 0 {
+                break;
+            }
+            let later = descents.split_off(descents.len().min(left));
+            let share = left / descents.len();
+            let results: Vec<_> = descents
+                .par_iter()
+                .map(|descent| {
+                    let mut notebook = Notebook::new(&self.evaluator, &self.ledger, stage, share);
+                    let rest = descent.run(&mut notebook);
+                    (notebook.close(), rest)
+                })
+                .collect();
+            descents = later;
+            let mut interruption = None;
+            for ((records, interrupted), rest) in results {
+                self.ledger.absorb(records);
+                descents.extend(rest);
+                interruption = interruption.or(interrupted.filter(|interrupted| *interrupted != Interruption::Budget));
+            }
+            if let Some(interruption) = interruption {
+                return Err(interruption);
+            }
+            if self.is_comfortable() {
+                return Ok(());
+            }
+        }
+        self.unfinished.extend(descents);
+        Ok(())
+    }
+
+    /// The best designs that are unlike `taken` and one another.
+    fn distinct_starts(&self, taken: &[Pattern], most: usize) -> Vec<Pattern> {
+        let cost = self.cost(Objective::RootMeanSquare);
+        let mut ranked: Vec<(f64, &Pattern)> =
+            self.ledger.candidates().map(|candidate| (cost.of(candidate), &candidate.design)).collect();
+        // Stable: of equal costs the earlier first.
+        ranked.sort_by(|left, right| left.0.total_cmp(&right.0));
+        let mut starts: Vec<Pattern> = Vec::new();
+        for (_, design) in ranked {
+            let is_unlike = |other: &Pattern| self.grid.distance(design, other) >= START_DISTANCE;
+            if starts.len() < most && taken.iter().chain(&starts).all(is_unlike) {
+                starts.push(*design);
+            }
+        }
+        starts
+    }
+
+    /// Descents in width and spacing from the best design tried at each number of bursts near the
+    /// best one, itself included; none where depths are not counted in bursts.
+    fn burst_descents(&self, most: usize) -> Vec<Descent> {
+        let (Some([first, last]), Some(best)) = (self.grid.bursts(), self.ledger.best()) else { return Vec::new() };
+        let centre = self.grid.bursts_of(&best.design);
+        let reach = most as u64;
+        let mut bursts: Vec<u64> = (first.max(centre.saturating_sub(reach))..=last.min(centre + reach)).collect();
+        bursts.sort_by_key(|&bursts| bursts.abs_diff(centre));
+        bursts.truncate(most);
+        let start_at = |bursts: u64| {
+            let grid = self.grid.at_bursts(bursts);
+            let tried = self.ledger.candidates().filter(|candidate| self.grid.bursts_of(&candidate.design) == bursts);
+            let start = tried.fold(None, |best: Option<&Candidate>, candidate| match best {
+                Some(best) if !candidate.is_better_than(best) => Some(best),
+                _ => Some(candidate),
+            });
+            let start = match start {
+                Some(start) => Some(start.design),
+                None => grid.design(&self.grid.shares(&best.design)),
+            };
+            start.map(|start| self.descent(grid, start, Objective::RootMeanSquare, Method::GaussNewton))
+        };
+        bursts.into_iter().filter_map(start_at).collect()
+    }
+
+    /// Descents to the lowest and the highest value, each from the feasible design nearest to it so far.
+    fn extreme_descents(&self) -> Vec<Descent> {
+        let Some(best) = self.ledger.best() else { return Vec::new() };
+        let points = self.evaluator.target.points();
+        let mut chosen: Vec<usize> = (0..points.len()).collect();
+        if points.len() > EVERY_EXTREME {
+            let miss = |&point: &usize| (best.response.value[point] - points[point].value).abs();
+            let lightest =
+                chosen.iter().copied().min_by(|&i, &j| points[i].pressure_pa.total_cmp(&points[j].pressure_pa));
+            let heaviest =
+                chosen.iter().copied().max_by(|&i, &j| points[i].pressure_pa.total_cmp(&points[j].pressure_pa));
+            let missed = chosen.iter().copied().max_by(|i, j| miss(i).total_cmp(&miss(j)));
+            chosen = [lightest, heaviest, missed].into_iter().flatten().collect();
+            chosen.sort_unstable();
+            chosen.dedup();
+        }
+        let mut descents = Vec::new();
+        for point in chosen {
+            let value = |candidate: &&Candidate| candidate.response.value[point];
+            let lowest = self.ledger.feasible().min_by(|left, right| value(left).total_cmp(&value(right)));
+            let highest = self.ledger.feasible().max_by(|left, right| value(left).total_cmp(&value(right)));
+            for (start, objective) in [(lowest, Objective::Lowest(point)), (highest, Objective::Highest(point))] {
+                descents.extend(start.map(|start| self.descent(self.grid, start.design, objective, Method::Simplex)));
+            }
+        }
+        descents
+    }
+
+    fn remaining(&self) -> usize {
+        self.evaluator.max_evaluations.saturating_sub(self.ledger.records().len())
+    }
+
+    fn stage_budget(&self) -> usize {
+        // Far below 2^52: exact but for the rounding asked for.
+        (self.remaining() as f64 * STAGE_SHARE) as usize
+    }
+
+    fn is_met(&self) -> bool {
+        self.ledger.best().is_some_and(Candidate::meets_target)
+    }
+
+    fn is_comfortable(&self) -> bool {
+        self.ledger.best().is_some_and(|best| best.meets_target() && best.misfit.rms <= COMFORTABLE_RMS)
+    }
+
+    fn outcome(self, status: Status) -> Result<SearchOutcome, SearchError> {
+        let Some(best) = self.ledger.best().cloned() else { return Err(self.every_trial_failed()) };
+        let mut history = Vec::new();
+        let mut leader: Option<&Candidate> = None;
+        for (index, record) in self.ledger.records().iter().enumerate() {
+            if let Some(candidate) = record.candidate()
+                && leader.is_none_or(|leader| candidate.is_better_than(leader))
+            {
+                leader = Some(candidate);
+                let (misfit, feasible) = (candidate.misfit, candidate.violations.is_empty());
+                history.push(HistoryPoint { evaluation: index + 1, misfit, feasible });
+            }
+        }
+        let alternatives = self.alternatives(&best);
+        let reachable = self.reachable();
+        let (evaluations, failed_trials) = (self.ledger.records().len(), failed_trials(&self.ledger));
+        Ok(SearchOutcome { status, best, alternatives, evaluations, failed_trials, reachable, history })
+    }
+
+    fn alternatives(&self, best: &Candidate) -> Vec<Candidate> {
+        let mut meeting: Vec<&Candidate> =
+            self.ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
+        meeting.sort_by(|left, right| left.misfit.rms.total_cmp(&right.misfit.rms));
+        let mut alternatives: Vec<Candidate> = Vec::new();
+        for candidate in meeting {
+            let is_unlike =
+                |other: &Candidate| self.grid.distance(&candidate.design, &other.design) >= ALTERNATIVE_DISTANCE;
+            if alternatives.len() < ALTERNATIVES && is_unlike(best) && alternatives.iter().all(is_unlike) {
+                alternatives.push(candidate.clone());
+            }
+        }
+        alternatives
+    }
+
+    fn reachable(&self) -> Vec<ReachableRange> {
+        let points = self.evaluator.target.points().iter().enumerate();
+        let range = |(index, point): (usize, &crate::TargetPoint)| {
+            let values = || self.ledger.feasible().map(|candidate| candidate.response.value[index]);
+            let (lowest, highest) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
+            Some(ReachableRange { pressure_pa: point.pressure_pa, lowest, highest })
+        };
+        points.filter_map(range).collect()
+    }
+}
+
+fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
+    ledger.records().iter().filter_map(|record| record.failure().cloned()).collect()
+}

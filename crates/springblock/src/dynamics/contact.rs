@@ -1,0 +1,295 @@
+//! Friction on the row of contact blocks.
+//!
+//! At rest friction balances the horizontal force up to max(mu_s, mu_d) f(p) F_n; sliding it is
+//! mu_d f(p) F_n against the velocity; a step that would reverse the velocity ends at rest. The law
+//! sees the local pressure and the direction of slip, nothing more.
+
+use slipgrid_material::AreaLaw;
+
+use crate::draws::Coefficients;
+
+/// Local friction law: what a block of given coefficients resists at a given normal force.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalLaw<'a> {
+    area_law: Option<&'a AreaLaw>,
+    /// Pressure of a unit normal force on one block, in pascals.
+    unit_pressure_pa: f64,
+}
+
+impl<'a> LocalLaw<'a> {
+    /// A law for normal forces in units of `unit_pressure_pa` l^2.
+    #[must_use]
+    pub const fn new(area_law: Option<&'a AreaLaw>, unit_pressure_pa: f64) -> Self {
+        Self { area_law, unit_pressure_pa }
+    }
+
+    /// f(p) F_n: friction per unit coefficient. `near` remembers the interval of the law's table.
+    fn grip(&self, normal: f64, near: &mut usize) -> f64 {
+        match self.area_law {
+            Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
+            None => normal,
+        }
+    }
+}
+
+/// How a contact block moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Held by friction.
+    Rest,
+    /// Sliding, or free to move because it carries no pressure.
+    Slip,
+    /// Off the counterface (unilateral contact only).
+    Lifted,
+}
+
+/// One contact block.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactBlock {
+    /// Its column.
+    pub column: usize,
+    /// Local coefficients.
+    pub coefficients: Coefficients,
+    /// State of motion.
+    pub motion: Motion,
+    /// Whether it has slipped, or was free to, since the drive began.
+    pub has_slipped: bool,
+    /// Normal force, positive in compression, at the last force evaluation.
+    pub normal: f64,
+    /// Friction, positive against the drive, at the last force evaluation.
+    pub friction: f64,
+    near: usize,
+}
+
+/// What the spring forces of an instant mean for a contact block.
+enum Meeting {
+    /// It carries no pressure: no friction.
+    Free,
+    /// It stays at rest; friction balances the horizontal force.
+    Held,
+    /// It slides, or starts to; `grip` is f(p) F_n.
+    Sliding { grip: f64 },
+}
+
+impl ContactBlock {
+    /// Takes note of the spring forces: normal force, friction at rest, and whether the block starts.
+    fn meet(&mut self, law: &LocalLaw, force_x: f64, force_y: f64) -> Meeting {
+        // F_n = -(force of the springs)_y
+        self.normal = if self.motion == Motion::Lifted { 0.0 } else { -force_y };
+        if self.normal <= 0.0 {
+            return self.let_go();
+        }
+        let grip = law.grip(self.normal, &mut self.near);
+        if grip * self.coefficients.starting_mu() == 0.0 {
+            // A law that reaches zero holds nothing, and a reversal is no end of motion.
+            return self.let_go();
+        }
+        if self.motion == Motion::Rest {
+            if force_x.abs() <= self.coefficients.starting_mu() * grip {
+                self.friction = force_x;
+                return Meeting::Held;
+            }
+            self.motion = Motion::Slip;
+            self.has_slipped = true;
+        }
+        Meeting::Sliding { grip }
+    }
+
+    fn let_go(&mut self) -> Meeting {
+        self.friction = 0.0;
+        self.has_slipped = true;
+        if self.motion == Motion::Rest {
+            self.motion = Motion::Slip;
+        }
+        Meeting::Free
+    }
+}
+
+/// Sums over the contact row at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactSums {
+    /// Friction, positive against the drive.
+    pub friction: f64,
+    /// Normal forces of compressive blocks.
+    pub normal: f64,
+}
+
+impl ContactSums {
+    fn add(&mut self, block: &ContactBlock) {
+        self.friction += block.friction;
+        self.normal += block.normal.max(0.0);
+    }
+}
+
+/// The contact row.
+#[derive(Clone, Debug)]
+pub struct ContactRow<'a> {
+    /// Contact blocks, left to right.
+    pub blocks: Vec<ContactBlock>,
+    law: LocalLaw<'a>,
+}
+
+impl<'a> ContactRow<'a> {
+    /// Blocks in `columns`, at rest, with the coefficients of their columns.
+    #[must_use]
+    pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
+        let blocks = columns
+            .map(|column| ContactBlock {
+                column,
+                coefficients: coefficients[column],
+                motion: Motion::Rest,
+                has_slipped: false,
+                normal: 0.0,
+                friction: 0.0,
+                near: 0,
+            })
+            .collect();
+        Self { blocks, law }
+    }
+
+    /// Marks every block as sliding: the start of a run from steady sliding.
+    pub fn all_slip(&mut self) {
+        for block in &mut self.blocks {
+            block.motion = Motion::Slip;
+            block.has_slipped = true;
+        }
+    }
+
+    /// Starts the account of which blocks have slipped: the bulk begins to move.
+    pub fn begin_drive(&mut self) {
+        for block in &mut self.blocks {
+            block.has_slipped = false;
+        }
+    }
+
+    /// Whether every block has slipped since the drive began.
+    #[must_use]
+    pub fn all_have_slipped(&self) -> bool {
+        self.blocks.iter().all(|block| block.has_slipped)
+    }
+
+    /// One leapfrog kick of the contact row.
+    ///
+    /// `velocity`: horizontal velocities by column, times the step; `force_x`, `force_y`: spring forces
+    /// by column; `kept`: share of the velocity that damping leaves; `kick`: displacement per step that
+    /// a unit force adds, by column.
+    pub fn kick(
+        &mut self,
+        velocity: &mut [f64],
+        force_x: &[f64],
+        force_y: &[f64],
+        kept: f64,
+        kick: &[f64],
+    ) -> ContactSums {
+        let mut sums = ContactSums::default();
+        let law = self.law;
+        for block in &mut self.blocks {
+            let i = block.column;
+            let (force, v, kick) = (force_x[i], velocity[i], kick[i]);
+            match block.meet(&law, force, force_y[i]) {
+                Meeting::Free => velocity[i] = kept * v + kick * force,
+                Meeting::Held => {}
+                Meeting::Sliding { grip } => {
+                    let direction = slip_direction(v, force);
+                    let resistance = block.coefficients.dynamic_mu * grip;
+                    let free = kept * v + kick * force;
+                    let slowed = free - direction * kick * resistance;
+                    if slowed * direction > 0.0 {
+                        velocity[i] = slowed;
+                        block.friction = direction * resistance;
+                    } else {
+                        // The step ends at rest: friction is what it took to stop the block.
+                        velocity[i] = 0.0;
+                        block.motion = Motion::Rest;
+                        block.friction = free / kick;
+                    }
+                }
+            }
+            sums.add(block);
+        }
+        sums
+    }
+
+    /// Friction at the start of a Runge-Kutta step: blocks at rest that are pulled too hard start;
+    /// returns the sums at this instant. Forces by column, `velocity` the horizontal one.
+    pub fn begin_step(&mut self, velocity: &[f64], force_x: &[f64], force_y: &[f64]) -> ContactSums {
+        let mut sums = ContactSums::default();
+        let law = self.law;
+        for block in &mut self.blocks {
+            let i = block.column;
+            if let Meeting::Sliding { grip } = block.meet(&law, force_x[i], force_y[i]) {
+                block.friction = slip_direction(velocity[i], force_x[i]) * block.coefficients.dynamic_mu * grip;
+            }
+            sums.add(block);
+        }
+        sums
+    }
+
+    /// Friction on block number `number` sliding in `direction` at the spring force `force_y`, signed
+    /// as a resistance to positive motion.
+    pub fn sliding_friction(&mut self, number: usize, direction: f64, force_y: f64) -> f64 {
+        let law = self.law;
+        let block = &mut self.blocks[number];
+        let normal = -force_y;
+        if normal <= 0.0 || block.motion == Motion::Lifted {
+            return 0.0;
+        }
+        direction * block.coefficients.dynamic_mu * law.grip(normal, &mut block.near)
+    }
+}
+
+/// Direction of slip: that of the velocity or, for a block just starting, of the force.
+#[must_use]
+pub fn slip_direction(velocity: f64, force: f64) -> f64 {
+    if velocity != 0.0 { velocity.signum() } else { force.signum() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(static_mu: f64, dynamic_mu: f64) -> ContactRow<'static> {
+        let coefficients = [Coefficients { static_mu, dynamic_mu }];
+        ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0))
+    }
+
+    fn kick(row: &mut ContactRow, velocity: f64, force: [f64; 2]) -> (f64, ContactSums) {
+        let mut v = [velocity];
+        let sums = row.kick(&mut v, &[force[0]], &[force[1]], 1.0, &[0.1]);
+        (v[0], sums)
+    }
+
+    #[test]
+    fn a_block_at_rest_is_held_up_to_its_threshold() {
+        let mut row = row(0.3, 0.27);
+        let (v, sums) = kick(&mut row, 0.0, [0.29, -1.0]);
+        assert_eq!((v, sums.friction, sums.normal), (0.0, 0.29, 1.0));
+        let (v, sums) = kick(&mut row, 0.0, [-0.31, -1.0]);
+        assert!((v + 0.1 * 0.04).abs() < 1e-15 && (sums.friction + 0.27).abs() < 1e-15);
+        assert!(row.all_have_slipped());
+    }
+
+    #[test]
+    fn a_block_that_draws_less_static_than_dynamic_friction_starts_at_the_dynamic_one() {
+        let mut row = row(0.25, 0.27);
+        assert_eq!(kick(&mut row, 0.0, [0.26, -1.0]).0, 0.0);
+        assert!(kick(&mut row, 0.0, [0.28, -1.0]).0 > 0.0);
+    }
+
+    #[test]
+    fn a_step_that_would_reverse_ends_at_rest_with_the_friction_it_took() {
+        let mut row = row(0.3, 0.27);
+        row.all_slip();
+        let (v, sums) = kick(&mut row, 0.02, [0.0, -1.0]);
+        assert_eq!((v, row.blocks[0].motion), (0.0, Motion::Rest));
+        assert!((sums.friction - 0.2).abs() < 1e-15); // 0.02 / 0.1, less than 0.27
+    }
+
+    #[test]
+    fn tension_carries_no_friction_and_does_not_count() {
+        let mut row = row(0.3, 0.27);
+        let (v, sums) = kick(&mut row, 0.0, [0.1, 0.5]);
+        assert!((v - 0.01).abs() < 1e-15);
+        assert_eq!(sums, ContactSums::default());
+    }
+}

@@ -1,0 +1,43 @@
+//! What every integrator offers to the run that drives it.
+
+use super::contact::{ContactRow, ContactSums};
+use super::protocol::Protocol;
+
+/// What an integrator starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
+#[derive(Clone, Debug)]
+pub struct Setup<'a> {
+    /// The contact row, at rest.
+    pub contact: ContactRow<'a>,
+    /// Load and motion of the bulk.
+    pub protocol: Protocol,
+    /// Time step.
+    pub time_step: f64,
+    /// Damping frequency gamma.
+    pub damping: f64,
+    /// Contact is unilateral.
+    pub liftoff: bool,
+}
+
+/// An integrator with its state.
+pub trait Engine {
+    /// Starts from given displacements over l, by (i, j), every block moving at the bulk's speed.
+    fn start_sliding(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
+
+    /// The bulk begins to move: blocks that slipped under the rising load count as not yet slipped.
+    fn begin_drive(&mut self);
+
+    /// Advances by one step; the sums over the contact row at its beginning.
+    fn step(&mut self) -> ContactSums;
+
+    /// The contact row.
+    fn contact(&self) -> &ContactRow<'_>;
+
+    /// Time step over sqrt(m/k).
+    fn time_step(&self) -> f64;
+
+    /// Force evaluations per step.
+    fn evaluations_per_step(&self) -> u64;
+
+    /// Vertical displacement of block (i, j) over l.
+    fn rise(&self, i: usize, j: usize) -> f64;
+}

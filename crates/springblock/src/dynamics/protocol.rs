@@ -1,0 +1,33 @@
+//! What is imposed on the bulk: pressure ramps from zero, rests, then the bulk moves.
+
+/// Ramp of the pressure, in seconds (paper: 2 us).
+pub const RAMP_S: f64 = 2e-6;
+/// Rest at full pressure before the bulk moves, in seconds (paper: 10 us).
+pub const REST_S: f64 = 10e-6;
+
+/// Load and bulk position against time, in the units of [`super::scales::Scales`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Protocol {
+    /// Length of the ramp.
+    pub ramp: f64,
+    /// Time at which the bulk starts to move.
+    pub start: f64,
+    /// Full load: pressure times length over k.
+    pub load: f64,
+    /// Speed of the bulk.
+    pub speed: f64,
+}
+
+impl Protocol {
+    /// Load on the bulk at `time`.
+    #[must_use]
+    pub fn load(&self, time: f64) -> f64 {
+        if time >= self.ramp { self.load } else { self.load * (time / self.ramp).max(0.0) }
+    }
+
+    /// Horizontal displacement of the bulk at `time`.
+    #[must_use]
+    pub fn bulk_x(&self, time: f64) -> f64 {
+        self.speed * (time - self.start).max(0.0)
+    }
+}

@@ -1,0 +1,221 @@
+//! Recorded history of a dynamic run: mu in time, its mean over the sliding window with a standard
+//! error from batch means, the static peak, the mean interface.
+
+use super::contact::{ContactRow, ContactSums};
+use crate::outcome::TracePoint;
+
+/// Batches of the window. Fewer make the error estimate noisy, more make batches short against the
+/// correlation time of the friction force (two microseconds, the period of the layer's shear mode).
+const BATCHES: usize = 20;
+/// Share of the run after which the averaging window may begin.
+pub const WINDOW_START: f64 = 0.6;
+/// The interface is sampled once in this many steps.
+const INTERFACE_EVERY: u64 = 64;
+
+/// Sums over one interval of the record.
+#[derive(Clone, Copy, Debug, Default)]
+struct Bin {
+    friction: f64,
+    normal: f64,
+}
+
+impl Bin {
+    fn mu(&self) -> Option<f64> {
+        (self.normal > 0.0).then(|| self.friction / self.normal)
+    }
+}
+
+/// Mean of mu over a window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WindowMean {
+    /// Mean of mu.
+    pub mu: f64,
+    /// Its standard error.
+    pub stderr: f64,
+}
+
+/// Mean normal force and friction of one contact block.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeanForce {
+    /// Normal force, positive in compression.
+    pub normal: f64,
+    /// Friction, positive against the drive.
+    pub friction: f64,
+}
+
+/// Records a run from the moment the bulk starts to move.
+#[derive(Clone, Debug)]
+pub struct Recorder {
+    steps_per_bin: u64,
+    time_step: f64,
+    bins: Vec<Bin>,
+    open: Bin,
+    steps: u64,
+    /// Bin in which the last contact block slipped for the first time.
+    onset_bin: Option<usize>,
+    peak_mu: f64,
+    interface: Vec<MeanForce>,
+    interface_samples: u64,
+    interface_from_bin: usize,
+}
+
+impl Recorder {
+    /// A record of `contacts` blocks with `steps_per_bin` steps an interval.
+    #[must_use]
+    pub fn new(contacts: usize, steps_per_bin: u64, time_step: f64) -> Self {
+        Self {
+            steps_per_bin,
+            time_step,
+            bins: Vec::new(),
+            open: Bin::default(),
+            steps: 0,
+            onset_bin: None,
+            peak_mu: f64::NEG_INFINITY,
+            interface: vec![MeanForce::default(); contacts],
+            interface_samples: 0,
+            interface_from_bin: 0,
+        }
+    }
+
+    /// Takes note of one step. `window_bin`: first bin that the averaging window may hold.
+    pub fn record(&mut self, sums: ContactSums, contact: &ContactRow, window_bin: usize) {
+        self.open.friction += sums.friction;
+        self.open.normal += sums.normal;
+        self.steps += 1;
+        if self.onset_bin.is_none() {
+            if sums.normal > 0.0 {
+                self.peak_mu = self.peak_mu.max(sums.friction / sums.normal);
+            }
+            if contact.all_have_slipped() {
+                self.onset_bin = Some(self.bins.len());
+            }
+        }
+        if self.steps % INTERFACE_EVERY == 0 {
+            self.sample_interface(contact, window_bin);
+        }
+        if self.steps % self.steps_per_bin == 0 {
+            self.bins.push(std::mem::take(&mut self.open));
+        }
+    }
+
+    fn sample_interface(&mut self, contact: &ContactRow, window_bin: usize) {
+        let from = self.window_start(window_bin).unwrap_or(window_bin);
+        if from != self.interface_from_bin {
+            // The window begins later than thought: forget what was sampled before.
+            self.interface.fill(MeanForce::default());
+            self.interface_samples = 0;
+            self.interface_from_bin = from;
+        }
+        if self.bins.len() >= from {
+            self.interface_samples += 1;
+            for (mean, block) in self.interface.iter_mut().zip(&contact.blocks) {
+                mean.normal += block.normal;
+                mean.friction += block.friction;
+            }
+        }
+    }
+
+    /// First bin of the averaging window: after the onset and not before `window_bin`.
+    fn window_start(&self, window_bin: usize) -> Option<usize> {
+        self.onset_bin.map(|onset| window_bin.max(onset + 1))
+    }
+
+    /// Whether every contact block has slipped.
+    #[must_use]
+    pub fn has_onset(&self) -> bool {
+        self.onset_bin.is_some()
+    }
+
+    /// Largest mu up to the moment when every contact block had slipped.
+    #[must_use]
+    pub fn peak_mu(&self) -> Option<f64> {
+        (self.has_onset() && self.peak_mu.is_finite()).then_some(self.peak_mu)
+    }
+
+    /// Mean of mu from the later of the onset and `window_bin`, with its standard error from batch
+    /// means; `None` before the window holds two bins a batch.
+    #[must_use]
+    pub fn window_mean(&self, window_bin: usize) -> Option<WindowMean> {
+        let window = self.bins.get(self.window_start(window_bin)?..)?;
+        let per_batch = window.len() / BATCHES;
+        if per_batch < 2 {
+            return None;
+        }
+        // What does not divide into batches is left out at the beginning.
+        let window = &window[window.len() - per_batch * BATCHES..];
+        let batch_mu: Vec<f64> = window
+            .chunks_exact(per_batch)
+            .map(|batch| {
+                let (friction, normal) =
+                    batch.iter().fold((0.0, 0.0), |(f, n), bin| (f + bin.friction, n + bin.normal));
+                friction / normal
+            })
+            .collect();
+        let n = BATCHES as f64;
+        let mu = batch_mu.iter().sum::<f64>() / n;
+        let variance = batch_mu.iter().map(|b| (b - mu).powi(2)).sum::<f64>() / (n - 1.0);
+        mu.is_finite().then_some(WindowMean { mu, stderr: (variance / n).sqrt() })
+    }
+
+    /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
+    #[must_use]
+    pub fn interface(&self, contact: &ContactRow) -> Vec<MeanForce> {
+        let samples = self.interface_samples as f64;
+        let last = contact.blocks.iter().map(|block| MeanForce { normal: block.normal, friction: block.friction });
+        if self.interface_samples == 0 {
+            return last.collect();
+        }
+        self.interface
+            .iter()
+            .map(|sum| MeanForce { normal: sum.normal / samples, friction: sum.friction / samples })
+            .collect()
+    }
+
+    /// mu against time, one point an interval; `unit_time_s` converts from sqrt(m/k).
+    #[must_use]
+    pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
+        let per_bin = self.steps_per_bin as f64 * self.time_step * unit_time_s;
+        self.bins
+            .iter()
+            .enumerate()
+            .filter_map(|(number, bin)| bin.mu().map(|mu| TracePoint { time_s: (number + 1) as f64 * per_bin, mu }))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::draws::Coefficients;
+    use crate::dynamics::contact::LocalLaw;
+
+    #[test]
+    fn standard_error_of_independent_samples_is_that_of_their_mean() {
+        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
+        let mut contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
+        contact.all_slip();
+        let mut recorder = Recorder::new(1, 1, 1.0);
+        let mut bits: u64 = 1;
+        let n = 20_000;
+        for _ in 0..n {
+            bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
+            recorder.record(ContactSums { friction: 0.3 + noise, normal: 1.0 }, &contact, 0);
+        }
+        let mean = recorder.window_mean(0).unwrap();
+        let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();
+        assert!((mean.stderr / expected - 1.0).abs() < 0.4, "{} {expected}", mean.stderr);
+        assert!((mean.mu - 0.3).abs() < 4.0 * expected);
+    }
+
+    #[test]
+    fn no_mean_before_every_block_has_slipped() {
+        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
+        let contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
+        let mut recorder = Recorder::new(1, 1, 1.0);
+        for _ in 0..1000 {
+            recorder.record(ContactSums { friction: 0.3, normal: 1.0 }, &contact, 10);
+        }
+        assert_eq!((recorder.window_mean(10), recorder.peak_mu()), (None, None));
+    }
+}

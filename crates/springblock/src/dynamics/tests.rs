@@ -1,0 +1,146 @@
+use slipgrid_material::LocalFriction;
+use slipgrid_pattern::{Pattern, Planform};
+
+use super::bonds::Bonds;
+use super::contact::{ContactRow, LocalLaw};
+use super::engine::{Engine, Setup};
+use super::leapfrog::{BondLeapfrog, StencilLeapfrog};
+use super::protocol::Protocol;
+use super::runge_kutta::RungeKutta;
+use crate::columns;
+use crate::draws::{self, Coefficients};
+use crate::lattice::Lattice;
+use crate::scene::Springs;
+
+fn patterned(periodic: bool) -> Lattice {
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 37) };
+    Lattice::new(columns, 6, periodic)
+}
+
+fn setup(lattice: &Lattice, time_step: f64, speed: f64) -> Setup<'static> {
+    let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
+    let coefficients = draws::draw(&friction, 5, lattice.nx());
+    Setup {
+        contact: ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0)),
+        protocol: Protocol { ramp: 20.0, start: 60.0, load: 0.005 * lattice.length(), speed },
+        time_step,
+        damping: 0.01,
+        liftoff: false,
+    }
+}
+
+#[test]
+fn the_stencil_moves_as_the_bonds_do() {
+    for periodic in [true, false] {
+        let lattice = patterned(periodic);
+        let mut fast = StencilLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
+        for step in 0..4000 {
+            let (a, b) = (fast.step(), slow.step());
+            // Rounding grows through the stick-slip switches; it stays far below the forces of 0.1.
+            assert!((a.friction - b.friction).abs() < 1e-9, "{periodic} {step}: {} {}", a.friction, b.friction);
+            assert!((a.normal - b.normal).abs() < 1e-9);
+        }
+        assert!(fast.contact().blocks.iter().any(|block| block.has_slipped));
+        for i in 0..lattice.nx() {
+            for j in 0..lattice.ny() {
+                assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-9);
+            }
+        }
+    }
+}
+
+/// Height of a block in a frictionless swing after a fixed time.
+fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn Engine>, time_step: f64) -> f64 {
+    let lattice = patterned(true);
+    let mut setup = setup(&lattice, time_step, 0.0);
+    let coefficients = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; lattice.nx()];
+    setup.contact = ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0));
+    setup.protocol = Protocol { ramp: 64.0, start: 1e9, load: 0.001 * lattice.length(), speed: 0.0 };
+    let mut engine = make(&lattice, setup);
+    for _ in 0..(48.0 / time_step).round() as usize {
+        engine.step();
+    }
+    engine.rise(lattice.nx() / 2, 4)
+}
+
+#[test]
+fn leapfrog_is_of_second_and_runge_kutta_of_fourth_order_without_friction() {
+    let leapfrog = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> {
+        Box::new(StencilLeapfrog::new(lattice, setup))
+    };
+    let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> {
+        Box::new(RungeKutta::new(lattice, Springs::Linear, setup))
+    };
+    let exact = swing(runge_kutta, 0.0125);
+    let order = |coarse: f64, fine: f64| ((coarse - exact) / (fine - exact)).abs().log2();
+    let second = order(swing(leapfrog, 0.2), swing(leapfrog, 0.1));
+    let fourth = order(swing(runge_kutta, 0.2), swing(runge_kutta, 0.1));
+    assert!((second - 2.0).abs() < 0.2, "{second}");
+    assert!((fourth - 4.0).abs() < 0.4, "{fourth}");
+}
+
+#[test]
+fn plane_waves_obey_the_dispersion_relation() {
+    // m w^2 = eig of Dxx = 2k(1 - cos qx) + k(1 - cos qx cos qy), Dyy likewise, Dxy = k sin qx sin qy.
+    let (n, rows) = (12, 40);
+    let lattice = Lattice::new(columns::flat(n), rows, true);
+    let mut bonds = Bonds::new(&lattice, Springs::Linear);
+    for (a, b) in [(1.0, 0.0), (1.0, 2.0), (3.0, 3.0), (6.0, 0.0), (4.0, 5.0)] {
+        let (qx, qy) = (std::f64::consts::TAU * a / n as f64, std::f64::consts::TAU * b / 12.0);
+        let phase = |number: usize| qx * (number % n) as f64 + qy * (number / n) as f64;
+        let (dxx, dyy) = (
+            2.0 * (1.0 - qx.cos()) + (1.0 - qx.cos() * qy.cos()),
+            2.0 * (1.0 - qy.cos()) + (1.0 - qx.cos() * qy.cos()),
+        );
+        let dxy = qx.sin() * qy.sin();
+        for polarization in [[1.0, 0.0], [0.0, 1.0]] {
+            let u = polarization.map(|p| (0..n * rows).map(|number| p * phase(number).cos()).collect::<Vec<f64>>());
+            bonds.evaluate(&u, 0.0, 0.0);
+            let inside = n * (rows / 2) + 5;
+            let expected = [
+                -(dxx * polarization[0] + dxy * polarization[1]) * phase(inside).cos(),
+                -(dxy * polarization[0] + dyy * polarization[1]) * phase(inside).cos(),
+            ];
+            for c in 0..2 {
+                assert!((bonds.forces()[c][inside] - expected[c]).abs() < 1e-12, "{a} {b} {polarization:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lattice_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts() {
+    for periodic in [true, false] {
+        let lattice = patterned(periodic);
+        let mut setup = setup(&lattice, 0.2, 0.0);
+        setup.damping = 0.2;
+        let mut engine = StencilLeapfrog::new(&lattice, setup);
+        let mut sums = engine.step();
+        for _ in 0..20_000 {
+            sums = engine.step();
+        }
+        let load = 0.005 * lattice.length();
+        assert!((sums.normal / load - 1.0).abs() < 1e-9, "{periodic}: {} {load}", sums.normal);
+        // What friction there is holds locked-in stress: below the static threshold.
+        assert!(sums.friction.abs() < 0.3 * load);
+    }
+}
+
+#[test]
+fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
+    let lattice = patterned(true);
+    let limit = 2.0 / super::stability::largest_frequency(&lattice, false);
+    let grows = |factor: f64| {
+        let mut setup = setup(&lattice, factor * limit, 0.0);
+        setup.damping = 0.0;
+        let mut engine = StencilLeapfrog::new(&lattice, setup);
+        for _ in 0..4000 {
+            engine.step();
+        }
+        !(engine.rise(0, 3).abs() < 1.0)
+    };
+    assert!(!grows(0.99));
+    assert!(grows(1.03));
+}

@@ -1,0 +1,242 @@
+//! From a scene to its results: which lattices are needed, what runs on them, what is compared.
+
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+
+use crate::columns::{self, Column};
+use crate::draws;
+use crate::dynamics::{DynamicRun, Scheme};
+use crate::error::SceneError;
+use crate::lattice::Lattice;
+use crate::monitor::Monitor;
+use crate::outcome::{LoadOutcome, Simulation, SurfaceOutcome};
+use crate::scene::{Extent, Fidelity, Load, Scene};
+use crate::section::SectionModel;
+use crate::steady::{SteadyLoad, SteadyModel};
+
+/// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
+/// and this many blocks average the scatter of the coefficients.
+const FLAT_CELL_COLUMNS: usize = 100;
+
+/// Columns that stand for a uniform periodic layer.
+const UNIFORM_COLUMNS: usize = 3;
+
+/// Solves `scene` at every load, beside the flat surface where it has a pattern.
+///
+/// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
+/// number of threads.
+///
+/// # Errors
+/// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
+pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    scene.validate()?;
+    let mut simulation = match scene.run.fidelity {
+        Fidelity::Steady => steady(scene, monitor),
+        Fidelity::Dynamic | Fidelity::Reference => dynamic(scene, monitor)?,
+    };
+    if let Some(pattern) = &scene.pattern {
+        let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
+            (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
+            _ => SectionModel::new(scene).ratios(pattern),
+        };
+        for (load, error) in simulation.loads.iter_mut().zip(discretization_errors(scene, pattern, &own)) {
+            load.ratio_discretization_error = error;
+        }
+    }
+    Ok(simulation)
+}
+
+/// Columns of the scene's own surface and of its flat companion.
+fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
+    let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
+    match (pattern, scene.run.extent) {
+        (None, Extent::Sample) => (columns::flat(whole), None),
+        (None, Extent::Cell) => (columns::flat(whole.min(FLAT_CELL_COLUMNS)), None),
+        (Some(pattern), Extent::Sample) => (columns::sample(pattern, block_m, whole), Some(columns::flat(whole))),
+        (Some(pattern), Extent::Cell) => {
+            let cell = columns::cell(pattern, block_m);
+            // Steady sliding on a flat periodic layer is uniform: any number of columns gives it.
+            let flat = if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { cell.len() };
+            (cell, Some(columns::flat(flat)))
+        }
+    }
+}
+
+fn lattice(scene: &Scene, columns: Vec<Column>) -> Lattice {
+    Lattice::new(columns, scene.layer.rows(), scene.run.extent == Extent::Cell)
+}
+
+fn steady(scene: &Scene, monitor: &dyn Monitor) -> Simulation {
+    let (own, flat) = surfaces(scene, scene.pattern.as_ref());
+    let model = |columns: Vec<Column>| {
+        let (block_m, stiffness) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa());
+        SteadyModel::new(lattice(scene, columns), block_m, stiffness, scene.run.liftoff)
+    };
+    let (own, flat) = rayon::join(|| model(own), || flat.map(model));
+    let share = 1.0 / scene.loads.len() as f64;
+    let loads = scene
+        .loads
+        .par_iter()
+        .map(|load| {
+            let solve = |model: &SteadyModel| {
+                let dynamic_mu = steady_coefficients(scene, load, model.lattice().nx());
+                let area_law = scene.area_law.as_ref();
+                model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
+            };
+            let outcome = compare(load, solve(&own), flat.as_ref().map(solve));
+            monitor.advance(share);
+            outcome
+        })
+        .collect();
+    let mut model = vec![
+        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction"
+            .to_owned(),
+    ];
+    describe_extent(scene, &mut model);
+    if scene.run.extent == Extent::Cell {
+        model.push("mean local coefficients: a periodic cell has no scatter to average".to_owned());
+    }
+    if !own.lattice().is_plain() {
+        model.push(
+            "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
+                .to_owned(),
+        );
+    }
+    describe_law(scene, &mut model);
+    Simulation { model, loads }
+}
+
+/// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
+fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
+    match scene.run.extent {
+        Extent::Cell => vec![load.friction.dynamic_mean(); columns],
+        Extent::Sample => {
+            draws::draw(&load.friction, scene.run.seed, columns).iter().map(|drawn| drawn.dynamic_mu).collect()
+        }
+    }
+}
+
+fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let rows = scene.layer.rows();
+    // Time integration runs on whole blocks; what that changes is taken from the steady model.
+    let nearest = match &scene.pattern {
+        Some(pattern) => Some(columns::nearest_whole(pattern, scene.layer.block_m, rows).map_err(|_| {
+            SceneError::Unsupported { what: "a pattern without whole blocks", instead: "give positive dimensions" }
+        })?),
+        None => None,
+    };
+    let (own, flat) = surfaces(scene, nearest.as_ref());
+    let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
+    let schemes = lattices.iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
+
+    let surfaces = lattices.len();
+    let share = 1.0 / (surfaces * scene.loads.len()) as f64;
+    let mut outcomes: Vec<SurfaceOutcome> = (0..surfaces * scene.loads.len())
+        .into_par_iter()
+        .map(|task| {
+            let (load, surface) = (task / surfaces, task % surfaces);
+            DynamicRun { scene, load: &scene.loads[load], lattice: &lattices[surface], scheme: schemes[surface], share }
+                .run(monitor)
+        })
+        .collect();
+    let corrections = off_lattice_corrections(scene, nearest.as_ref());
+    let mut loads = Vec::with_capacity(scene.loads.len());
+    for (load, correction) in scene.loads.iter().zip(&corrections).rev() {
+        let flat = if surfaces == 2 { outcomes.pop() } else { None };
+        if let Some(own) = outcomes.pop() {
+            let mut outcome = compare(load, own, flat);
+            if let (Some(ratio), Some(flat)) = (&mut outcome.ratio, &outcome.flat) {
+                *ratio += correction;
+                outcome.surface.mu_dynamic = flat.mu_dynamic.map(|mu| *ratio * mu);
+            }
+            loads.push(outcome);
+        }
+    }
+    loads.reverse();
+
+    let scheme = schemes[0];
+    let mut model = vec![format!(
+        "{}: {} springs, {} at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m)",
+        scene.run.fidelity.name(),
+        scheme.springs.name(),
+        if scheme.runge_kutta { "classical Runge-Kutta of order 4" } else { "leapfrog with implicit damping" },
+        scheme.step_s * 1e9,
+        scheme.limit_s * 1e9,
+        scene.run.damping,
+    )];
+    describe_extent(scene, &mut model);
+    if scene.run.warm_start {
+        model.push("warm start from steady sliding: no ramp, no rest, no static friction".to_owned());
+    }
+    if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
+        model.push(format!(
+            "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
+            nearest.width_m() * 1e6,
+            nearest.spacing_m() * 1e6,
+            nearest.depth_m() * 1e6,
+        ));
+    }
+    describe_law(scene, &mut model);
+    Ok(Simulation { model, loads })
+}
+
+/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Vec<f64> {
+    let none = vec![0.0; scene.loads.len()];
+    let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return none };
+    let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
+    if close(pattern.width_m(), nearest.width_m())
+        && close(pattern.spacing_m(), nearest.spacing_m())
+        && close(pattern.depth_m(), nearest.depth_m())
+    {
+        return none;
+    }
+    let model = SectionModel::new(scene);
+    let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
+    exact.iter().zip(&whole).map(|(e, w)| e.unwrap_or(0.0) - w.unwrap_or(0.0)).collect()
+}
+
+/// Change of the steady cell's ratio `own` from blocks twice as large, or the next size that divides the
+/// layer: with an order of convergence of one or more, a bound on what vanishing blocks would add.
+fn discretization_errors(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Vec<Option<f64>> {
+    let rows = scene.layer.rows();
+    let Some(factor) = [2, 3, 5].into_iter().find(|factor| rows % factor == 0 && rows > *factor) else {
+        return vec![None; scene.loads.len()];
+    };
+    let mut coarse_scene = scene.clone();
+    coarse_scene.layer.block_m *= factor as f64;
+    let coarse = SectionModel::new(&coarse_scene).ratios(pattern);
+    own.iter().zip(&coarse).map(|(own, coarse)| Some((own.as_ref()? - coarse.as_ref()?).abs())).collect()
+}
+
+fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {
+    let ratio = flat.as_ref().and_then(|flat| {
+        let (own, flat) = (surface.mu_dynamic?, flat.mu_dynamic?);
+        (flat != 0.0).then(|| own / flat)
+    });
+    let ratio_stderr = flat.as_ref().zip(ratio).and_then(|(flat, ratio)| {
+        let own = surface.mu_dynamic_stderr? / surface.mu_dynamic?;
+        let flat = flat.mu_dynamic_stderr? / flat.mu_dynamic?;
+        Some(ratio.abs() * own.hypot(flat))
+    });
+    LoadOutcome { pressure_pa: load.pressure_pa, surface, flat, ratio, ratio_stderr, ratio_discretization_error: None }
+}
+
+fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
+    let what = match scene.run.extent {
+        Extent::Cell => "cell: one period with periodic sides, as nothing asked for depends on the ends",
+        Extent::Sample => "sample: the whole specimen with free sides",
+    };
+    model.push(what.to_owned());
+    model.push("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3".to_owned());
+}
+
+fn describe_law(scene: &Scene, model: &mut Vec<String>) {
+    model.push(match &scene.area_law {
+        Some(_) => "area law: f = 1 up to its first pressure, the line through the origin above it".to_owned(),
+        None => "no area law: Amontons-Coulomb friction".to_owned(),
+    });
+    if scene.run.liftoff {
+        model.push("unilateral contact: blocks under tension leave the counterface".to_owned());
+    }
+}

@@ -1,0 +1,152 @@
+//! Lines of a text that may be hostile: bounded in length, in any of the encodings instruments write.
+
+use std::io::{BufRead, Read};
+
+use crate::ReadError;
+
+/// Longest line: a row of the largest map with 30 characters a height fits.
+const MOST_LINE_BYTES: usize = 1 << 24;
+
+/// Numbered lines without their ends.
+pub(crate) struct Lines<R> {
+    source: R,
+    line: usize,
+    bytes: Vec<u8>,
+    text: String,
+}
+
+impl<R: BufRead> Lines<R> {
+    pub(crate) const fn new(source: R) -> Self {
+        Self { source, line: 0, bytes: Vec::new(), text: String::new() }
+    }
+
+    /// Number of the line read last, from 1.
+    pub(crate) const fn line(&self) -> usize {
+        self.line
+    }
+
+    /// The next line, trimmed; `None` at the end.
+    pub(crate) fn next(&mut self) -> Result<Option<&str>, ReadError> {
+        self.bytes.clear();
+        self.line += 1;
+        let mut bounded = (&mut self.source).take(MOST_LINE_BYTES as u64 + 1);
+        let read = bounded
+            .read_until(b'\n', &mut self.bytes)
+            .map_err(|error| ReadError::Source { line: self.line, reason: error.to_string() })?;
+        if read == 0 {
+            self.line -= 1;
+            return Ok(None);
+        }
+        if read > MOST_LINE_BYTES {
+            return Err(ReadError::LineTooLong { line: self.line, most_bytes: MOST_LINE_BYTES });
+        }
+        self.text.clear();
+        match std::str::from_utf8(&self.bytes) {
+            Ok(text) => self.text.push_str(text),
+            // Not UTF-8: Latin-1, in which instruments write the micro sign as the byte 0xB5.
+            Err(_) => self.text.extend(self.bytes.iter().map(|&byte| char::from(byte))),
+        }
+        let text = if self.line == 1 { self.text.trim_start_matches('\u{feff}') } else { &self.text };
+        Ok(Some(text.trim()))
+    }
+}
+
+/// What stands between two fields of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Delimiter {
+    Semicolon,
+    Comma,
+    Tab,
+    Space,
+}
+
+impl Delimiter {
+    /// The delimiter that a line of data uses.
+    pub(crate) fn of(line: &str) -> Self {
+        if line.contains(';') {
+            Self::Semicolon
+        } else if line.contains(',') {
+            Self::Comma
+        } else if line.contains('\t') {
+            Self::Tab
+        } else {
+            Self::Space
+        }
+    }
+
+    /// The fields of `line`, trimmed; one delimiter at its end closes the last field.
+    pub(crate) fn fields(self, line: &str) -> impl Iterator<Item = &str> {
+        let mark = match self {
+            Self::Semicolon => Some(';'),
+            Self::Comma => Some(','),
+            Self::Tab => Some('\t'),
+            Self::Space => None,
+        };
+        let line = mark.and_then(|mark| line.strip_suffix(mark)).unwrap_or(line);
+        let marked = mark.map(|mark| line.split(mark).map(str::trim));
+        let spaced = mark.is_none().then(|| line.split_whitespace());
+        marked.into_iter().flatten().chain(spaced.into_iter().flatten())
+    }
+}
+
+/// The beginning of a field, for a message.
+pub(crate) fn excerpt(field: &str) -> String {
+    field.chars().take(40).collect()
+}
+
+/// A height: a number, or `None` where the file says that the point is missing.
+pub(crate) fn height(field: &str) -> Option<Option<f64>> {
+    const MISSING: [&str; 4] = ["", "nan", "bad", "---"];
+    if MISSING.iter().any(|name| name.eq_ignore_ascii_case(field)) {
+        return Some(None);
+    }
+    number(field).map(Some)
+}
+
+/// A finite number.
+pub(crate) fn number(field: &str) -> Option<f64> {
+    field.parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_any_encoding_and_ending() {
+        let mut lines = Lines::new(&b"\xEF\xBB\xBFa \xC2\xB5m\r\n\xB5m\n\nlast"[..]);
+        assert_eq!(lines.next().unwrap(), Some("a \u{b5}m"));
+        assert_eq!(lines.next().unwrap(), Some("\u{b5}m"));
+        assert_eq!(lines.next().unwrap(), Some(""));
+        assert_eq!(lines.next().unwrap(), Some("last"));
+        assert_eq!(lines.next().unwrap(), None);
+        assert_eq!(lines.line(), 4);
+    }
+
+    #[test]
+    fn an_endless_line_is_refused_within_bounded_memory() {
+        let endless = std::io::BufReader::new(std::io::repeat(b'1'));
+        let refused = Lines::new(endless).next().unwrap_err();
+        assert!(matches!(refused, ReadError::LineTooLong { line: 1, .. }));
+    }
+
+    #[test]
+    fn fields_of_every_delimiter() {
+        for line in ["1 2  3", "1\t2\t3\t", "1, 2, 3", "1;2;3;"] {
+            assert_eq!(Delimiter::of(line).fields(line).collect::<Vec<_>>(), ["1", "2", "3"], "{line}");
+        }
+        assert_eq!(Delimiter::Semicolon.fields("1;;3").collect::<Vec<_>>(), ["1", "", "3"]);
+        assert_eq!(Delimiter::of("1,5;2,5"), Delimiter::Semicolon);
+    }
+
+    #[test]
+    fn missing_points_and_numbers() {
+        for name in ["NaN", "nan", "BAD", "---", ""] {
+            assert_eq!(height(name), Some(None), "{name}");
+        }
+        assert_eq!(height("-1.5e-3"), Some(Some(-1.5e-3)));
+        for bad in ["1,5", "inf", "1e999", "x", "--", "1.2.3"] {
+            assert_eq!(height(bad), None, "{bad}");
+        }
+    }
+}

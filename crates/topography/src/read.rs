@@ -1,0 +1,251 @@
+//! Altitude maps from text.
+//!
+//! | form | header | data |
+//! |---|---|---|
+//! | matrix | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), or by option | one row a line |
+//! | points | `# XY units: um`, `# Value units: um`, or titles `x_um,y_um,z_um`, or by option | x y z a line |
+//!
+//! Units are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`, `BAD`,
+//! `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments, in
+//! UTF-8 or Latin-1. Lines of a matrix run along y (the file's width), the first line is x = 0.
+
+use std::io::BufRead;
+
+use crate::header::Header;
+use crate::lines::{Delimiter, Lines};
+use crate::matrix::MatrixReader;
+use crate::xyz::XyzReader;
+use crate::{HeightMap, LengthUnit, ReadError};
+
+/// How a text holds a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MapFormat {
+    /// A matrix of heights.
+    Matrix,
+    /// Points x y z.
+    Xyz,
+}
+
+impl MapFormat {
+    /// All formats.
+    pub const ALL: [Self; 2] = [Self::Matrix, Self::Xyz];
+
+    /// The name used in options.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Matrix => "matrix",
+            Self::Xyz => "xyz",
+        }
+    }
+}
+
+/// What the caller knows about a text; what is given here goes before what the header says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// The form; `None` decides by content: a header with width or height is a matrix, otherwise three
+    /// values on the first line of data are points.
+    pub format: Option<MapFormat>,
+    /// Pixel sides of a matrix, between rows and between columns, in metres.
+    pub pixel_m: Option<[f64; 2]>,
+    /// Unit of the heights.
+    pub height_unit: Option<LengthUnit>,
+    /// Unit of the points' x and y.
+    pub lateral_unit: Option<LengthUnit>,
+}
+
+/// A map as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadMap {
+    /// The map, missing points NaN.
+    pub map: HeightMap,
+    /// The form that was found or forced.
+    pub format: MapFormat,
+    /// The first comment lines, without their mark.
+    pub comments: Vec<String>,
+}
+
+impl ReadMap {
+    /// Whether the file says of itself that the surface is synthetic, not measured.
+    #[must_use]
+    pub fn is_synthetic(&self) -> bool {
+        self.comments.iter().any(|comment| comment.to_ascii_lowercase().contains("synthetic"))
+    }
+}
+
+enum Data {
+    Matrix(MatrixReader),
+    Xyz(XyzReader),
+}
+
+/// Reads a map.
+///
+/// # Errors
+/// [`ReadError`] names the line and the value that cannot be understood, or what is missing.
+pub fn read_map(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut lines = Lines::new(source);
+    let mut header = Header::default();
+    let mut data = None;
+    loop {
+        let line = lines.line() + 1;
+        let Some(text) = lines.next()? else { break };
+        if text.is_empty() || ((data.is_none() || text.starts_with(['#', '%'])) && header.take(text, line)?) {
+            continue;
+        }
+        let target = data.get_or_insert_with(|| match options.format.unwrap_or_else(|| detect(&header, text)) {
+            MapFormat::Matrix => Data::Matrix(MatrixReader::default()),
+            MapFormat::Xyz => Data::Xyz(XyzReader::default()),
+        });
+        match target {
+            Data::Matrix(matrix) => matrix.push(text, line)?,
+            Data::Xyz(points) => points.push(text, line)?,
+        }
+    }
+    let (map, format) = match data {
+        None => return Err(ReadError::NoData { lines: lines.line() }),
+        Some(Data::Matrix(matrix)) => (matrix.finish(&header, options)?, MapFormat::Matrix),
+        Some(Data::Xyz(points)) => (points.finish(&header, options)?, MapFormat::Xyz),
+    };
+    Ok(ReadMap { map, format, comments: header.comments })
+}
+
+/// The form of a text, from its header and its first line of data.
+fn detect(header: &Header, text: &str) -> MapFormat {
+    let sized = header.width_m.is_some() || header.height_m.is_some();
+    if !sized && Delimiter::of(text).fields(text).take(4).count() == 3 { MapFormat::Xyz } else { MapFormat::Matrix }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const UM: Option<LengthUnit> = Some(LengthUnit::Micrometre);
+
+    fn read(text: &str) -> Result<ReadMap, ReadError> {
+        read_map(text.as_bytes(), &ReadOptions::default())
+    }
+
+    /// The message with which `text` is refused, read as micrometres on pixels of a micrometre.
+    fn refused(text: &str) -> String {
+        let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, format: None };
+        read_map(text.as_bytes(), &options).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_matrix_with_units_in_its_header() {
+        let text = "# Channel: Z\n# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\n1\t2\tNaN\n4\tBAD\t---\n";
+        let read = read(text).unwrap();
+        assert_eq!(read.format, MapFormat::Matrix);
+        let map = &read.map;
+        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (2, 3, 2e-6, 1e-6));
+        assert_eq!(map.heights_m()[..2], [1e-9, 2e-9]);
+        assert_eq!((map.heights_m()[3], map.missing()), (4e-9, 3));
+        assert!(!read.is_synthetic());
+    }
+
+    #[test]
+    fn a_plain_matrix_needs_pixel_and_unit_from_the_caller() {
+        let text = "1, 2, 3, 4\n5, 6, 7, 8\n";
+        assert!(read(text).unwrap_err().to_string().contains("unit of the heights"));
+        let unit_only = ReadOptions { height_unit: UM, ..ReadOptions::default() };
+        assert!(read_map(text.as_bytes(), &unit_only).unwrap_err().to_string().contains("pixel size"));
+        let given = ReadOptions { pixel_m: Some([2e-6, 3e-6]), ..unit_only };
+        let map = read_map(text.as_bytes(), &given).unwrap().map;
+        assert_eq!((map.rows(), map.cols(), map.dx_m(), map.dy_m()), (2, 4, 2e-6, 3e-6));
+        assert_eq!(map.heights_m()[7], 8e-6);
+    }
+
+    #[test]
+    fn points_in_any_order_with_gaps_and_rounded_coordinates() {
+        // 3 x 4 points, steps 1.953125 and 0.5, coordinates rounded to two digits, one point absent, one BAD.
+        let (mut text, mut points) = (String::from("# a comment\nx_um;y_um;z_nm\n"), Vec::new());
+        for i in 0..3 {
+            for j in 0..4 {
+                let z = if (i, j) == (2, 1) { "BAD".to_owned() } else { format!("{}", 10 * i + j) };
+                points.push(format!("{:.2};{:.2};{z}\n", 10.0 + 1.953125 * f64::from(i), 0.5 * f64::from(j)));
+            }
+        }
+        points.remove(5);
+        points.reverse();
+        points.iter().for_each(|point| text.push_str(point));
+        let read = read(&text).unwrap();
+        let map = &read.map;
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::Xyz, 3, 4, 2));
+        assert!((map.dx_m() / 1.953125e-6 - 1.0).abs() < 2e-3 && (map.dy_m() - 0.5e-6).abs() < 1e-18);
+        assert_eq!((map.heights_m()[0], map.heights_m()[11]), (0.0, 23e-9));
+    }
+
+    #[test]
+    fn rounded_steps_do_not_add_up_over_a_long_row() {
+        let mut text = String::from("# XY units: um\n# Value units: um\n");
+        for i in 0..512 {
+            text.push_str(&format!("{:.2} 0 1\n{:.2} 1 2\n", 1.953125 * f64::from(i), 1.953125 * f64::from(i)));
+        }
+        let map = read(&text).unwrap().map;
+        assert_eq!((map.rows(), map.cols(), map.missing()), (512, 2, 0));
+        assert!((map.dx_m() / 1.953125e-6 - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_matrix_of_three_columns_can_be_forced_or_sized() {
+        let options = ReadOptions {
+            format: Some(MapFormat::Matrix),
+            pixel_m: Some([1e-6; 2]),
+            height_unit: UM,
+            lateral_unit: UM,
+        };
+        let map = read_map("1 2 3\n4 5 6\n".as_bytes(), &options).unwrap().map;
+        assert_eq!((map.rows(), map.cols()), (2, 3));
+    }
+
+    #[test]
+    fn errors_name_line_value_and_what_would_do() {
+        let bad = refused("1 2 3 4\n1 2 x7 4\n");
+        assert!(bad.starts_with("line 2, column 3: \"x7\"") && bad.contains("decimal point"), "{bad}");
+        assert!(refused("1,5;2,5;3;4\n").starts_with("line 1, column 1: \"1,5\""));
+        assert_eq!(refused("1 2 3 4\n\n1 2 3\n"), "line 3: 3 values: expected 4");
+        assert!(refused("0 0 1\n0 1 1\n1 0 1\n1 1\n").starts_with("line 4: 2 values: expected 3"));
+        assert!(refused("0 0 1\n0 1 1\n1 0 1\n0 1 5\n").contains("line 4: x = 0, y = 1 was given on line 2"));
+        assert!(refused("0 0 1\n0 1 1\n0 2 1\n").contains("all points have x = 0"));
+        assert!(refused("0 0 1\n1 0 1\n2.45 0 1\n0 1 1\n4 1 1\n").contains("line 3: x = 2.45"));
+        assert!(refused("0 nan 1\n").contains("column 2: \"nan\""));
+        assert!(refused("").contains("no data after 0 lines"));
+        assert!(refused("# only\n").contains("no data after 1 lines"));
+        assert!(refused("1 2 3 4\n").contains("1 rows and 4 columns"));
+        assert!(refused("nan nan nan nan\nnan nan nan nan\n").contains("all 8 points are missing"));
+        assert!(refused("1 2 3 1e99\n1 2 3 4\n").contains("height is"));
+    }
+
+    #[test]
+    fn hostile_coordinates_make_no_huge_grid() {
+        assert!(refused("0 0 1\n0.001 0.001 1\n1000 1000 1\n").contains("3 points on a grid of"));
+        assert!(refused("-1e308 0 1\n1e308 1 1\n0 0.5 1\n").contains("expected"));
+        assert!(refused("0 0 1\n5e-324 5e-324 1\n1 1 1\n").contains("expected"));
+    }
+
+    #[test]
+    fn damaged_texts_are_read_or_refused_but_never_break() {
+        let whole =
+            "# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\nx_um y_um z_um\n1 2 NaN\n4 BAD ---\n0 1 2\n";
+        let options =
+            ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, format: Some(MapFormat::Xyz) };
+        let mut state = 1_u32;
+        for round in 0..20_000_usize {
+            let mut bytes = whole.as_bytes().to_vec();
+            for _ in 0..=round % 4 {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let at = (state >> 16) as usize % bytes.len();
+                match state % 3 {
+                    0 => bytes[at] = (state >> 8) as u8,
+                    1 => bytes.truncate(at + 1),
+                    _ => bytes[at] = b"0 \n;,e-#[(:"[(state >> 9) as usize % 11],
+                }
+            }
+            for options in [ReadOptions::default(), options] {
+                if let Ok(read) = read_map(&bytes[..], &options) {
+                    assert!(read.map.rows() >= 2 && read.map.cols() >= 2);
+                }
+            }
+        }
+    }
+}
