@@ -52,7 +52,7 @@ mod tests {
         assert!((area.fraction - 0.1).abs() < 1e-15);
         assert!((area.fraction_corrected - (0.1 - 6.0 * c / 20.0)).abs() < 1e-15);
         // A stripe along y: two edges a column, also across the top.
-        let stripe: Vec<f64> = (0..20).map(|n| if n < 5 || n >= 15 { 1.0 } else { 0.0 }).collect();
+        let stripe: Vec<f64> = (0..20).map(|n| if (5..15).contains(&n) { 0.0 } else { 1.0 }).collect();
         assert!((contact_area(&stripe, 5).fraction_corrected - (0.5 - 10.0 * c / 20.0)).abs() < 1e-15);
         let full = contact_area(&[1.0; 20], 5);
         assert_eq!((full.fraction, full.fraction_corrected), (1.0, 1.0));

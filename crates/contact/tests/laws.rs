@@ -1,5 +1,7 @@
 //! What must hold on any surface.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,5 +1,7 @@
 //! Against numbers of others: closed forms, and tables by Tamaas.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use common::{MODULUS_PA, SIDE_M, crossed_waves, rows, self_affine, square, wave};

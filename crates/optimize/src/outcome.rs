@@ -12,7 +12,7 @@ pub enum Status {
     Unreachable,
     /// The evaluations allowed were spent before the search had ended.
     Budget,
-    /// The search was asked to stop. What it had found is reported.
+    /// The search was asked to stop before it had met the target. What it had found is reported.
     Cancelled,
 }
 
@@ -151,4 +151,41 @@ pub struct SearchOutcome {
     pub reachable: Vec<ReachableRange>,
     /// Improvements of the best design.
     pub history: Vec<HistoryPoint>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    fn candidate(max: f64, rms: f64, peak_pressure_pa: f64) -> Candidate {
+        let max_peak_pressure_pa = 10e6;
+        let violation = Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa };
+        Candidate {
+            design: Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap(),
+            response: Response { value: vec![0.9], peak_pressure_pa },
+            misfit: Misfit { max, rms },
+            violations: if peak_pressure_pa > max_peak_pressure_pa { vec![violation] } else { Vec::new() },
+        }
+    }
+
+    #[test]
+    fn feasible_then_met_then_nearest() {
+        // Each is better than all that follow.
+        let ranked = [
+            candidate(0.9, 0.5, 1e6),
+            candidate(1.0, 0.6, 1e6),
+            candidate(1.1, 0.4, 1e6),
+            candidate(9.0, 8.0, 1e6),
+            candidate(0.5, 0.5, 11e6),
+            candidate(0.1, 0.1, 12e6),
+        ];
+        for (rank, better) in ranked.iter().enumerate() {
+            assert!(!better.is_better_than(better));
+            for worse in &ranked[rank + 1..] {
+                assert!(better.is_better_than(worse) && !worse.is_better_than(better));
+            }
+        }
+        assert!((ranked[4].excess() - 0.1).abs() < 1e-12 && !ranked[4].meets_target());
+    }
 }

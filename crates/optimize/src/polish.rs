@@ -254,3 +254,66 @@ impl CostFunction for &Problem<'_, '_> {
         Ok(cost)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ledger::{Evaluator, Interruption, Ledger};
+    use crate::{Constraints, DesignSpace, ModelFailure, Quantity, Response, Stage, Target, TargetPoint};
+    use slipgrid_pattern::Planform;
+    use std::ops::ControlFlow;
+
+    /// Descends on value = section density, wanted 0.3 within 0.01, over width and spacing. Widths above
+    /// 300 um fail. Returns the best design, the evaluations, and what interrupted them.
+    fn descend(objective: Objective, budget: usize) -> (Pattern, usize, Option<Interruption>) {
+        let model = |design: &Pattern| match design.width_m() {
+            width_m if width_m > 300e-6 => Err(ModelFailure::Trial { reason: "too wide".to_owned() }),
+            _ => Ok(Response { value: vec![design.section_density()], peak_pressure_pa: 1e6 }),
+        };
+        let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
+        let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
+        let constraints = Constraints::default();
+        let carry_on = |_| ControlFlow::Continue(());
+        let space = DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [50e-6, 900e-6], [5e-6; 2]).unwrap();
+        let grid = Grid::new(&space, &constraints).unwrap();
+        let evaluator = Evaluator::new(&model, &target, &constraints, budget, &carry_on);
+        let mut ledger = Ledger::default();
+        let mut notebook = Notebook::new(&evaluator, &ledger, Stage::Polishing, budget);
+        let cost = Cost { objective, tolerance: 0.01, penalty: 1.0 };
+        let start = Pattern::new(Planform::Groove, 150e-6, 200e-6, 5e-6).unwrap();
+        let rest = Descent::new(grid, start, cost, Method::Simplex).run(&mut notebook);
+        let (records, interruption) = notebook.close();
+        assert_eq!(rest.is_some(), interruption.is_some());
+        ledger.absorb(records);
+        let cheapest = ledger.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
+        (cheapest.unwrap().design, ledger.records().len(), interruption)
+    }
+
+    #[test]
+    fn the_simplex_meets_a_target_and_stops_there() {
+        let (best, evaluations, interruption) = descend(Objective::RootMeanSquare, 200);
+        assert!((best.section_density() - 0.3).abs() <= 0.01 * COMFORTABLE_RMS);
+        assert!(evaluations < 40 && interruption.is_none(), "{evaluations}");
+    }
+
+    #[test]
+    fn the_simplex_finds_extremes_on_a_bound_and_beside_failed_trials() {
+        let (lowest, evaluations, _) = descend(Objective::Lowest(0), 200);
+        assert!(
+            (lowest.section_density() - 40.0 / 940.0).abs() < 1e-3 && evaluations < 120,
+            "{lowest:?} {evaluations}"
+        );
+        // Highest at width 300 um, where trials begin to fail, and spacing 50 um.
+        let (highest, evaluations, _) = descend(Objective::Highest(0), 200);
+        assert!((highest.section_density() - 300.0 / 350.0).abs() < 5e-3, "{highest:?}");
+        assert!(evaluations < 160, "{evaluations}");
+    }
+
+    #[test]
+    fn an_interrupted_descent_can_be_continued() {
+        for budget in 1..20 {
+            let (_, evaluations, interruption) = descend(Objective::Lowest(0), budget);
+            assert_eq!((evaluations, interruption), (budget, Some(Interruption::Budget)));
+        }
+    }
+}

@@ -165,7 +165,7 @@ impl Search<'_> {
             self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
         }
         // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
-        if let Some(best) = self.ledger.best().filter(|best| best.misfit.rms < 0.0) {
+        if let Some(best) = self.ledger.best().filter(|best| !best.misfit.is_met() && best.misfit.rms <= 1.0) {
             let descents = vec![self.descent(self.grid, best.design, Objective::Largest, Method::Simplex)];
             self.run(descents, Stage::Polishing, self.stage_budget())?;
         }

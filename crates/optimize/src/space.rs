@@ -15,7 +15,7 @@ use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 pub const POSITION_STEP_M: f64 = 1e-7;
 /// Step of the depth where no depth per burst is given, in metres: what a profilometer resolves.
 pub const DEPTH_STEP_M: f64 = 1e-8;
-/// Relative slack in counting grid points, so that bounds written in decimal units keep theirs.
+/// Slack, in steps, in counting grid points, so that bounds written in decimal units keep theirs.
 const GRID_SLACK: f64 = 1e-6;
 /// Longest dimension accepted, in metres.
 const LONGEST_M: f64 = 1.0;
@@ -126,8 +126,8 @@ impl Axis {
     /// Values of `step` in the interval; `None` if there is none.
     fn on_grid([lower_m, upper_m]: [f64; 2], step: Step) -> Option<Self> {
         // Bounds are at most a metre and steps not below 1e-12 m: the casts are exact.
-        let first = (step.index(lower_m) * (1.0 - GRID_SLACK)).ceil().max(1.0) as u64;
-        let last = (step.index(upper_m) * (1.0 + GRID_SLACK)).floor() as u64;
+        let first = (step.index(lower_m) - GRID_SLACK).ceil().max(1.0) as u64;
+        let last = (step.index(upper_m) + GRID_SLACK).floor() as u64;
         match first.cmp(&last) {
             std::cmp::Ordering::Greater => None,
             std::cmp::Ordering::Equal => Some(Self::Fixed(step.at(first).clamp(lower_m, upper_m))),
