@@ -1,1 +1,57 @@
-//! Local friction coefficients from measurements on flat samples
+//! Local friction coefficients from measurements on flat samples.
+//!
+//! The model of the flat sample is the spring-block one, with its area law f(P) and its free ends. For
+//! every measurement i at nominal pressure P_i and speed v_i it predicts
+//!
+//! ```text
+//! mu_i = delta_i steady(mu_d, P_i),     chi^2 = sum [(mu_i - measured_i) / std_i]^2
+//! ```
+//!
+//! `steady` is the flat sample in steady sliding, `delta_i` the ratio of a dynamic run to it: at a few
+//! mm/s sliding is micro-stick-slip and friction one to two per cent above steady sliding. delta is
+//! found at the fitted coefficients, so that the dynamic mu that the program predicts for the flat
+//! sample is the measured one.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`Problem`] | measurements and what is known of the material |
+//! | [`calibrate`] | the fit |
+//! | [`Fit`], [`FittedPair`] | coefficients, standard errors, residuals, what stays undetermined |
+//!
+//! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
+//! its ratio to mu_d is an assumption ([`Problem::static_over_dynamic`]) and the fit says so.
+//!
+//! This crate knows no pattern and opens no files.
+//!
+//! ```no_run
+//! use slipgrid_calibrate::{Coefficients, Measurement, Problem, calibrate};
+//! use slipgrid_material::Elastic;
+//! use slipgrid_springblock::{Layer, Unwatched};
+//! let problem = Problem {
+//!     elastic: Elastic::new(0.38e9, 900.0)?,
+//!     area_law: None,
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+//!     measurements: vec![Measurement {
+//!         pressure_pa: 2.546e6,
+//!         speed_m_s: 2e-3,
+//!         mu_dynamic: 0.278,
+//!         mu_dynamic_std: 0.001,
+//!         static_peak: None,
+//!     }],
+//!     coefficients: Coefficients::Single,
+//!     relative_std: 0.05,
+//!     static_over_dynamic: 0.30 / 0.27,
+//!     seed: 1,
+//! };
+//! let fit = calibrate(&problem, &Unwatched)?;
+//! println!("mu_d = {}", fit.pairs[0].dynamic_mean);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod fit;
+mod flat;
+mod least_squares;
+mod problem;
+
+pub use fit::{Fit, FittedPair, Prediction, calibrate};
+pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};

@@ -1,0 +1,114 @@
+//! The flat sample in the spring-block model, for many loads at once.
+
+use slipgrid_material::LocalFriction;
+use slipgrid_springblock::{Extent, Fidelity, Load, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate};
+
+use crate::{CalibrationError, Measurement, Problem};
+
+/// Travel of a dynamic run from steady sliding, in metres: a hundred stick-slip cycles of a block.
+/// Against four times the travel the mean moves by less than 0.03 %.
+const WARM_TRAVEL_M: f64 = 0.4e-6;
+/// Travel of a run from rest, which finds the static peak, in metres.
+const COLD_TRAVEL_M: f64 = 2e-6;
+
+/// Coefficients at each measurement.
+pub type Pairs = Vec<LocalFriction>;
+
+fn scene(problem: &Problem, speed_m_s: f64, loads: Vec<Load>, run: RunOptions) -> Scene {
+    Scene {
+        elastic: problem.elastic,
+        area_law: problem.area_law.clone(),
+        pattern: None,
+        layer: problem.layer,
+        loads,
+        speed_m_s,
+        run: RunOptions { extent: Extent::Sample, seed: problem.seed, ..run },
+    }
+}
+
+fn load(measured: &Measurement, friction: LocalFriction) -> Load {
+    Load { pressure_pa: measured.pressure_pa, friction }
+}
+
+/// mu of the flat sample in steady sliding, one per measurement.
+pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, CalibrationError> {
+    let loads = problem.measurements.iter().zip(pairs).map(|(measured, pair)| load(measured, *pair)).collect();
+    // Speed plays no part in steady sliding.
+    let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
+    let simulation = simulate(&scene, &slipgrid_springblock::Unwatched)?;
+    simulation.loads.iter().map(|outcome| slid(outcome.pressure_pa, &outcome.surface)).collect()
+}
+
+fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, CalibrationError> {
+    match (surface.status, surface.mu_dynamic) {
+        (Status::Converged, Some(mu)) => Ok(mu),
+        (Status::Cancelled, _) => Err(CalibrationError::Cancelled),
+        (status, _) => Err(CalibrationError::NoSliding { pressure_pa, status: status.name() }),
+    }
+}
+
+/// What dynamic runs say of one measurement.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DynamicFlat {
+    /// Dynamic friction coefficient.
+    pub mu_dynamic: f64,
+    /// Its standard error.
+    pub stderr: f64,
+    /// Static friction coefficient; only where a static peak was measured.
+    pub mu_static: Option<f64>,
+}
+
+/// Dynamic runs of the flat sample, one per measurement. Runs start from steady sliding, but from rest
+/// where a static peak was measured.
+pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Result<Vec<DynamicFlat>, CalibrationError> {
+    let count = problem.measurements.len();
+    let mut found = vec![DynamicFlat::default(); count];
+    let mut done = vec![false; count];
+    while let Some(first) = done.iter().position(|done| !done) {
+        // One scene for all measurements of the same speed and kind of start.
+        let kind = |measured: &Measurement| (measured.speed_m_s, measured.static_peak.is_some());
+        let (speed_m_s, from_rest) = kind(&problem.measurements[first]);
+        let group: Vec<usize> =
+            (first..count).filter(|&i| !done[i] && kind(&problem.measurements[i]) == (speed_m_s, from_rest)).collect();
+        let loads = group.iter().map(|&i| load(&problem.measurements[i], pairs[i])).collect();
+        let run = RunOptions {
+            fidelity: Fidelity::Dynamic,
+            warm_start: !from_rest,
+            sliding_m: if from_rest { COLD_TRAVEL_M } else { WARM_TRAVEL_M },
+            ..RunOptions::default()
+        };
+        let portion = Portion { whole: monitor, share: group.len() as f64 / count as f64 };
+        let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
+        for (&i, outcome) in group.iter().zip(&simulation.loads) {
+            done[i] = true;
+            found[i] = DynamicFlat {
+                mu_dynamic: slid(outcome.pressure_pa, &outcome.surface)?,
+                stderr: outcome.surface.mu_dynamic_stderr.unwrap_or(0.0),
+                mu_static: outcome.surface.mu_static,
+            };
+        }
+    }
+    Ok(found)
+}
+
+/// A part of the work that a monitor watches.
+pub struct Portion<'a> {
+    /// The monitor of the whole work.
+    pub whole: &'a dyn Monitor,
+    /// Share of the whole.
+    pub share: f64,
+}
+
+impl Monitor for Portion<'_> {
+    fn seconds(&self) -> f64 {
+        self.whole.seconds()
+    }
+
+    fn advance(&self, share: f64) {
+        self.whole.advance(self.share * share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}

@@ -1,0 +1,144 @@
+use slipgrid_material::{AreaLaw, Elastic, MaterialError};
+use slipgrid_springblock::{Layer, SceneError};
+
+/// A measured peak of friction at the onset of sliding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticPeak {
+    /// Static friction coefficient.
+    pub mu: f64,
+    /// Its standard deviation.
+    pub std: f64,
+}
+
+/// One measurement on a flat sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Dynamic friction coefficient.
+    pub mu_dynamic: f64,
+    /// Its standard deviation.
+    pub mu_dynamic_std: f64,
+    /// Static peak, where measured.
+    pub static_peak: Option<StaticPeak>,
+}
+
+/// What is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coefficients {
+    /// One pair for all measurements.
+    Single,
+    /// One pair for each measurement.
+    PerCondition,
+}
+
+/// Measurements and what is known of the material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Problem {
+    /// Elastic constants.
+    pub elastic: Elastic,
+    /// Area law; `None` is Amontons-Coulomb.
+    pub area_law: Option<AreaLaw>,
+    /// The modelled layer of the specimen.
+    pub layer: Layer,
+    /// Measurements on flat samples.
+    pub measurements: Vec<Measurement>,
+    /// What is fitted.
+    pub coefficients: Coefficients,
+    /// Scatter of the local coefficients relative to their means; no mean identifies it.
+    pub relative_std: f64,
+    /// mu_s / mu_d where no static peak was measured.
+    pub static_over_dynamic: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+}
+
+/// Why a calibration was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// There is nothing to fit.
+    #[error("there is no measurement: expected at least one")]
+    NoMeasurement,
+    /// A number of a measurement that has no meaning.
+    #[error("measurement {number}: {quantity} is {value}: expected a positive number")]
+    Measurement {
+        /// Its number, from 1.
+        number: usize,
+        /// Which number.
+        quantity: &'static str,
+        /// The number given.
+        value: f64,
+    },
+    /// A number of the problem that has no meaning.
+    #[error("{quantity} is {value}: expected {expected}")]
+    OutOfRange {
+        /// Which number.
+        quantity: &'static str,
+        /// The number given.
+        value: f64,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// The spring-block model refused the layer or the material.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The fit led to coefficients without meaning.
+    #[error("the measurements lead to a friction coefficient without meaning: {0}")]
+    Material(#[from] MaterialError),
+    /// The flat sample did not slide in the model.
+    #[error("the flat sample did not reach sliding in the model at {pressure_pa} Pa: {status}")]
+    NoSliding {
+        /// Nominal pressure, in pascals.
+        pressure_pa: f64,
+        /// How the run ended.
+        status: &'static str,
+    },
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+impl Problem {
+    /// Checks every number for a meaning.
+    ///
+    /// # Errors
+    /// [`CalibrationError`] names the first that has none.
+    pub fn validate(&self) -> Result<(), CalibrationError> {
+        if self.measurements.is_empty() {
+            return Err(CalibrationError::NoMeasurement);
+        }
+        for (number, measured) in self.measurements.iter().enumerate() {
+            let peak = measured.static_peak.unwrap_or(StaticPeak { mu: 1.0, std: 1.0 });
+            for (quantity, value) in [
+                ("pressure_pa", measured.pressure_pa),
+                ("speed_m_s", measured.speed_m_s),
+                ("mu_dynamic", measured.mu_dynamic),
+                ("mu_dynamic_std", measured.mu_dynamic_std),
+                ("mu_static", peak.mu),
+                ("mu_static_std", peak.std),
+            ] {
+                if !(value.is_finite() && value > 0.0) {
+                    return Err(CalibrationError::Measurement { number: number + 1, quantity, value });
+                }
+            }
+        }
+        let (ratio, std) = (self.static_over_dynamic, self.relative_std);
+        if !(ratio.is_finite() && ratio > 0.0) {
+            return Err(CalibrationError::OutOfRange {
+                quantity: "static_over_dynamic",
+                value: ratio,
+                expected: "a positive number",
+            });
+        }
+        if !(std.is_finite() && std >= 0.0) {
+            return Err(CalibrationError::OutOfRange {
+                quantity: "relative_std",
+                value: std,
+                expected: "a number not below zero",
+            });
+        }
+        Ok(())
+    }
+}
