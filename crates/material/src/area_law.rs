@@ -14,6 +14,8 @@ pub const THRESHOLD_PRESSURE_PA: f64 = 0.7e6;
 pub struct AreaLaw {
     pressure_pa: Vec<f64>,
     factor: Vec<f64>,
+    /// df/dp between one tabulated pressure and the next, per pascal.
+    slope: Vec<f64>,
 }
 
 impl AreaLaw {
@@ -36,7 +38,8 @@ impl AreaLaw {
         for &value in &factor {
             not_negative("factor of the area law", value)?;
         }
-        Ok(Self { pressure_pa, factor })
+        let slope = pressure_pa.windows(2).zip(factor.windows(2)).map(|(p, f)| (f[1] - f[0]) / (p[1] - p[0])).collect();
+        Ok(Self { pressure_pa, factor, slope })
     }
 
     /// The law that a curve of real contact area fraction against pressure implies, with the
@@ -89,19 +92,12 @@ impl AreaLaw {
     /// f at the local pressure `pressure_pa`; 1 for tensile or zero pressure.
     #[must_use]
     pub fn factor(&self, pressure_pa: f64) -> f64 {
-        let last = self.pressure_pa.len() - 1;
-        if pressure_pa < self.pressure_pa[0] {
-            1.0
-        } else if pressure_pa >= self.pressure_pa[last] {
-            self.factor[last] * self.pressure_pa[last] / pressure_pa
-        } else {
-            let next = self.pressure_pa.partition_point(|&p| p <= pressure_pa);
-            interpolate(&self.pressure_pa[next - 1..=next], &self.factor[next - 1..=next], pressure_pa)
-        }
+        self.factor_near(pressure_pa, &mut 0)
     }
 
     /// f at `pressure_pa`, looking first in the interval `near` where the last call ended: the value of
-    /// [`AreaLaw::factor`] to rounding, at a fraction of its cost while pressures change slowly.
+    /// [`AreaLaw::factor`] at a fraction of its cost while pressures change slowly.
+    #[inline]
     #[must_use]
     pub fn factor_near(&self, pressure_pa: f64, near: &mut usize) -> f64 {
         let (p, f) = (&self.pressure_pa, &self.factor);
@@ -116,8 +112,7 @@ impl AreaLaw {
             }
             *near = p.partition_point(|&tabulated| tabulated <= pressure_pa) - 1;
         }
-        let i = *near;
-        interpolate(&p[i..=i + 1], &f[i..=i + 1], pressure_pa)
+        f[*near] + self.slope[*near] * (pressure_pa - p[*near])
     }
 
     /// Whether `pressure_pa` lies past the last tabulated pressure.

@@ -1,0 +1,1 @@
+//! Every file in designs/ through the main job.

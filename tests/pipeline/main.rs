@@ -1,0 +1,3 @@
+//! Whole commands on the files that ship.
+
+mod designs;

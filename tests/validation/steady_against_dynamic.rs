@@ -1,0 +1,69 @@
+//! Steady sliding, which has no time, against time integration of the same draw.
+
+use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Simulation, Unwatched, simulate};
+use slipgrid_tests::{polymer_scene, published_groove};
+
+fn both(mut scene: Scene) -> [Simulation; 2] {
+    [Fidelity::Steady, Fidelity::Dynamic].map(|fidelity| {
+        scene.run.fidelity = fidelity;
+        simulate(&scene, &Unwatched).unwrap()
+    })
+}
+
+/// Largest departure of the ratio, and range of the excess of dynamic over steady friction.
+fn compare(scene: Scene) -> (f64, [f64; 2]) {
+    let [steady, dynamic] = both(scene);
+    let mut departure: f64 = 0.0;
+    let mut excess = [f64::INFINITY, f64::NEG_INFINITY];
+    for (steady, dynamic) in steady.loads.iter().zip(&dynamic.loads) {
+        let (a, b) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
+        departure = departure.max((b - a).abs() / a);
+        let flat =
+            dynamic.flat.as_ref().unwrap().mu_dynamic.unwrap() / steady.flat.as_ref().unwrap().mu_dynamic.unwrap();
+        excess = [excess[0].min(flat - 1.0), excess[1].max(flat - 1.0)];
+        println!(
+            "{} Pa: steady {a:.5} dynamic {b:.5} +- {:.5}, flat excess {:.4}",
+            steady.pressure_pa,
+            dynamic.ratio_stderr.unwrap(),
+            flat - 1.0
+        );
+    }
+    (departure, excess)
+}
+
+#[test]
+fn ratios_of_a_shorter_sample_agree_and_dynamic_friction_lies_above() {
+    let mut scene =
+        polymer_scene(Some(published_groove().unwrap()), &[1.3, 2.6], Fidelity::Steady, Extent::Sample).unwrap();
+    scene.layer = Layer { length_m: 2000e-6, ..scene.layer };
+    let (departure, excess) = compare(scene);
+    assert!(departure < 0.005, "{departure}");
+    assert!(excess[0] > 0.005 && excess[1] < 0.025, "{excess:?}");
+}
+
+#[test]
+#[ignore = "a minute: the whole sample at four loads"]
+fn ratios_of_the_whole_sample_agree_at_all_four_loads() {
+    let pattern = published_groove().unwrap();
+    let scene = polymer_scene(Some(pattern), &[0.65, 1.3, 1.95, 2.6], Fidelity::Steady, Extent::Sample).unwrap();
+    let (departure, excess) = compare(scene);
+    assert!(departure < 0.005, "{departure}");
+    assert!(excess[0] > 0.01 && excess[1] < 0.02, "{excess:?}");
+}
+
+#[test]
+fn a_warm_start_reaches_the_same_sliding_as_a_start_from_rest() {
+    let mut scene = polymer_scene(None, &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
+    scene.layer = Layer { length_m: 4000e-6, ..scene.layer };
+    let mu = |scene: &Scene| {
+        let outcome = simulate(scene, &Unwatched).unwrap().loads.remove(0).surface;
+        (outcome.mu_dynamic.unwrap(), outcome.mu_dynamic_stderr.unwrap())
+    };
+    scene.run.sliding_m = 1e-6;
+    let (cold, cold_error) = mu(&scene);
+    scene.run.warm_start = true;
+    scene.run.sliding_m = 0.5e-6;
+    let (warm, warm_error) = mu(&scene);
+    println!("cold {cold} +- {cold_error}, warm {warm} +- {warm_error}");
+    assert!((cold - warm).abs() < 5e-4 * cold + 3.0 * cold_error.hypot(warm_error));
+}
