@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 #[command(
     name = "slipgrid",
     version,
-    about,
+    about = "Designs laser-textured surfaces for a target dry friction",
     arg_required_else_help = true,
     after_help = "Units stand in the keys of all files (width_um, pressure_mpa, speed_mm_s).\n\n\
         Exit codes: 0 done (optimize: target met), 2 input refused and nothing written,\n\

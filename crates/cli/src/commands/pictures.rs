@@ -2,9 +2,11 @@
 
 use slipgrid_springblock::{LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
+use super::optimize::DesignReport;
 use crate::CliError;
 use crate::charts::{
-    ChartError, FrictionTraceChart, InterfacePressureChart, Series, Trace, friction_trace, interface_pressure,
+    self, ChartError, Estimate, FrictionTraceChart, InterfacePressureChart, Series, TargetChart, TargetPoint, Trace,
+    friction_trace, interface_pressure,
 };
 use crate::output::Outputs;
 use crate::units::{LENGTH_UM, PRESSURE_MPA};
@@ -81,6 +83,50 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
         }
     }
     Ok(())
+}
+
+/// Target, prediction and confirmation against pressure.
+///
+/// # Errors
+/// [`CliError::Other`] if the picture cannot be drawn.
+pub fn target(report: &DesignReport) -> Result<String, CliError> {
+    let wanted = &report.target;
+    let mut points: Vec<TargetPoint> = wanted
+        .pressure_mpa
+        .iter()
+        .zip(&wanted.value)
+        .map(|(&pressure_mpa, &value)| TargetPoint { pressure_mpa, value, tolerance: wanted.tolerance })
+        .collect();
+    points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
+    let mut predicted: Vec<[f64; 2]> =
+        report.predicted.iter().filter_map(|load| Some([load.pressure_mpa, report.value(load)?])).collect();
+    predicted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut confirmed: Vec<(f64, Estimate)> = report
+        .confirmed
+        .iter()
+        .filter_map(|load| {
+            Some((load.pressure_mpa, Estimate { value: report.value(load)?, error: report.stderr(load) }))
+        })
+        .collect();
+    confirmed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut flat: Vec<[f64; 2]> = report
+        .confirmed
+        .iter()
+        .filter_map(|load| Some([load.pressure_mpa, if report.is_ratio() { 1.0 } else { load.mu_flat? }]))
+        .collect();
+    flat.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    Ok(charts::target(&TargetChart {
+        title: &report.name,
+        quantity: if report.is_ratio() {
+            "Dynamic friction, patterned over flat"
+        } else {
+            "Dynamic friction coefficient"
+        },
+        target: &points,
+        predicted: &predicted,
+        confirmed: &confirmed,
+        flat: &flat,
+    })?)
 }
 
 /// The gaps between contact blocks of a patterned surface: its cavities, to within a block.

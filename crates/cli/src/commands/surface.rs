@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
+use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{ContactError, SolveOptions, Status};
 use slipgrid_material::{AreaLaw, MaterialError, THRESHOLD_PRESSURE_PA};
 use slipgrid_topography::{HeightMap, LengthUnit, ReadOptions, read_map};
@@ -71,10 +72,13 @@ impl SurfaceMap {
                 map.rows() * map.cols()
             ));
         }
-        if options.level {
+        // A plane through one period would leave a step where the period closes.
+        if options.level && !is_period(&read.comments) {
             map.subtract_plane().map_err(|error| refuse(&error))?;
+            notes.push("the least-squares plane has been subtracted".to_owned());
         } else {
             map.subtract_mean();
+            notes.push("no plane has been subtracted".to_owned());
         }
         let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
         Ok(Self { sa_m: map.sa_m(), rms_slope, map, synthetic, notes })
@@ -85,6 +89,11 @@ impl SurfaceMap {
     pub const fn pixel_m(&self) -> f64 {
         self.map.dx_m()
     }
+}
+
+/// Whether a file says of its map that it is one whole period, as synthetic ones do.
+fn is_period(comments: &[String]) -> bool {
+    comments.iter().any(|comment| comment.contains("one period"))
 }
 
 /// Real contact area at one pressure.
@@ -150,7 +159,25 @@ pub fn area_law(curve: &[AreaPoint]) -> Result<AreaLaw, MaterialError> {
     AreaLaw::from_area_curve(&pressure_pa, &area, THRESHOLD_PRESSURE_PA)
 }
 
-/// PENDING contact crate
-pub fn persson_curve(_rms_slope: f64, _contact_modulus_pa: f64, _pressures_pa: &[f64]) -> Vec<AreaPoint> {
-    Vec::new()
+/// The contact area of a surface of which only the rms slope is known, by Persson's theory.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the theory.
+pub fn persson_curve(
+    rms_slope: f64,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+) -> Result<Vec<AreaPoint>, ContactError> {
+    let point = |&pressure_pa: &f64| {
+        let area_fraction = persson_area_fraction(pressure_pa, contact_modulus_pa, rms_slope)?;
+        Ok(AreaPoint {
+            pressure_pa,
+            area_fraction,
+            area_fraction_corrected: area_fraction,
+            iterations: 0,
+            residual: 0.0,
+            status: Status::Converged,
+        })
+    };
+    pressures_pa.iter().map(point).collect()
 }

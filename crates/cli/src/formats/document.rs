@@ -86,7 +86,10 @@ impl Document {
     /// Says that `key` is missing in the table at `table`.
     #[must_use]
     pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
-        let inside = self.key_at(&table).map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
+        // The document itself has no key.
+        let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
+        let outer = outer.and_then(|span| self.key_at(span));
+        let inside = outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
         Diagnostic {
             file: Some(self.path.as_path().into()),
             line: Some(self.line(table.start)),

@@ -18,6 +18,8 @@ use crate::units::{
 
 /// Scatter of the local coefficients where a file names none: the paper's 5 %.
 pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
+/// mu_s over mu_d where no static friction was measured: the paper's 0.30 over 0.27.
+pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
 /// How far the first factor of an area law may lie from 1.
 const FIRST_FACTOR_TOLERANCE: f64 = 1e-6;
 

@@ -308,8 +308,11 @@ pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Lay
         if blocks < 0.5 || (blocks - blocks.round()).abs() > 1e-6 * blocks {
             let named = value.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
             let whole_um = LENGTH_UM.from_si(blocks.round().max(1.0) * layer.block_m);
-            let reason =
-                format!("makes {name} = {} no whole number of blocks of {block_um} um", LENGTH_UM.from_si(length_m));
+            let length_um = LENGTH_UM.from_si(length_m);
+            let reason = match value {
+                Some(_) => format!("is no whole number of blocks of {block_um} um"),
+                None => format!("does not divide {name}, which is {length_um} by default"),
+            };
             return Err(document
                 .refuse(named, reason)
                 .expected(format!("a multiple of block_um, for instance {name} = {whole_um}")));

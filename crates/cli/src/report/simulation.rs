@@ -6,7 +6,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{LoadOutcome, Scene, Simulation};
 
 use super::table::{Table, fixed};
-use crate::units::{LENGTH_UM, PRESSURE_MPA};
+use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,8 +95,8 @@ impl From<&Pattern> for PatternReport {
             spacing_um: LENGTH_UM.from_si(pattern.spacing_m()),
             depth_um: LENGTH_UM.from_si(pattern.depth_m()),
             planform: pattern.planform().name().to_owned(),
-            areal_density: pattern.areal_density(),
-            section_density: pattern.section_density(),
+            areal_density: tidy(pattern.areal_density()),
+            section_density: tidy(pattern.section_density()),
         }
     }
 }
@@ -243,8 +243,8 @@ impl SimulationReport {
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),
             section_model: pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2),
-            areal_density: pattern.map(Pattern::areal_density),
-            section_density: pattern.map(Pattern::section_density),
+            areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
+            section_density: pattern.map(|pattern| tidy(pattern.section_density())),
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
             speed_mm_s: crate::units::SPEED_MM_S.from_si(scene.speed_m_s),
             seed: scene.run.seed,

@@ -8,7 +8,7 @@ use std::path::Path;
 use slipgrid_contact::Status;
 use slipgrid_material::{AreaLaw, Elastic, Material};
 
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law};
+use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients, Surface};
@@ -148,7 +148,8 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
         Surface::Persson { rms_slope } => Ok(SurfaceFacts {
             origin: Some("persson"),
             rms_slope: Some(*rms_slope),
-            curve: super::surface::persson_curve(*rms_slope, contact_modulus_pa, &pressures_pa),
+            curve: persson_curve(*rms_slope, contact_modulus_pa, &pressures_pa)
+                .map_err(|error| CliError::Other(error.to_string()))?,
             notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
             ..SurfaceFacts::default()
         }),

@@ -13,9 +13,10 @@ use slipgrid_optimize::{Candidate, SearchError, SearchOptions, SearchOutcome, St
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, simulate};
 
-pub use report::StoredDesign;
+pub use report::{DesignReport, StoredDesign};
 
 use super::drawings::{DrawingInput, draw};
+use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::design::{Design, MaterialInput};
 use crate::output::{Outputs, check_folder};
@@ -26,7 +27,7 @@ use crate::units::PRESSURE_MPA;
 use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use model::SteadyCell;
-use report::{DesignReport, MisfitReport, ReachableReport, Timings, patterns};
+use report::{MisfitReport, ReachableReport, Timings, patterns};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -82,6 +83,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(trace) = csv::friction_trace(confirmed) {
         outputs.add("friction.csv", trace);
     }
+    let confirming = Scene { pattern: Some(pattern), ..found.scene.clone() };
+    pictures::simulation(&confirming, confirmed, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
     let report = DesignReport {
@@ -111,6 +114,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         threads: console.threads,
         seed: design.seed,
     };
+    outputs.add("target.svg", pictures::target(&report)?);
     outputs.add("result.json", json(&report)?);
     outputs.write(&folder)?;
     let text = if args.json { json(&report)? } else { report.summary() };

@@ -4,12 +4,13 @@ use slipgrid_material::Material;
 use slipgrid_optimize::{ForwardModel, ModelFailure, Quantity, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, Layer, Load, RunOptions, Scene, SceneError, Simulation, Status, Unwatched, simulate,
+    Extent, Fidelity, Layer, Load, RunOptions, Scene, SceneError, SectionModel, Simulation, Status, Unwatched, simulate,
 };
 
 /// Friction of a design by the steady cell, with what confirming runs found the model to miss.
 pub struct SteadyCell {
     scene: Scene,
+    section: SectionModel,
     quantity: Quantity,
     /// Added to the model's value at each pressure: dynamic minus steady at a confirmed design.
     correction: Vec<f64>,
@@ -29,7 +30,7 @@ impl SteadyCell {
             speed_m_s,
             run: RunOptions { fidelity: Fidelity::Steady, extent: Extent::Cell, ..RunOptions::default() },
         };
-        Self { scene, quantity, correction }
+        Self { section: SectionModel::new(&scene), scene, quantity, correction }
     }
 
     /// The scene of a design.
@@ -74,22 +75,59 @@ impl SteadyCell {
 
 impl ForwardModel for SteadyCell {
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        let simulation = self.simulate(design).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        self.scene(design).validate().map_err(|error| trial(error.to_string()))?;
         let mut value = Vec::new();
         let mut peak_pressure_pa = 0.0_f64;
-        let values = self.values(&simulation);
-        for ((load, found), correction) in simulation.loads.iter().zip(values).zip(&self.correction) {
-            let surface = &load.surface;
+        for (outcome, correction) in self.section.solve(design).iter().zip(&self.correction) {
+            let surface = &outcome.surface;
             if surface.status != Status::Converged {
-                return Err(ModelFailure::Trial { reason: format!("steady run: {}", surface.status.name()) });
+                return Err(trial(format!("steady run: {}", surface.status.name())));
             }
             if surface.cavity_closed {
-                return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+                return Err(trial("the cavity closes under load".to_owned()));
             }
-            let found = found.ok_or_else(|| ModelFailure::Trial { reason: "friction is not defined".to_owned() })?;
-            value.push(found + correction);
+            let found = match self.quantity {
+                Quantity::Ratio => outcome.ratio,
+                Quantity::DynamicFriction => surface.mu_dynamic,
+            };
+            value.push(found.ok_or_else(|| trial("friction is not defined".to_owned()))? + correction);
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
         }
         Ok(Response { value, peak_pressure_pa })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Provenance};
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn the_search_sees_what_simulate_reports() {
+        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+        let material = Material {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            friction: Friction::Single(friction),
+            area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
+            provenance: Provenance::default(),
+        };
+        let layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
+        let loads = vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }];
+        let design = Pattern::new(Planform::Groove, 130.3e-6, 371e-6, 13e-6).unwrap();
+        for quantity in [Quantity::Ratio, Quantity::DynamicFriction] {
+            let model = SteadyCell::new(&material, layer, loads.clone(), 2e-3, quantity);
+            let response = model.respond(&design).unwrap();
+            let simulation = model.simulate(&design).unwrap();
+            for (load, (value, reported)) in response.value.iter().zip(model.values(&simulation)).enumerate() {
+                assert!((value - reported.unwrap()).abs() < 1e-9, "{load}");
+            }
+            let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+            assert!((response.peak_pressure_pa / peak - 1.0).abs() < 1e-9);
+        }
+        let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
+        let model = SteadyCell::new(&material, layer, loads, 2e-3, Quantity::Ratio);
+        assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
     }
 }

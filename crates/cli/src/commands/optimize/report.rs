@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_export::{Laser, Outline};
-use slipgrid_optimize::Target;
+use slipgrid_optimize::{Quantity, Target};
 use slipgrid_pattern::Pattern;
 
 use crate::formats::design::quantity_name;
@@ -188,7 +188,19 @@ impl DesignReport {
     /// The value of the target's quantity in a load's report.
     #[must_use]
     pub fn value(&self, load: &LoadReport) -> Option<f64> {
-        if self.target.quantity == "ratio" { load.ratio } else { load.mu_dynamic }
+        if self.is_ratio() { load.ratio } else { load.mu_dynamic }
+    }
+
+    /// Its standard error.
+    #[must_use]
+    pub fn stderr(&self, load: &LoadReport) -> Option<f64> {
+        if self.is_ratio() { load.ratio_stderr } else { load.mu_dynamic_stderr }
+    }
+
+    /// Whether the target is a ratio to the flat surface.
+    #[must_use]
+    pub fn is_ratio(&self) -> bool {
+        self.target.quantity == quantity_name(Quantity::Ratio)
     }
 
     /// The report for people.
@@ -202,15 +214,13 @@ impl DesignReport {
             design.width_um,
             design.spacing_um,
             design.depth_um,
-            self.bursts.map_or_else(String::new, |bursts| format!(" ({bursts} bursts)")),
+            self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );
         let mut table = Table::new(["P MPa", "target", "predicted", "confirmed", "+-", "mu", "mu flat", "peak MPa"]);
         for (row, (pressure_mpa, wanted)) in self.target.pressure_mpa.iter().zip(&self.target.value).enumerate() {
             let (predicted, confirmed) = (self.predicted.get(row), self.confirmed.get(row));
-            let error = confirmed.and_then(|load| {
-                if self.target.quantity == "ratio" { load.ratio_stderr } else { load.mu_dynamic_stderr }
-            });
+            let error = confirmed.and_then(|load| self.stderr(load));
             table.row([
                 pressure_mpa.to_string(),
                 fixed(Some(*wanted), 4),
@@ -250,7 +260,7 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\n{} designs tried in {} searches; material {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}, searches: {}; material {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
             self.evaluations, self.rounds, timings.material, timings.search, timings.confirm, timings.export
         );
         text

@@ -1,0 +1,153 @@
+//! Running the program in a folder of its own.
+
+#![allow(dead_code, reason = "each test file uses a part")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// A scene that is solved in milliseconds.
+pub const SCENE: &str = r#"[material]
+youngs_modulus_gpa = 0.38
+density_g_cm3 = 0.9
+[material.friction]
+static_mean = 0.30
+dynamic_mean = 0.27
+relative_std = 0.05
+[material.area_law]
+pressure_mpa = [0.7, 1.3, 2.6, 10.0]
+factor = [1.0, 0.96, 0.90, 0.60]
+[pattern]
+width_um = 130.0
+spacing_um = 370.0
+depth_um = 20.0
+planform = "groove"
+[sample]
+length_um = 9960.0
+layer_um = 200.0
+block_um = 10.0
+[load]
+pressure_mpa = [0.65, 2.6]
+speed_mm_s = 2.0
+[run]
+fidelity = "steady"
+extent = "cell"
+seed = 1
+sliding_um = 2.0
+"#;
+
+/// A design with an inline material.
+pub const DESIGN: &str = r#"name = "test design"
+[material]
+youngs_modulus_gpa = 0.38
+density_g_cm3 = 0.9
+[material.friction]
+static_mean = 0.30
+dynamic_mean = 0.27
+[material.area_law]
+pressure_mpa = [0.7, 1.3, 2.6, 10.0]
+factor = [1.0, 0.9, 0.7, 0.3]
+[target]
+quantity = "ratio"
+pressure_mpa = [0.65, 2.6]
+value = 0.9
+tolerance = 0.01
+[bounds]
+width_um = [40.0, 400.0]
+spacing_um = [40.0, 1000.0]
+depth_um = [2.0, 50.0]
+[pattern]
+planform = "groove"
+[limits]
+min_land_um = 40.0
+depth_per_burst_um = 2.6
+max_peak_pressure_mpa = 20.0
+[laser]
+wavelength_nm = 1064.0
+spot_um = 23.0
+[specimen]
+shape = "disc"
+diameter_mm = 10.0
+[sample]
+layer_um = 200.0
+block_um = 10.0
+length_um = 9960.0
+[search]
+seed = 1
+max_evaluations = 50
+"#;
+
+/// A calibration beside its table `flat.csv`.
+pub const CALIBRATION: &str = r#"name = "test"
+source = "nowhere"
+[material]
+youngs_modulus_gpa = 0.38
+youngs_modulus_std_gpa = 0.08
+density_g_cm3 = 0.9
+[surface]
+persson_rms_slope = 0.0137
+[specimen]
+radius_mm = 5.0
+[measurements]
+flat = "flat.csv"
+[fit]
+coefficients = "per-condition"
+"#;
+
+/// Measurements for [`CALIBRATION`].
+pub const FLAT: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.248,0.002\n";
+
+/// A folder with input files, in which the program is run.
+pub struct Place {
+    folder: TempDir,
+}
+
+impl Place {
+    /// A folder with `files`, names and contents.
+    pub fn with(files: &[(&str, &str)]) -> Self {
+        let place = Self { folder: tempfile::tempdir().unwrap() };
+        for (name, text) in files {
+            fs::write(place.path(name), text).unwrap();
+        }
+        place
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Names of everything in the folder, hidden files too.
+    pub fn names(&self) -> Vec<String> {
+        names(self.folder.path())
+    }
+
+    pub fn run(&self, args: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+        command.current_dir(self.folder.path()).args(args).output().unwrap()
+    }
+
+    /// Stdout of a run that must succeed.
+    pub fn succeed(&self, args: &[&str]) -> String {
+        let output = self.run(args);
+        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// The message of a run that must refuse its input: exit code 2 and nothing on stdout.
+    pub fn refuse(&self, args: &[&str]) -> String {
+        let output = self.run(args);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(output.stdout.is_empty(), "{args:?}");
+        message
+    }
+}
+
+pub fn names(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}

@@ -1,0 +1,78 @@
+//! `optimize` from a design file to the files of a laser, and `export` and `simulate` of its result.
+
+mod common;
+
+use std::fs;
+
+use common::{DESIGN, Place, names};
+use serde_json::Value;
+
+/// A short sample, so that confirming takes a second, and a target at one pressure.
+fn design(value: &str, evaluations: u32) -> String {
+    DESIGN
+        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("[0.65, 2.6]", "[2.6]")
+        .replace("value = 0.9", value)
+        .replace("tolerance = 0.01", "tolerance = 0.03")
+        .replace("max_evaluations = 50", &format!("max_evaluations = {evaluations}"))
+}
+
+fn result(place: &Place, folder: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_target_that_is_met() {
+    let place = Place::with(&[("grooves.toml", &design("value = 0.88", 600))]);
+    let output = place.run(&["optimize", "grooves.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary = String::from_utf8(output.stdout).unwrap();
+    assert!(summary.contains("target met") && summary.contains("not modelled"), "{summary}");
+
+    let found = result(&place, "out/grooves");
+    assert_eq!(found["status"], "met");
+    let confirmed = found["confirmed"][0]["ratio"].as_f64().unwrap();
+    assert!((confirmed - 0.88).abs() <= 0.03, "{confirmed}");
+    let um = |key: &str| found["design"][key].as_f64().unwrap();
+    assert!((40.0..=400.0).contains(&um("width_um")) && (40.0..=1000.0).contains(&um("spacing_um")));
+    let bursts = um("depth_um") / 2.6;
+    assert!((bursts - bursts.round()).abs() < 1e-6 && found["bursts"].as_f64().unwrap() == bursts.round());
+    for stage in ["material", "search", "confirm", "export"] {
+        assert!(found["timings_s"][stage].as_f64().unwrap() >= 0.0);
+    }
+    assert!(found["evaluations"].as_u64().unwrap() > 0 && found["seed"] == 1 && found["version"].is_string());
+    let folder = place.path("out/grooves");
+    for name in ["design.toml", "pattern.dxf", "pattern.svg", "pattern.csv", "process.toml", "target.svg"] {
+        assert!(names(&folder).contains(&name.to_owned()), "{name}");
+    }
+
+    // The written scene is the confirming run.
+    let again: Value =
+        serde_json::from_str(&place.succeed(&["simulate", "out/grooves/design.toml", "--json"])).unwrap();
+    assert_eq!(again["results"][0]["ratio"], found["confirmed"][0]["ratio"]);
+
+    // Exported again: the same bytes.
+    place.succeed(&["export", "out/grooves/result.json", "--format", "dxf,process", "-o", "laser"]);
+    assert_eq!(names(&place.path("laser")), ["pattern.dxf", "process.toml"]);
+    for name in ["pattern.dxf", "process.toml"] {
+        assert_eq!(fs::read(place.path("laser").join(name)).unwrap(), fs::read(folder.join(name)).unwrap(), "{name}");
+    }
+}
+
+#[test]
+fn targets_that_are_not_met_have_their_own_codes() {
+    let place = Place::with(&[
+        // More friction than the flat surface: the area law only lowers it.
+        ("unreachable.toml", &design("value = 1.2", 2000)),
+        // Two evaluations find nothing within a part in ten thousand.
+        ("budget.toml", &design("value = 0.87654", 2).replace("tolerance = 0.03", "tolerance = 0.0001")),
+    ]);
+    for (file, code, status) in [("unreachable.toml", 3, "unreachable"), ("budget.toml", 4, "budget")] {
+        let output = place.run(&["optimize", file, "-o", status]);
+        assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
+        let found = result(&place, status);
+        assert_eq!(found["status"], status);
+        assert!(place.path(status).join("pattern.dxf").exists());
+    }
+    assert!(!result(&place, "unreachable")["reachable"].as_array().unwrap().is_empty());
+}

@@ -1,0 +1,250 @@
+//! Input that must be refused: exit code 2, file, line and key in the message, nothing written.
+
+mod common;
+
+use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+
+/// A change to a file, and what the refusal must say after the file's name.
+struct Case {
+    /// Text to replace.
+    from: &'static str,
+    /// What stands there instead.
+    to: &'static str,
+    /// Line and key.
+    place: &'static str,
+    /// Part of the rest.
+    says: &'static str,
+}
+
+const fn case(from: &'static str, to: &'static str, place: &'static str, says: &'static str) -> Case {
+    Case { from, to, place, says }
+}
+
+fn refuse_all(file: &str, good: &str, others: &[(&str, &str)], command: &str, cases: &[Case]) {
+    for Case { from, to, place, says } in cases {
+        assert!(good.contains(from), "{from}");
+        let bad = good.replacen(from, to, 1);
+        let mut files = vec![(file, bad.as_str())];
+        files.extend(others);
+        let folder = Place::with(&files);
+        let before = folder.names();
+        let message = folder.refuse(&[command, file, "-o", "out"]);
+        assert!(message.starts_with(&format!("error: {file}{place}")), "{to}: {message}");
+        assert!(message.contains(says), "{to}: {message}");
+        assert_eq!(folder.names(), before, "{to}");
+    }
+}
+
+#[test]
+fn scenes() {
+    refuse_all(
+        "scene.toml",
+        SCENE,
+        &[],
+        "simulate",
+        &[
+            case("width_um = 130.0", "widht_um = 130.0", ":12: pattern.widht_um: ", "did you mean `width_um`?"),
+            case("width_um = 130.0", "width_mm = 0.13", ":12: pattern.width_mm: ", "did you mean `width_um`?"),
+            case("width_um = 130.0", "width_um = -130.0", ":12: pattern.width_um: -130.0 ", "above 0"),
+            case("width_um = 130.0", "width_um = nan", ":12: pattern.width_um: nan ", "above 0"),
+            case("width_um = 130.0", "width_um = inf", ":12: pattern.width_um: inf ", "above 0"),
+            case("width_um = 130.0", "width_um = \"wide\"", ":12: pattern.width_um: \"wide\" ", "expected a number"),
+            case("width_um = 130.0", "", ":11: pattern.width_um: is missing", ""),
+            case("depth_um = 20.0", "depth_um = 200.0", ":14: pattern.depth_um: 200.0 ", "below 200 um"),
+            case("\"groove\"", "\"grove\"", ":15: pattern.planform: \"grove\" ", "did you mean `groove`?"),
+            case("layer_um = 200.0", "layer_um = 205.0", ":18: sample.layer_um: 205.0 ", "layer_um = 200"),
+            case("length_um = 9960.0", "length_um = 3.0", ":17: sample.length_um: 3.0 ", "length_um = 10"),
+            case("block_um = 10.0", "block_um = 0", ":19: sample.block_um: 0 ", "above 0"),
+            case("block_um = 10.0", "block_um = 0.0001", ":19: sample.block_um: 0.0001 ", "at most 4e7"),
+            case("[0.65, 2.6]", "[0.65, 2.6e6]", ":21: load.pressure_mpa: 2.6e6 ", "MPa"),
+            case("[0.65, 2.6]", "[0.65, 500]", ":21: load.pressure_mpa: 500 ", "below 380 MPa"),
+            case("[0.65, 2.6]", "[]", ":21: load.pressure_mpa: ", "at least one"),
+            case("[0.65, 2.6]", "0", ":21: load.pressure_mpa: 0 ", "above 0"),
+            case("speed_mm_s = 2.0", "", ":20: load.speed_mm_s: is missing", ""),
+            case(
+                "youngs_modulus_gpa = 0.38",
+                "youngs_modulus_gpa = 380e6",
+                ":2: material.youngs_modulus_gpa: ",
+                "2000 GPa",
+            ),
+            case("density_g_cm3 = 0.9", "density_g_cm3 = 900", ":3: material.density_g_cm3: 900 ", "30 g/cm3"),
+            case("relative_std = 0.05", "relative_std = 5", ":7: material.friction.relative_std: 5 ", "0.5"),
+            case(
+                "static_mean = 0.30",
+                "static_mean = [0.30, 0.31]",
+                ":5: material.friction.static_mean: ",
+                "pressure_mpa",
+            ),
+            case(
+                "static_mean = 0.30",
+                "pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.3]",
+                ":6: material.friction.static_mean: ",
+                "2, one for each",
+            ),
+            case("dynamic_mean = 0.27\n", "", ":4: material.friction.dynamic_mean: is missing", ""),
+            case("[1.0, 0.96, 0.90, 0.60]", "[1.0, 0.96]", ":10: material.area_law.factor: ", "4, one for each"),
+            case(
+                "[1.0, 0.96, 0.90, 0.60]",
+                "[0.9, 0.8, 0.7, 0.6]",
+                ":10: material.area_law.factor: ",
+                "1 at the first",
+            ),
+            case("[0.7, 1.3, 2.6, 10.0]", "[0.7, 2.6, 1.3, 10.0]", ":9: material.area_law.pressure_mpa: ", "increase"),
+            case(
+                "\"steady\"",
+                "\"stead\"",
+                ":24: run.fidelity: \"stead\" ",
+                "\"steady\" or \"dynamic\" or \"reference\"",
+            ),
+            case("\"cell\"", "\"whole\"", ":25: run.extent: \"whole\" ", "\"cell\" or \"sample\""),
+            case("seed = 1", "seed = -1", ":26: run.seed: -1 ", "whole number"),
+            case("seed = 1", "seed = 1.5", ":26: run.seed: 1.5 ", "whole number"),
+            case("seed = 1", "dimensions = 3", ":26: run.dimensions: 3 ", "three-dimensional"),
+            case("seed = 1", "liftoff = 1", ":26: run.liftoff: 1 ", "true or false"),
+            case("seed = 1", "seed = 1\nseed = 2", ":27: ", "duplicate"),
+            case("seed = 1", "seed = = 1", ":26: ", ""),
+            case("[run]", "[runn]", ":23: runn: ", "did you mean `run`?"),
+            case("[material]", "[other]\n[material]", ":1: other: ", "is not a known key"),
+        ],
+    );
+}
+
+#[test]
+fn a_material_that_is_not_there_is_reported_where_it_is_named() {
+    let rest = &SCENE[SCENE.find("[pattern]").unwrap()..];
+    let scene = format!("material = \"absent.toml\"\n{rest}");
+    let folder = Place::with(&[("scene.toml", &scene)]);
+    let message = folder.refuse(&["simulate", "scene.toml"]);
+    assert!(
+        message.starts_with("error: scene.toml:1: material: \"absent.toml\" (absent.toml) cannot be read"),
+        "{message}"
+    );
+
+    let scene = format!("material = \"calibration.toml\"\n{rest}");
+    let folder = Place::with(&[("scene.toml", &scene), ("calibration.toml", CALIBRATION), ("flat.csv", FLAT)]);
+    let message = folder.refuse(&["simulate", "scene.toml"]);
+    assert!(
+        message.starts_with("error: calibration.toml: is a calibration file; expected a material file"),
+        "{message}"
+    );
+}
+
+#[test]
+fn conditions_that_were_not_measured() {
+    let rest = &SCENE[SCENE.find("[pattern]").unwrap()..];
+    let material = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\n[[friction.conditions]]\n\
+        speed_mm_s = 2.0\nhumidity_pct = 15.0\npressure_mpa = [0.6, 2.5]\nstatic_mean = [0.3, 0.31]\ndynamic_mean = [0.26, 0.28]\n";
+    for (head, says) in [
+        (
+            "material = \"m.toml\"\n",
+            "error: scene.toml:1: material: \"m.toml\" the material has coefficients per condition",
+        ),
+        (
+            "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 40.0 }\n",
+            "error: scene.toml:2: condition: no coefficients for 2 mm/s at 40 % humidity: the material has 2 mm/s at 15 %",
+        ),
+        (
+            "material = \"m.toml\"\ncondition = { speed_mm_s = 4.0, humidity_pct = 15.0 }\n",
+            "error: scene.toml:14: load.speed_mm_s: 2.0 mm/s is not the speed of the condition",
+        ),
+    ] {
+        let scene = format!("{head}{rest}");
+        let folder = Place::with(&[("scene.toml", &scene), ("m.toml", material)]);
+        let message = folder.refuse(&["simulate", "scene.toml"]);
+        assert!(message.starts_with(says), "{message}");
+    }
+    let scene = format!("material = \"m.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{rest}");
+    let folder = Place::with(&[("scene.toml", &scene), ("m.toml", material)]);
+    let json: serde_json::Value = serde_json::from_str(&folder.succeed(&["simulate", "scene.toml", "--json"])).unwrap();
+    assert_eq!(json["results"][0]["friction_extrapolated"], false);
+    assert_eq!(json["results"][1]["friction_extrapolated"], true);
+}
+
+#[test]
+fn designs() {
+    refuse_all(
+        "design.toml",
+        DESIGN,
+        &[],
+        "optimize",
+        &[
+            case("[40.0, 400.0]", "[400.0, 40.0]", ":17: bounds.width_um: [400.0, 40.0] ", "[smallest, largest]"),
+            case("[40.0, 400.0]", "[40.0]", ":17: bounds.width_um: ", "[smallest, largest]"),
+            case("[40.0, 400.0]", "[10.0, 20.0]", ":17: bounds.width_um: ", "at least 23 um"),
+            case("[40.0, 1000.0]", "[5.0, 30.0]", ":18: bounds.spacing_um: ", "at least 40 um"),
+            case("[2.0, 50.0]", "[2.0, 2.5]", ":19: bounds.depth_um: ", "multiple of 2.6 um"),
+            case("[2.0, 50.0]", "[2.0, 200.0]", ":19: bounds.depth_um: ", "below 200 um"),
+            case("[2.0, 50.0]", "[-2.0, 50.0]", ":19: bounds.depth_um: -2.0 ", "above 0"),
+            case("\"ratio\"", "\"ration\"", ":12: target.quantity: \"ration\" ", "did you mean `ratio`?"),
+            case("value = 0.9", "value = [0.9, 0.8, 0.7]", ":14: target.value: ", "2, one for each"),
+            case("value = 0.9", "value = -0.9", ":14: target.value: -0.9 ", "above 0"),
+            case("[0.65, 2.6]", "[2.6, 2.6]", ":13: target.pressure_mpa: ", "once"),
+            case("tolerance = 0.01", "tolerance = 0", ":15: target.tolerance: 0 ", "above 0"),
+            case("\"disc\"", "\"rectangle\"", ":31: specimen.diameter_mm", ""),
+            case("diameter_mm = 10.0", "", ":29: specimen.diameter_mm: is missing", ""),
+            case("max_evaluations = 50", "max_evaluations = 0", ":38: search.max_evaluations: 0 ", "from 1"),
+            case("[limits]", "[limit]", ":22: limit: ", "did you mean `limits`?"),
+            case("[target]", "[target]\nunit = 1", ":12: target.unit: ", "is not a known key"),
+        ],
+    );
+}
+
+#[test]
+fn calibrations() {
+    let with_table = &[("flat.csv", FLAT)];
+    refuse_all(
+        "calibration.toml",
+        CALIBRATION,
+        with_table,
+        "calibrate",
+        &[
+            case("\"flat.csv\"", "\"flt.csv\"", ":12: measurements.flat: \"flt.csv\" ", "cannot be read"),
+            case(
+                "persson_rms_slope = 0.0137",
+                "map = \"absent.asc\"",
+                ":8: surface.map: \"absent.asc\" ",
+                "cannot be read",
+            ),
+            case("persson_rms_slope = 0.0137", "persson_rms_slope = 0", ":8: surface.persson_rms_slope: 0 ", "above 0"),
+            case("persson_rms_slope = 0.0137", "", ":7: surface.map: is missing", "persson_rms_slope"),
+            case("radius_mm = 5.0", "radius_um = 5.0", ":10: specimen.radius_um: ", "did you mean `radius_mm`?"),
+            case(
+                "\"per-condition\"",
+                "\"both\"",
+                ":14: fit.coefficients: \"both\" ",
+                "\"single\" or \"per-condition\"",
+            ),
+            case("source = \"nowhere\"\n", "", ":1: source: is missing", ""),
+        ],
+    );
+    let folder = Place::with(&[("calibration.toml", CALIBRATION), ("flat.csv", &FLAT.replace("0.248", "24.8"))]);
+    let message = folder.refuse(&["calibrate", "calibration.toml", "-o", "m.toml"]);
+    assert!(message.starts_with("error: flat.csv:2: mu_dynamic: \"24.8\" is out of range"), "{message}");
+    assert_eq!(folder.names(), ["calibration.toml", "flat.csv"]);
+}
+
+#[test]
+fn flags() {
+    let folder = Place::with(&[("scene.toml", SCENE), ("map.txt", "1 2 3 4\n1 2 3 5\n")]);
+    for (args, says) in [
+        (vec!["simulate", "absent.toml"], "error: absent.toml: cannot be read"),
+        (vec!["simulate", "scene.toml", "-o", "map.txt"], "error: --output: map.txt is a file"),
+        (vec!["simulate", "scene.toml", "-o", "map.txt/below"], "error: --output: map.txt/below cannot be made"),
+        (vec!["simulate", "scene.toml", "--fidelity", "fast"], "error: invalid value 'fast'"),
+        (vec!["simulate", "scene.toml", "--threads", "0"], "error: invalid value '0'"),
+        (vec!["accuracy"], "error: unrecognized subcommand 'accuracy'"),
+        (vec!["area-law", "map.txt"], "error: map.txt: "),
+        (vec!["area-law", "map.txt", "--pressures-mpa", "2,1"], "error: --pressures-mpa: 1 does not exceed"),
+        (vec!["area-law", "map.txt", "--poisson-ratio", "0.7"], "error: --poisson-ratio: 0.7 is out of range"),
+        (vec!["area-law", "map.txt", "--height-unit", "inch"], "error: --height-unit: "),
+        (vec!["synthesize", "--waves", "64:4", "-o", "m"], "error: invalid value '64:4'"),
+        (vec!["synthesize", "--sa-um", "-1", "-o", "m"], "error: "),
+        (vec!["synthesize", "--pixels", "64", "-o", "m"], "error: shortest wave per side is 64"),
+        (vec!["export", "scene.toml"], "error: scene.toml:1: is not a result of `slipgrid optimize`"),
+        (vec!["validate"], "error: calibration/ldpe-cast-iron/calibration.toml: cannot be read"),
+    ] {
+        let message = folder.refuse(&args);
+        assert!(message.starts_with(says), "{args:?}: {message}");
+        assert_eq!(folder.names(), ["map.txt", "scene.toml"], "{args:?}");
+    }
+}
