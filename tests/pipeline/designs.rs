@@ -1,1 +1,108 @@
-//! Every file in designs/ through the main job.
+//! Every file in designs/ through the main job, from measurements to files for the laser.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+/// What each shipped design ends with. A design without an entry fails the test.
+const ENDINGS: [(&str, u8, &str); 3] =
+    [("ldpe-lower-friction", 0, "met"), ("ldpe-target-mu", 0, "met"), ("ldpe-unreachable", 3, "unreachable")];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn slipgrid(arguments: &[&str]) -> (u8, String, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let code = slipgrid_cli::run(["slipgrid", "--quiet"].iter().chain(arguments), &mut out, &mut err);
+    (code, String::from_utf8(out).unwrap(), String::from_utf8(err).unwrap())
+}
+
+fn optimize(name: &str) -> (tempfile::TempDir, Value) {
+    let (_, code, status) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let design = root().join("designs").join(format!("{name}.toml"));
+    let (ended, out, err) =
+        slipgrid(&["optimize", design.to_str().unwrap(), "-o", folder.path().to_str().unwrap()]);
+    println!("{out}");
+    assert_eq!((ended, err.as_str()), (code, ""), "{name}");
+    let result: Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("result.json")).unwrap()).unwrap();
+    assert_eq!(result["status"], status);
+    (folder, result)
+}
+
+#[test]
+fn every_shipped_design_has_a_known_ending() {
+    let mut names: Vec<String> = std::fs::read_dir(root().join("designs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names, ENDINGS.map(|(name, ..)| name));
+}
+
+#[test]
+fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
+    let (folder, result) = optimize("ldpe-lower-friction");
+    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
+    let wanted = result["target"]["value"].as_array().unwrap();
+    let (predicted, confirmed) = (result["predicted"].as_array().unwrap(), result["confirmed"].as_array().unwrap());
+    assert_eq!((wanted.len(), predicted.len(), confirmed.len()), (4, 4, 4));
+    for (wanted, confirmed) in wanted.iter().zip(confirmed) {
+        let ratio = confirmed["ratio"].as_f64().unwrap();
+        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance);
+        assert!(confirmed["mu_dynamic_stderr"].as_f64().unwrap() < 1e-3 * confirmed["mu_dynamic"].as_f64().unwrap());
+    }
+    // The flat sample of the model slides as the measured one does: 0.278 at 2.546 MPa, 15 % humidity.
+    let flat = confirmed[3]["mu_flat"].as_f64().unwrap();
+    assert!((flat - 0.278).abs() < 0.003, "{flat}");
+    assert_eq!(result["material"]["synthetic_surface"], true);
+
+    // The scene runs as it is; steady sliding of its cell lies near what was confirmed.
+    let scene = folder.path().join("design.toml");
+    let (code, out, _) =
+        slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--extent", "cell", "--json"]);
+    assert_eq!(code, 0);
+    let steady: Value = serde_json::from_str(&out).unwrap();
+    for (steady, confirmed) in steady["results"].as_array().unwrap().iter().zip(confirmed) {
+        let (steady, confirmed) = (steady["ratio"].as_f64().unwrap(), confirmed["ratio"].as_f64().unwrap());
+        assert!((steady / confirmed - 1.0).abs() < 0.01, "{steady} {confirmed}");
+    }
+    // Rows of cavities in CSV, polygons in DXF and count on the process sheet agree.
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let process: toml::Table = read("process.toml").parse().unwrap();
+    let cavities = process["specimen"]["cavities"].as_integer().unwrap();
+    assert_eq!(read("pattern.csv").lines().count() as i64, cavities + 1);
+    assert_eq!(read("pattern.dxf").matches("\nPOLYLINE\n").count() as i64, cavities);
+    for name in ["target.svg", "pattern.svg", "friction-2.6mpa.svg", "interface-2.6mpa.svg"] {
+        assert!(read(name).trim_end().ends_with("</svg>"), "{name}");
+    }
+}
+
+#[test]
+fn a_target_of_dynamic_friction_is_met() {
+    let (_folder, result) = optimize("ldpe-target-mu");
+    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
+    for (wanted, confirmed) in
+        result["target"]["value"].as_array().unwrap().iter().zip(result["confirmed"].as_array().unwrap())
+    {
+        let mu = confirmed["mu_dynamic"].as_f64().unwrap();
+        assert!((mu - wanted.as_f64().unwrap()).abs() <= tolerance, "{mu}");
+    }
+}
+
+#[test]
+fn what_cannot_be_reached_is_said_with_the_range_that_can() {
+    let (_folder, result) = optimize("ldpe-unreachable");
+    for (range, wanted) in
+        result["reachable"].as_array().unwrap().iter().zip(result["target"]["value"].as_array().unwrap())
+    {
+        let (lowest, highest) = (range["lowest"].as_f64().unwrap(), range["highest"].as_f64().unwrap());
+        assert!(lowest < highest);
+        if range["pressure_mpa"].as_f64().unwrap() < 1.0 {
+            assert!(wanted.as_f64().unwrap() < lowest - result["target"]["tolerance"].as_f64().unwrap());
+        }
+    }
+    assert!(result["misfit"]["confirmed"].as_f64().unwrap() > 1.0);
+}

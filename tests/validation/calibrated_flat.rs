@@ -1,0 +1,37 @@
+//! Calibration against the time integration that it serves.
+
+use slipgrid_calibrate::{Coefficients, Measurement, Problem, calibrate};
+use slipgrid_material::LocalFriction;
+use slipgrid_springblock::{Extent, Fidelity, Unwatched, simulate};
+use slipgrid_tests::{persson_law, polymer_scene};
+
+#[test]
+fn the_calibrated_flat_sample_slides_as_measured() {
+    // 200 N, 2 mm/s, 15 % humidity (Balestra et al., table of flat samples): 0.278 +- 0.001.
+    let mut scene = polymer_scene(None, &[2.546], Fidelity::Dynamic, Extent::Sample).unwrap();
+    let problem = Problem {
+        elastic: scene.elastic,
+        area_law: Some(persson_law().unwrap()),
+        layer: scene.layer,
+        measurements: vec![Measurement {
+            pressure_pa: 2.546e6,
+            speed_m_s: 2e-3,
+            mu_dynamic: 0.278,
+            mu_dynamic_std: 0.001,
+            static_peak: None,
+        }],
+        coefficients: Coefficients::PerCondition,
+        relative_std: 0.05,
+        static_over_dynamic: 0.30 / 0.27,
+        seed: 1,
+    };
+    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let pair = fit.pairs[0];
+    // A run of its own, from rest.
+    scene.loads[0].friction = LocalFriction::new(pair.static_mean, pair.dynamic_mean, 0.05).unwrap();
+    scene.run.sliding_m = 2.4e-6;
+    let surface = simulate(&scene, &Unwatched).unwrap().loads.remove(0).surface;
+    let mu = surface.mu_dynamic.unwrap();
+    println!("{mu} +- {}", surface.mu_dynamic_stderr.unwrap());
+    assert!((mu / 0.278 - 1.0).abs() < 1e-3, "{mu}");
+}
