@@ -22,8 +22,7 @@ fn optimize(name: &str) -> (tempfile::TempDir, Value) {
     let (_, code, status) = ENDINGS.into_iter().find(|(ending, ..)| *ending == name).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let design = root().join("designs").join(format!("{name}.toml"));
-    let (ended, out, err) =
-        slipgrid(&["optimize", design.to_str().unwrap(), "-o", folder.path().to_str().unwrap()]);
+    let (ended, out, err) = slipgrid(&["optimize", design.to_str().unwrap(), "-o", folder.path().to_str().unwrap()]);
     println!("{out}");
     assert_eq!((ended, err.as_str()), (code, ""), "{name}");
     let result: Value =

@@ -29,9 +29,8 @@ fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
         // Steps up to the default one change friction by less than 0.1 %.
         assert!(step_ns > 4.0 || (found - default).abs() < 1e-3);
     }
-    let damping = [0.003, 0.03, 0.1].map(|damping| {
-        row(&format!("gamma = {damping} sqrt(k/m)"), excess(|scene| scene.run.damping = damping))
-    });
+    let damping = [0.003, 0.03, 0.1]
+        .map(|damping| row(&format!("gamma = {damping} sqrt(k/m)"), excess(|scene| scene.run.damping = damping)));
     assert!(damping[0] < damping[2], "more damping, more friction");
     let ratio = [1.0, 1.05, 1.2, 1.4].map(|ratio| {
         row(

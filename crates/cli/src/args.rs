@@ -202,14 +202,41 @@ pub struct ExportArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid validate\n  \
-    slipgrid validate calibration/ldpe-cast-iron/calibration.toml --json")]
+    slipgrid validate --all --slope-factors 0.5,1,2 -o out/validation\n  \
+    slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n\n\
+    The model takes the flat measurements and the surface; the patterned measurements are only\n\
+    compared with. The default pattern is the one that the source of the LDPE calibration simulated,\n\
+    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. Writes ratios.svg, ratios.csv\n\
+    and result.json.\n\n\
+    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples
     #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]
     pub calibration: PathBuf,
+    /// Width of a cavity along the sliding direction
+    #[arg(long, default_value_t = 130.0, value_name = "UM")]
+    pub width_um: f64,
+    /// Gap between two cavities
+    #[arg(long, default_value_t = 370.0, value_name = "UM")]
+    pub spacing_um: f64,
+    /// Depth of the modelled cavities
+    #[arg(long, default_value_t = 20.0, value_name = "UM")]
+    pub depth_um: f64,
+    /// Depth of the measured cavities: the report says what the other depth changes
+    #[arg(long, default_value_t = 5.2, value_name = "UM")]
+    pub measured_depth_um: f64,
+    /// Factors on the slopes of the surface, separated by commas; 1 is always among them
+    #[arg(long, value_delimiter = ',', default_values_t = [0.5, 1.0, 2.0], value_name = "S,S,...")]
+    pub slope_factors: Vec<f64>,
+    /// Every measured condition, not only the speed and humidity of the table's first row
+    #[arg(long)]
+    pub all: bool,
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
+    /// Folder for result.json, the table and a picture
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 /// Names of the fidelities.

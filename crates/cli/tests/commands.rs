@@ -1,5 +1,7 @@
 //! Commands on good input: exit codes, what they print and what they write.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use std::fs;
@@ -148,17 +150,104 @@ fn a_synthetic_map_and_its_area_law() {
 #[test]
 fn measured_ratios_are_tabulated() {
     let calibration = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let more = "200,2,15,0.278,0.001\n50,2,40,0.269,0.004\n";
+    let patterned = "200,2,15,0.224,0.002\n50,2,40,0.211,0.002\n";
     let place = Place::with(&[
         ("calibration.toml", &calibration),
-        ("flat.csv", FLAT),
-        ("patterned.csv", &FLAT.replace("0.248,0.002", "0.208,0.007")),
+        ("flat.csv", &format!("{FLAT}{more}")),
+        ("patterned.csv", &format!("{}{patterned}", FLAT.replace("0.248,0.002", "0.208,0.007"))),
     ]);
     let result = json(&place.succeed(&["validate", "calibration.toml", "--json"]));
+    // Only the speed and humidity of the first row.
+    assert_eq!(result["results"].as_array().unwrap().len(), 2);
     let row = &result["results"][0];
     assert!((row["ratio"].as_f64().unwrap() - 0.208 / 0.248).abs() < 1e-12);
     // 0.8387 sqrt((7/208)^2 + (2/248)^2)
     assert!((row["ratio_std"].as_f64().unwrap() - 0.029_03).abs() < 1e-4);
-    assert!((row["pressure_mpa"].as_f64().unwrap() - 0.636_62).abs() < 1e-5);
+    // 50 N on a radius of 5 mm: 50 N / (pi 25 mm^2) = 2/pi MPa.
+    assert!((row["pressure_mpa"].as_f64().unwrap() - std::f64::consts::FRAC_2_PI).abs() < 1e-9);
+    let all = json(&place.succeed(&["validate", "calibration.toml", "--json", "--all"]));
+    assert_eq!(all["results"].as_array().unwrap().len(), 3);
+    assert_eq!(all["results"][1]["modelled"], result["results"][1]["modelled"]);
+
+    let heavy = &result["results"][1];
+    assert!((heavy["ratio_amontons_coulomb"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    let modelled = heavy["modelled"].as_array().unwrap();
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap();
+    for (modelled, factor) in modelled.iter().zip([0.5, 1.0, 2.0]) {
+        assert_eq!((number(modelled, "slope_factor"), &modelled["status"]), (factor, &Value::from("converged")));
+        assert!((number(modelled, "rms_slope") - 0.0137 * factor).abs() < 1e-12);
+        let flat = number(modelled, "dynamic_mean") * number(modelled, "area_law_factor");
+        assert!((flat - 0.278).abs() < 1e-9, "the flat surface has its measured friction: {flat}");
+        let groove = number(modelled, "ratio_groove");
+        assert!((number(modelled, "ratio_square_estimate") - (1.0 - 0.26 * (1.0 - groove))).abs() < 1e-12);
+    }
+    // A smoother surface saturates earlier.
+    let groove = |factor: usize| number(&modelled[factor], "ratio_groove");
+    assert!(groove(0) < groove(1) && groove(1) < groove(2) && groove(2) < 1.0);
+
+    let explained = (2.0 - number(&result["results"][0]["modelled"][1], "ratio_groove") - groove(1))
+        / (2.0 - number(row, "ratio") - number(heavy, "ratio"));
+    assert!((number(&result["summary"], "explained_by_grooves") - explained).abs() < 1e-12);
+    let change = number(&heavy["modelled_at_measured_depth"], "ratio_groove") - groove(1);
+    assert!(change != 0.0);
+    let shallow = json(&place.succeed(&["validate", "calibration.toml", "--json", "--depth-um", "5.2"]));
+    assert_eq!(shallow["results"][1]["modelled"][1], heavy["modelled_at_measured_depth"]);
+    assert!(shallow["results"][1]["modelled_at_measured_depth"].is_null());
+}
+
+#[test]
+fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
+    let calibration = CALIBRATION
+        .replace("persson_rms_slope = 0.0137", "map = \"map.asc\"")
+        .replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
+    let heavy = "200,2,15,0.278,0.001\n";
+    let place = Place::with(&[
+        ("calibration.toml", &calibration),
+        ("flat.csv", &format!("{FLAT}{heavy}")),
+        ("patterned.csv", &format!("{FLAT}{heavy}").replace("0.248", "0.208").replace("0.278", "0.224")),
+    ]);
+    place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "map.asc"]);
+    let printed = place.succeed(&["validate", "calibration.toml", "-o", "out"]);
+    for said in ["synthetic", "Nothing was tuned", "20 um is modelled, 5.2 um was measured", "square 0.5x", "groove 2x"]
+    {
+        assert!(printed.contains(said), "{said}: {printed}");
+    }
+    let folder = place.path("out");
+    assert_eq!(names(&folder), ["ratios.csv", "ratios.svg", "result.json"]);
+    let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
+    // Two conditions at three slopes and at the measured depth.
+    assert_eq!(table.lines().count(), 1 + 2 * 4);
+    let result = json(&fs::read_to_string(folder.join("result.json")).unwrap());
+    assert_eq!(result["synthetic_surface"], true);
+    assert!(fs::read_to_string(folder.join("ratios.svg")).unwrap().contains("(synthetic surface)"));
+}
+
+#[test]
+fn a_dynamic_run_says_from_when_it_averaged() {
+    let scene = SCENE
+        .replace("[0.65, 2.6]", "2.6")
+        .replace("speed_mm_s = 2.0", "speed_mm_s = 20.0")
+        .replace("\"steady\"", "\"dynamic\"")
+        .replace("sliding_um = 2.0", "sliding_um = 3.0");
+    let place = Place::with(&[("scene.toml", &scene)]);
+    let load = &json(&place.succeed(&["simulate", "scene.toml", "--json", "-o", "out"]))["results"][0];
+    let travel_s = 3e-6 / 20e-3;
+    let from_s = load["averaged_from_s"].as_f64().unwrap();
+    // 60 % of the run, and what does not divide into batches.
+    assert!(0.6 * travel_s <= from_s && from_s < 0.62 * travel_s, "{from_s}");
+    assert!(load["averaged_from_s_flat"].is_number());
+
+    // The mean over the trace from there on is the reported one: every interval is as long.
+    let trace = fs::read_to_string(place.path("out/friction.csv")).unwrap();
+    let points = trace.lines().filter_map(|line| {
+        let cells: Vec<&str> = line.strip_prefix("2.6,patterned,")?.split(',').collect();
+        Some((cells[0].parse::<f64>().unwrap() * 1e-6, cells[1].parse::<f64>().unwrap()))
+    });
+    let window: Vec<f64> = points.filter(|point| point.0 > from_s * (1.0 + 1e-9)).map(|point| point.1).collect();
+    let mean = window.iter().sum::<f64>() / window.len() as f64;
+    assert!((mean / load["mu_dynamic"].as_f64().unwrap() - 1.0).abs() < 1e-4, "{mean}");
+    assert!(fs::read_to_string(place.path("out/friction-2.6mpa.svg")).unwrap().contains("averaging window"));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! `optimize` from a design file to the files of a laser, and `export` and `simulate` of its result.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use std::fs;

@@ -1,5 +1,7 @@
 //! Input that must be refused: exit code 2, file, line and key in the message, nothing written.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
@@ -107,6 +109,32 @@ fn scenes() {
             case("[material]", "[other]\n[material]", ":1: other: ", "is not a known key"),
         ],
     );
+}
+
+#[test]
+fn what_a_solver_refuses_is_reported_in_the_units_of_the_file() {
+    let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "step_ns = 20");
+    let small = dynamic.replace("step_ns = 20", "").replace("block_um = 10.0", "block_um = 0.5");
+    let reference = small.replace("\"dynamic\"", "\"reference\"").replace("length_um = 9960.0", "length_um = 1000.0");
+    let wide = SCENE.replace("130.0", "9e6").replace("370.0", "9e6").replace("layer_um = 200.0", "layer_um = 500.0");
+    let shallow = SCENE.replace("layer_um = 200.0", "").replace("depth_um = 20.0", "depth_um = 200");
+    for (scene, says) in [
+        (&dynamic, "scene.toml:27: run.step_ns: 20 is beyond the stability limit of the leapfrog, 11.7"),
+        (
+            &reference,
+            "scene.toml:19: sample.block_um: 0.5 um brings the stability limit of the Runge-Kutta method below",
+        ),
+        (&wide, "scene.toml:12: pattern.width_um: 9e6 and the spacing make a pitch of 18000000 um; expected"),
+        (&shallow, "scene.toml:14: pattern.depth_um: 200 um leaves nothing of the layer of 200 um; expected"),
+    ] {
+        let message = Place::with(&[("scene.toml", scene)]).refuse(&["simulate", "scene.toml"]);
+        assert!(message.starts_with(&format!("error: {says}")), "{message}");
+    }
+    // What is named as the most is accepted.
+    let message = Place::with(&[("scene.toml", &dynamic)]).refuse(&["simulate", "scene.toml"]);
+    let most = message.trim_end().rsplit_once("at most ").unwrap().1;
+    let accepted = dynamic.replace("step_ns = 20", &format!("sliding_um = 0.01\nstep_ns = {most}"));
+    Place::with(&[("scene.toml", &accepted)]).succeed(&["simulate", "scene.toml"]);
 }
 
 #[test]
@@ -242,6 +270,11 @@ fn flags() {
         (vec!["synthesize", "--pixels", "64", "-o", "m"], "error: shortest wave per side is 64"),
         (vec!["export", "scene.toml"], "error: scene.toml:1: is not a result of `slipgrid optimize`"),
         (vec!["validate"], "error: calibration/ldpe-cast-iron/calibration.toml: cannot be read"),
+        (vec!["validate", "--depth-um", "200"], "error: --depth-um: 200 leaves nothing of the layer of 200 um"),
+        (vec!["validate", "--width-um", "-1"], "error: "),
+        (vec!["validate", "--width-um", "0"], "error: --width-um: 0 is out of range"),
+        (vec!["validate", "--slope-factors", "0"], "error: --slope-factors: 0 is out of range"),
+        (vec!["validate", "-o", "map.txt"], "error: --output: map.txt is a file"),
     ] {
         let message = folder.refuse(&args);
         assert!(message.starts_with(says), "{args:?}: {message}");

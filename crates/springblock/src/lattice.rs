@@ -24,6 +24,19 @@ pub struct Lattice {
     periodic: bool,
 }
 
+/// How a ceiling row that is there in part yields against its surroundings, in [`stiffness_share`].
+/// Friction then follows depth almost evenly: on the published pattern, 3 to 43 um deep, the ratio's
+/// steps of 1 um depart from their mean by at most 4.7e-4, with springs scaled by the part itself
+/// (an infinite constant) by 6.8e-4.
+const CEILING_COMPLIANCE: f64 = 3.0;
+
+/// Stiffness of the springs of a block of which the share `presence` is there: 0 and 1 at the ends, so
+/// that whole rows are plain, and c y / (1 + c - y) between them, because a strip of stiffness s moves
+/// its surroundings of compliance 1/c by s / (s + c), which is to be linear in y.
+fn stiffness_share(presence: f64) -> f64 {
+    CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence)
+}
+
 /// A spring between block `a` and block `b` or, with `b` absent, the bulk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bond {
@@ -138,7 +151,7 @@ impl Lattice {
     }
 
     /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
-    /// Springs of a block that is there in part are scaled by that part.
+    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
     pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
         for i in 0..self.nx() {
             let (left, right) = (self.left_of(i), self.right_of(i));
@@ -152,7 +165,7 @@ impl Lattice {
                 let mut join = |column: usize, row: usize, rest: [f64; 2], stiffness: f64| {
                     let b = (row < self.rows).then_some((column, row));
                     let there = b.map_or(1.0, |(column, row)| self.presence(column, row));
-                    let share = here.min(there);
+                    let share = stiffness_share(here.min(there));
                     if share > 0.0 {
                         visit(Bond { a: (i, j), b, rest, stiffness: stiffness * share });
                     }
@@ -294,7 +307,8 @@ mod tests {
         assert!(!lattice.is_plain());
         lattice.for_each_bond(|bond| {
             if bond.a == (20, 1) && bond.b == Some((21, 1)) {
-                assert!((bond.stiffness - 0.6).abs() < 1e-9);
+                // 3 y / (4 - y) at y = 0.6
+                assert!((bond.stiffness - 1.8 / 3.4).abs() < 1e-9);
             }
         });
     }

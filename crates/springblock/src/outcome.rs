@@ -77,6 +77,9 @@ pub struct SurfaceOutcome {
     pub mu_dynamic: Option<f64>,
     /// Its standard error; absent for steady runs, which have none.
     pub mu_dynamic_stderr: Option<f64>,
+    /// Time since the drive started from which mu_dynamic was averaged, up to the end of the run, in
+    /// seconds; absent for steady runs and where there is no mean.
+    pub averaged_from_s: Option<f64>,
     /// Peak of mu(t) at the onset of sliding; dynamic runs only.
     pub mu_static: Option<f64>,
     /// Largest pressure on a contact block, in pascals. It grows as blocks shrink.

@@ -200,7 +200,7 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Vec<f64>
 /// layer: with an order of convergence of one or more, a bound on what vanishing blocks would add.
 fn discretization_errors(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Vec<Option<f64>> {
     let rows = scene.layer.rows();
-    let Some(factor) = [2, 3, 5].into_iter().find(|factor| rows % factor == 0 && rows > *factor) else {
+    let Some(factor) = [2, 3, 5].into_iter().find(|&factor| rows.is_multiple_of(factor) && rows > factor) else {
         return vec![None; scene.loads.len()];
     };
     let mut coarse_scene = scene.clone();

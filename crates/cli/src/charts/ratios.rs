@@ -50,7 +50,7 @@ pub fn ratios(chart: &RatiosChart<'_>) -> Result<String, ChartError> {
     let styled = || chart.series.iter().zip(PALETTE.into_iter().cycle().zip(Mark::ALL.into_iter().cycle()));
     let mut legend: Vec<(Swatch, &str)> =
         styled().map(|(series, (color, mark))| (Swatch::Mark(mark, color), series.label)).collect();
-    legend.push((Swatch::Dashed(GREY), "no effect"));
+    legend.push((Swatch::Dashed(GREY), "no effect (Amontons-Coulomb)"));
     let names = chart.pressure_mpa.iter().map(|pressure| format!("{pressure}")).collect();
     let x_axis = Axis::of_names("nominal pressure (MPa)", names);
     let y_axis = Axis::around("friction ratio, patterned / flat", bars.into_iter().chain([1.0]));

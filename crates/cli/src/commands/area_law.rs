@@ -135,7 +135,8 @@ fn report(point: &AreaPoint, factor: Option<f64>) -> AreaReport {
     }
 }
 
-fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
+/// The number of a flag in SI units.
+pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
     if quantity.accepts(value) {
         Ok(quantity.to_si(value))
     } else {

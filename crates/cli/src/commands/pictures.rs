@@ -51,7 +51,8 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
                 .zip(&traces)
                 .map(|(&(label, surface), points)| Trace {
                     series: Series { label, points },
-                    window_ms: None,
+                    // The mean reaches to the end of the trace.
+                    window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
                     mu_dynamic: surface.mu_dynamic,
                 })
                 .collect();
@@ -99,7 +100,7 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
         .collect();
     points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
     let mut predicted: Vec<[f64; 2]> =
-        report.predicted.iter().filter_map(|load| Some([load.pressure_mpa, report.value(load)?])).collect();
+        wanted.pressure_mpa.iter().zip(&report.predicted_value).map(|(&pressure, &value)| [pressure, value]).collect();
     predicted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut confirmed: Vec<(f64, Estimate)> = report
         .confirmed

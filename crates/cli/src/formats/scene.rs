@@ -12,7 +12,7 @@ use super::document::Document;
 use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, STEP_NS, TOLERANCE};
+use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -68,6 +68,9 @@ pub struct SampleFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block_um: Option<Number>,
 }
+
+/// The paper's specimen: 996 x 20 blocks of 10 um.
+pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
 
 /// The layer of a file that has no `[sample]`.
 #[must_use]
@@ -147,16 +150,15 @@ pub struct SceneInput {
     places: Places,
 }
 
-/// Where in the file a refused scene points to.
+/// Where in the file a refused scene points to; absent where the default holds.
 #[derive(Clone, Debug)]
 struct Places {
-    length: Range<usize>,
-    layer: Range<usize>,
-    block: Range<usize>,
-    load: Range<usize>,
-    depth: Range<usize>,
-    width: Range<usize>,
-    step: Range<usize>,
+    length: Option<Range<usize>>,
+    layer: Option<Range<usize>>,
+    block: Option<Range<usize>>,
+    depth: Option<Range<usize>>,
+    width: Option<Range<usize>>,
+    step: Option<Range<usize>>,
 }
 
 impl SceneInput {
@@ -185,8 +187,7 @@ impl SceneInput {
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
         let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
             .map_err(|error| document.refuse(asked, error.to_string()))?;
-        let load = file.load.get_ref().pressure_mpa.span();
-        let place = |number: Option<&Number>| number.map_or(load.clone(), Spanned::span);
+        let place = |number: Option<&Number>| number.map(Spanned::span);
         let sample = file.sample.get_ref();
         let texture = file.pattern.as_ref().map(Spanned::get_ref);
         let places = Places {
@@ -196,7 +197,6 @@ impl SceneInput {
             depth: place(texture.map(|pattern| &pattern.depth_um)),
             width: place(texture.map(|pattern| &pattern.width_um)),
             step: place(file.run.step_ns.as_ref()),
-            load: load.clone(),
         };
         let scene = Scene {
             elastic: material.elastic,
@@ -212,24 +212,74 @@ impl SceneInput {
         Ok(input)
     }
 
-    /// Points at the place in the file where the solver found the scene wanting.
+    /// Points at the place in the file where the solver found the scene wanting, in the file's units.
     #[must_use]
     pub fn refuse(&self, error: &SceneError) -> Diagnostic {
-        let place = match error {
-            SceneError::NotWholeBlocks { quantity, .. } if quantity.starts_with("length") => &self.places.length,
-            SceneError::NotWholeBlocks { .. } => &self.places.layer,
-            SceneError::TooManyBlocks { .. } => &self.places.block,
-            SceneError::CavityThroughLayer { .. } => &self.places.depth,
-            SceneError::UnstableStep { .. } => &self.places.step,
-            SceneError::OutOfRange { quantity, .. } if quantity.contains("pitch") => &self.places.width,
-            _ => &self.places.load,
-        };
-        let mut refused = self.document.refuse(place.clone(), error.to_string());
-        if matches!(error, SceneError::Unsupported { .. }) {
-            // No one key is to blame: the message names the combination.
-            (refused.line, refused.key, refused.value) = (None, None, None);
+        let (places, layer) = (&self.places, &self.scene.layer);
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        match error {
+            SceneError::NotWholeBlocks { quantity, length_m, block_m } => {
+                let (key, place) = match *quantity {
+                    "length_m" => ("sample.length_um", &places.length),
+                    _ => ("sample.layer_um", &places.layer),
+                };
+                let whole_um = um((length_m / block_m).round().max(1.0) * block_m);
+                self.at(place, key, um(*length_m), format!("is no whole number of blocks of {} um", um(*block_m)))
+                    .expected(format!("a multiple of block_um, for instance {whole_um}"))
+            }
+            SceneError::TooManyBlocks { blocks, most } => {
+                let reason = format!("divides the layer into {blocks:.1e} blocks");
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("a size that gives at most {most:.0e}"))
+            }
+            SceneError::CavityThroughLayer { depth_m, height_m } => self
+                .at(
+                    &places.depth,
+                    "pattern.depth_um",
+                    um(*depth_m),
+                    format!("leaves nothing of the layer of {} um", um(*height_m)),
+                )
+                .expected(format!("a depth below {}", um(*height_m))),
+            SceneError::UnstableStep { step_s, limit_s, scheme } => {
+                let limit_ns = rounded_down(limit_s * 1e9);
+                if places.step.is_some() {
+                    let reason = format!("is beyond the stability limit of the {scheme}, {limit_ns}");
+                    self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
+                        .expected(format!("at most {limit_ns}"))
+                } else {
+                    // The fidelity's own step: blocks are too small for it.
+                    let step_ns = STEP_NS.from_si(*step_s);
+                    let reason =
+                        format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
+                    self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                        .expected(format!("larger blocks, or run.step_ns of at most {limit_ns}"))
+                }
+            }
+            SceneError::OutOfRange { quantity: "pitch_m", value, expected } => self
+                .at(
+                    &places.width,
+                    "pattern.width_um",
+                    f64::NAN,
+                    format!("and the spacing make a pitch of {} um", um(*value)),
+                )
+                .expected(*expected),
+            // Numbers out of range and empty lists are refused where they are read.
+            SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Unsupported { .. } => {
+                Diagnostic::file(self.document.path(), error.to_string())
+            }
         }
-        refused
+    }
+
+    /// Refuses what stands at `place`, or `key` by name where the file leaves its value to the default.
+    fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
+        match place {
+            Some(span) => self.document.refuse(span.clone(), reason),
+            None => Diagnostic {
+                key: Some(key.into()),
+                value: Some(format!("{default} (the default)").into()),
+                ..Diagnostic::file(self.document.path(), reason)
+            },
+        }
     }
 
     /// The vertical plane models a section of this planform, not the planform itself.
@@ -237,6 +287,12 @@ impl SceneInput {
     pub fn is_section_model(&self) -> bool {
         self.scene.pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2)
     }
+}
+
+/// `value` to four digits, rounded down: what a message names as the most is accepted.
+fn rounded_down(value: f64) -> f64 {
+    let digit = 10_f64.powf(value.log10().floor() - 3.0);
+    tidy((value / digit).floor() * digit)
 }
 
 /// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken
@@ -292,13 +348,13 @@ pub fn read_planform(document: &Document, planform: Option<&Spanned<String>>) ->
 /// [`Diagnostic`] for numbers out of range.
 pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Layer, Diagnostic> {
     let sample = file.get_ref();
-    let or = |value: Option<&Number>, default_um: f64| {
-        document.optional(value, LENGTH_UM).map(|read| read.unwrap_or_else(|| LENGTH_UM.to_si(default_um)))
+    let or = |value: Option<&Number>, default_m: f64| {
+        document.optional(value, LENGTH_UM).map(|read| read.unwrap_or(default_m))
     };
     let layer = Layer {
-        length_m: or(sample.length_um.as_ref(), 9960.0)?,
-        height_m: or(sample.layer_um.as_ref(), 200.0)?,
-        block_m: or(sample.block_um.as_ref(), 10.0)?,
+        length_m: or(sample.length_um.as_ref(), DEFAULT_LAYER.length_m)?,
+        height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?,
+        block_m: or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?,
     };
     let block_um = LENGTH_UM.from_si(layer.block_m);
     for (name, value, length_m) in

@@ -145,6 +145,10 @@ pub struct LoadReport {
     pub residual: Option<f64>,
     /// Steady: iterations.
     pub iterations: usize,
+    /// Dynamic: time since the drive started from which `mu_dynamic` was averaged, to the end of the run.
+    pub averaged_from_s: Option<f64>,
+    /// The same of the flat surface.
+    pub averaged_from_s_flat: Option<f64>,
     /// Dynamic: time steps.
     pub steps: Option<u64>,
     /// Dynamic: time step.
@@ -184,6 +188,8 @@ impl LoadReport {
             friction_extrapolated,
             residual: surface.residual,
             iterations: surface.iterations,
+            averaged_from_s: surface.averaged_from_s.map(tidy),
+            averaged_from_s_flat: load.flat.as_ref().and_then(|flat| flat.averaged_from_s).map(tidy),
             steps: cost.map(|cost| cost.steps),
             dt_s: cost.map(|cost| cost.dt_s),
             site_updates: cost.map(|cost| cost.site_updates),
@@ -316,7 +322,8 @@ pub fn warnings(results: &[LoadReport]) -> Vec<String> {
             results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
         (!named.is_empty()).then(|| named.join(", "))
     };
-    let all: [(Test, &str); 4] = [
+    let all: [(Test, &str); 5] = [
+        (|load| load.status != "converged", "the run has no result that can be trusted: see its status"),
         (
             |load| load.cavity_closed,
             "cavities close: their ceiling reaches the counterface, which the model lets through",

@@ -39,15 +39,30 @@ impl fmt::Display for Table {
     }
 }
 
-/// A number with `digits` decimals, or a dash.
+/// A number with `digits` decimals, or a dash. What rounds to zero has no sign.
 #[must_use]
 pub fn fixed(value: Option<f64>, digits: usize) -> String {
-    value.filter(|value| value.is_finite()).map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+    let Some(value) = value.filter(|value| value.is_finite()) else { return "-".to_owned() };
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|digit| matches!(digit, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        for (value, text) in
+            [(-0.0, "0.0000"), (-4e-5, "0.0000"), (-6e-5, "-0.0001"), (4e-5, "0.0000"), (-10.0, "-10.0000")]
+        {
+            assert_eq!(fixed(Some(value), 4), text);
+        }
+        assert_eq!((fixed(Some(-0.4), 0), fixed(Some(f64::NAN), 2)), ("0".to_owned(), "-".to_owned()));
+    }
 
     #[test]
     fn columns_line_up() {

@@ -90,8 +90,8 @@ impl ContactBlock {
                 return Meeting::Held;
             }
             self.motion = Motion::Slip;
-            self.has_slipped = true;
         }
+        self.has_slipped = true;
         Meeting::Sliding { grip }
     }
 
@@ -266,6 +266,16 @@ mod tests {
         assert_eq!((v, sums.friction, sums.normal), (0.0, 0.29, 1.0));
         let (v, sums) = kick(&mut row, 0.0, [-0.31, -1.0]);
         assert!((v + 0.1 * 0.04).abs() < 1e-15 && (sums.friction + 0.27).abs() < 1e-15);
+        assert!(row.all_have_slipped());
+    }
+
+    #[test]
+    fn a_block_that_slides_when_the_drive_begins_counts_as_slipped() {
+        let mut row = row(0.3, 0.27);
+        row.all_slip();
+        row.begin_drive();
+        assert!(!row.all_have_slipped());
+        kick(&mut row, 1.0, [0.0, -1.0]);
         assert!(row.all_have_slipped());
     }
 

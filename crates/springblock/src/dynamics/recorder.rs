@@ -32,6 +32,8 @@ pub struct WindowMean {
     pub mu: f64,
     /// Its standard error.
     pub stderr: f64,
+    /// Time since the drive started at which the first batch begins, in units of sqrt(m/k).
+    pub from: f64,
 }
 
 /// Mean normal force and friction of one contact block.
@@ -90,10 +92,10 @@ impl Recorder {
                 self.onset_bin = Some(self.bins.len());
             }
         }
-        if self.steps % INTERFACE_EVERY == 0 {
+        if self.steps.is_multiple_of(INTERFACE_EVERY) {
             self.sample_interface(contact, window_bin);
         }
-        if self.steps % self.steps_per_bin == 0 {
+        if self.steps.is_multiple_of(self.steps_per_bin) {
             self.bins.push(std::mem::take(&mut self.open));
         }
     }
@@ -136,14 +138,13 @@ impl Recorder {
     /// means; `None` before the window holds two bins a batch.
     #[must_use]
     pub fn window_mean(&self, window_bin: usize) -> Option<WindowMean> {
-        let window = self.bins.get(self.window_start(window_bin)?..)?;
-        let per_batch = window.len() / BATCHES;
+        let per_batch = self.bins.get(self.window_start(window_bin)?..)?.len() / BATCHES;
         if per_batch < 2 {
             return None;
         }
         // What does not divide into batches is left out at the beginning.
-        let window = &window[window.len() - per_batch * BATCHES..];
-        let batch_mu: Vec<f64> = window
+        let first = self.bins.len() - per_batch * BATCHES;
+        let batch_mu: Vec<f64> = self.bins[first..]
             .chunks_exact(per_batch)
             .map(|batch| {
                 let (friction, normal) =
@@ -154,7 +155,8 @@ impl Recorder {
         let n = BATCHES as f64;
         let mu = batch_mu.iter().sum::<f64>() / n;
         let variance = batch_mu.iter().map(|b| (b - mu).powi(2)).sum::<f64>() / (n - 1.0);
-        mu.is_finite().then_some(WindowMean { mu, stderr: (variance / n).sqrt() })
+        let from = first as f64 * self.bin_time();
+        mu.is_finite().then_some(WindowMean { mu, stderr: (variance / n).sqrt(), from })
     }
 
     /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
@@ -171,10 +173,15 @@ impl Recorder {
             .collect()
     }
 
+    /// Length of an interval, in units of sqrt(m/k).
+    fn bin_time(&self) -> f64 {
+        self.steps_per_bin as f64 * self.time_step
+    }
+
     /// mu against time, one point an interval; `unit_time_s` converts from sqrt(m/k).
     #[must_use]
     pub fn trace(&self, unit_time_s: f64) -> Vec<TracePoint> {
-        let per_bin = self.steps_per_bin as f64 * self.time_step * unit_time_s;
+        let per_bin = self.bin_time() * unit_time_s;
         self.bins
             .iter()
             .enumerate()
@@ -206,6 +213,26 @@ mod tests {
         let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();
         assert!((mean.stderr / expected - 1.0).abs() < 0.4, "{} {expected}", mean.stderr);
         assert!((mean.mu - 0.3).abs() < 4.0 * expected);
+    }
+
+    #[test]
+    fn the_mean_of_a_straight_line_is_that_of_its_window() {
+        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
+        let mut contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
+        contact.all_slip();
+        let (steps_per_bin, time_step) = (3, 0.5);
+        let mut recorder = Recorder::new(1, steps_per_bin, time_step);
+        // mu = t, 107 intervals of 1.5: from interval 50 on, 57 make 20 batches of 2 and leave 17 out.
+        for step in 0..107 * steps_per_bin {
+            let mu = (step as f64 + 0.5) * time_step;
+            recorder.record(ContactSums { friction: mu, normal: 1.0 }, &contact, 50);
+        }
+        let mean = recorder.window_mean(50).unwrap();
+        let end = 107.0 * 1.5;
+        assert_eq!(mean.from, (107.0 - 40.0) * 1.5);
+        assert!((mean.mu - (mean.from + end) / 2.0).abs() < 1e-9, "{mean:?}");
+        let trace = recorder.trace(1.0);
+        assert!(trace.iter().any(|point| point.time_s == mean.from) && trace[trace.len() - 1].time_s == end);
     }
 
     #[test]

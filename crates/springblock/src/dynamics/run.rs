@@ -167,7 +167,7 @@ impl DynamicRun<'_> {
         let mut steps: u64 = 0;
         let share_per_step = self.share / (preparation + planned) as f64;
         loop {
-            if steps % STEPS_PER_LOOK == 0 {
+            if steps.is_multiple_of(STEPS_PER_LOOK) {
                 if steps > 0 && steps <= preparation + planned {
                     monitor.advance(share_per_step * STEPS_PER_LOOK as f64);
                 }
@@ -184,7 +184,7 @@ impl DynamicRun<'_> {
                     (None, _) => true,
                 };
                 // A longer run is judged anew after every tenth of the planned travel.
-                if (precise && driven % (planned / 10).max(1) == 0) || run.mu_stderr.is_none() {
+                if (precise && driven.is_multiple_of((planned / 10).max(1))) || run.mu_stderr.is_none() {
                     break;
                 }
                 if driven >= most {
@@ -245,6 +245,7 @@ impl DynamicRun<'_> {
             status,
             mu_dynamic: reached.map(|mean| mean.mu),
             mu_dynamic_stderr: reached.map(|mean| mean.stderr),
+            averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
             mu_static: if self.scene.run.warm_start { None } else { recorder.peak_mu() },
             peak_pressure_pa,
             tension_blocks: contact.blocks.iter().filter(|block| block.normal < 0.0).count(),

@@ -52,16 +52,11 @@ impl Anderson {
     /// Coefficients of the secants by the normal equations, with a ridge, by Cholesky elimination.
     fn least_squares(&self, residual: &[f64]) -> Vec<f64> {
         let m = self.residual_steps.len();
-        let mut matrix = vec![vec![0.0; m]; m];
-        let mut right = vec![0.0; m];
-        for a in 0..m {
-            for b in 0..m {
-                matrix[a][b] = dot(&self.residual_steps[a], &self.residual_steps[b]);
-            }
-            right[a] = dot(&self.residual_steps[a], residual);
-        }
-        for a in 0..m {
-            matrix[a][a] *= 1.0 + RIDGE;
+        let products = |a| self.residual_steps.iter().map(|b| dot(a, b)).collect();
+        let mut matrix: Vec<Vec<f64>> = self.residual_steps.iter().map(|a| products(a)).collect();
+        let mut right: Vec<f64> = self.residual_steps.iter().map(|a| dot(a, residual)).collect();
+        for (a, row) in matrix.iter_mut().enumerate() {
+            row[a] *= 1.0 + RIDGE;
         }
         for k in 0..m {
             if matrix[k][k].is_nan() || matrix[k][k] <= 0.0 {
@@ -76,8 +71,9 @@ impl Anderson {
             }
             for r in k + 1..m {
                 let factor = matrix[r][k] / matrix[k][k];
-                for c in k..m {
-                    matrix[r][c] -= factor * matrix[k][c];
+                let (above, below) = matrix.split_at_mut(r);
+                for (entry, pivot) in below[0][k..].iter_mut().zip(&above[k][k..]) {
+                    *entry -= factor * pivot;
                 }
                 right[r] -= factor * right[k];
             }

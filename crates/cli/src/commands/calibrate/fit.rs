@@ -1,18 +1,12 @@
 //! The call into the fit.
 
 use slipgrid_calibrate::{CalibrationError, Measurement, Problem, StaticPeak, calibrate};
-use slipgrid_springblock::Layer;
 
 use super::{CalibrationInput, Fit, FittedPair};
 use crate::CliError;
 use crate::formats::calibration::Coefficients;
 use crate::formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 use crate::progress::Progress;
-
-/// The flat sample as modelled: the paper's 996 x 20 blocks of 10 um.
-const LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
-/// Seed of the local coefficients of the flat sample.
-const SEED: u64 = 1;
 
 /// Fits local coefficients to the measurements of `input`.
 ///
@@ -35,7 +29,7 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
     let problem = Problem {
         elastic: input.elastic,
         area_law: input.area_law.clone(),
-        layer: LAYER,
+        layer: input.layer,
         measurements,
         coefficients: match input.coefficients {
             Coefficients::Single => slipgrid_calibrate::Coefficients::Single,
@@ -43,7 +37,7 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
         },
         relative_std: input.relative_std,
         static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
-        seed: SEED,
+        seed: input.seed,
     };
     let fitted = calibrate(&problem, progress).map_err(|error| match error {
         CalibrationError::Cancelled => CliError::Other("stopped".to_owned()),

@@ -6,7 +6,10 @@ mod write;
 use std::path::Path;
 
 use slipgrid_contact::Status;
-use slipgrid_material::{AreaLaw, Elastic, Material};
+use slipgrid_material::{
+    AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
+};
+use slipgrid_springblock::Layer;
 
 use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
 use crate::args::CalibrateArgs;
@@ -14,6 +17,7 @@ use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients, Surface};
 use crate::formats::material::read_material;
 use crate::formats::measurements::Measurement;
+use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::{Document, material::MaterialFile};
 use crate::output::{check_file, write_file};
 use crate::progress::Progress;
@@ -24,6 +28,9 @@ use crate::{CliError, Console, exit_code};
 
 /// Error at which the contact computation of a calibration ends: far below what f needs.
 const CONTACT_TOLERANCE: f64 = 1e-8;
+
+/// Seed of the flat sample's local coefficients where nothing else names one.
+const DEFAULT_SEED: u64 = 1;
 
 /// What a fit takes: everything that was read or computed before it.
 #[derive(Clone, Debug)]
@@ -40,6 +47,21 @@ pub struct CalibrationInput {
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients relative to their means: no mean identifies it.
     pub relative_std: f64,
+    /// The flat sample as modelled.
+    pub layer: Layer,
+    /// Seed of its local coefficients.
+    pub seed: u64,
+}
+
+/// The part of a calibration that a design needs, and how its sample is modelled.
+#[derive(Clone, Copy, Debug)]
+pub struct Purpose {
+    /// Only measurements at this speed and humidity are fitted where coefficients depend on them.
+    pub condition: Option<Condition>,
+    /// The flat sample as modelled.
+    pub layer: Layer,
+    /// Seed of its local coefficients.
+    pub seed: u64,
 }
 
 /// Coefficients fitted at one measurement, or for all of them.
@@ -91,7 +113,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         check_file(path)?;
     }
     let calibration = Calibration::read(&args.calibration)?;
-    let calibrated = calibrate(&args.calibration, &calibration, console)?;
+    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
     }
@@ -103,13 +125,48 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     Ok(exit_code::DONE)
 }
 
-/// The material of a calibration file.
-pub fn material(path: &Path, console: &mut Console<'_>) -> Result<Material, CliError> {
-    let calibration = Calibration::read(path)?;
-    Ok(calibrate(path, &calibration, console)?.material)
+/// Coefficients per condition before anything is fitted: the measured ones, enough to find out
+/// whether the pressures and the condition of a design are among them.
+pub fn provisional(calibration: &Calibration) -> Result<Material, CliError> {
+    let rows = calibration.flat.iter().map(|measured| {
+        Ok(ConditionFriction {
+            pressure_pa: calibration.pressure_pa(measured.force_n),
+            condition: (calibration.coefficients == Coefficients::PerCondition)
+                .then_some(Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity }),
+            friction: LocalFriction::new(measured.mu_dynamic, measured.mu_dynamic, calibration.relative_std)?,
+        })
+    });
+    let rows: Result<Vec<ConditionFriction>, MaterialError> = rows.collect();
+    Ok(Material {
+        elastic: calibration.elastic,
+        friction: Friction::PerCondition(rows.map_err(|error| CliError::Other(error.to_string()))?),
+        area_law: None,
+        provenance: Provenance::default(),
+    })
 }
 
-fn calibrate(path: &Path, calibration: &Calibration, console: &mut Console<'_>) -> Result<Calibrated, CliError> {
+/// The material of a calibration, fitted as far as `purpose` needs it.
+pub fn material(
+    path: &Path,
+    calibration: &Calibration,
+    purpose: &Purpose,
+    console: &mut Console<'_>,
+) -> Result<Material, CliError> {
+    let mut needed = calibration.clone();
+    if let (Coefficients::PerCondition, Some(condition)) = (calibration.coefficients, &purpose.condition) {
+        needed.flat.retain(|measured| {
+            condition.matches(&Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity })
+        });
+    }
+    Ok(calibrate(path, &needed, (purpose.layer, purpose.seed), console)?.material)
+}
+
+fn calibrate(
+    path: &Path,
+    calibration: &Calibration,
+    (layer, seed): (Layer, u64),
+    console: &mut Console<'_>,
+) -> Result<Calibrated, CliError> {
     let facts = surface_facts(calibration, console)?;
     let law = if facts.curve.is_empty() {
         None
@@ -124,6 +181,8 @@ fn calibrate(path: &Path, calibration: &Calibration, console: &mut Console<'_>) 
         measurements: calibration.flat.clone(),
         coefficients: calibration.coefficients,
         relative_std: calibration.relative_std,
+        layer,
+        seed,
     };
     let progress = Progress::start("calibration", console.quiet);
     let fit = fit::fit(&input, &progress);

@@ -62,6 +62,11 @@ pub fn material_toml(
     ))
 }
 
+/// A residual without what is rounding of the fit.
+fn rounded(residual: f64) -> f64 {
+    (residual * 1e9).round() / 1e9 + 0.0
+}
+
 fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliError> {
     let relative_std = Some(number(calibration.relative_std));
     match (calibration.coefficients, &fit.pairs[..]) {
@@ -71,7 +76,7 @@ fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliErr
             static_std_error: pair.static_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
             dynamic_std_error: pair.dynamic_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
             relative_std,
-            residual: Some(fit.residuals.iter().copied().map(tidy).collect()),
+            residual: Some(fit.residuals.iter().copied().map(rounded).collect()),
             ..FrictionFile::default()
         }),
         (Coefficients::PerCondition, pairs)
@@ -127,7 +132,7 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
         dynamic_mean: column(|row| row.pair.dynamic_mean),
         static_std_error: errors(|pair| pair.static_std_error),
         dynamic_std_error: errors(|pair| pair.dynamic_std_error),
-        residual: Some(rows.iter().map(|row| tidy(row.residual)).collect()),
+        residual: Some(rows.iter().map(|row| rounded(row.residual)).collect()),
     }
 }
 
@@ -185,6 +190,8 @@ mod tests {
             measurements: calibration.flat.clone(),
             coefficients,
             relative_std: calibration.relative_std,
+            layer: crate::formats::scene::DEFAULT_LAYER,
+            seed: 1,
         };
         let facts = SurfaceFacts { origin: Some("map"), synthetic: true, ..SurfaceFacts::default() };
         let fit = Fit { pairs, residuals: vec![0.001, -0.002, 0.0], notes: vec!["a \"note\"".into()] };

@@ -5,19 +5,23 @@ mod model;
 mod report;
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use slipgrid_material::Material;
-use slipgrid_optimize::{Candidate, SearchError, SearchOptions, SearchOutcome, Status, search};
+use slipgrid_optimize::{Candidate, Quantity, SearchError, SearchOptions, SearchOutcome, Status, search};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, Simulation, simulate};
+use slipgrid_springblock::{
+    self as springblock, Extent, Fidelity, Load, LoadOutcome, RunOptions, Scene, SceneError, Simulation, simulate,
+};
 
 pub use report::{DesignReport, StoredDesign};
 
+use super::calibrate::Purpose;
 use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
+use crate::formats::calibration::Calibration;
 use crate::formats::design::{Design, MaterialInput};
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
@@ -43,12 +47,12 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
     let material = match &design.material {
         MaterialInput::Given(material) => material.as_ref().clone(),
-        MaterialInput::Calibration(path) => super::calibrate::material(path, console)?,
+        MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
     };
     let (loads, outside) = design.loads(&material)?;
     timings.material = started.elapsed().as_secs_f64();
 
-    let mut found = Rounds::new(&design, &material, loads.clone());
+    let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
     found.run(&design, console, &mut timings)?;
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
@@ -83,7 +87,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(trace) = csv::friction_trace(confirmed) {
         outputs.add("friction.csv", trace);
     }
-    let confirming = Scene { pattern: Some(pattern), ..found.scene.clone() };
+    let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     pictures::simulation(&confirming, confirmed, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
@@ -97,6 +101,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         section_model: pattern.planform().dimensions() > 2,
         target: (&design.target).into(),
         predicted: load_reports(predicted, Some(&pattern), &outside),
+        predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, Some(&pattern), &outside),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
@@ -128,8 +133,17 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     })
 }
 
+/// The material of the calibration file at `path`, as far as `design` needs it.
+fn calibrated(path: &Path, design: &Design, console: &mut Console<'_>) -> Result<Material, CliError> {
+    let calibration = Calibration::read(path)?;
+    // A pressure or condition that was not measured is refused before anything is computed.
+    design.loads(&super::calibrate::provisional(&calibration)?)?;
+    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed };
+    super::calibrate::material(path, &calibration, &purpose, console)
+}
+
 /// out/NAME for designs/NAME.toml.
-fn default_folder(design: &std::path::Path) -> PathBuf {
+fn default_folder(design: &Path) -> PathBuf {
     PathBuf::from("out").join(design.file_stem().unwrap_or_else(|| "design".as_ref()))
 }
 
@@ -149,26 +163,58 @@ struct Rounds {
     reachable: Vec<ReachableReport>,
 }
 
+/// Travel of the flat sample's runs from steady sliding, in metres: a hundred stick-slip cycles of a block.
+const FLAT_TRAVEL_M: f64 = 0.4e-6;
+
+/// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
+const MOST_TRAVEL_M: f64 = 8e-6;
+
+/// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
+fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
+    let bar = Progress::start("flat sample", console.quiet);
+    let run = RunOptions { warm_start: true, sliding_m: FLAT_TRAVEL_M, ..scene.run };
+    let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
+    bar.finish();
+    Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
+}
+
 impl Rounds {
-    fn new(design: &Design, material: &Material, loads: Vec<slipgrid_springblock::Load>) -> Self {
+    /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
+    fn new(
+        design: &Design,
+        material: &Material,
+        loads: Vec<Load>,
+        console: &Console<'_>,
+        timings: &mut Timings,
+    ) -> Result<Self, CliError> {
         let confirming = RunOptions {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
             seed: design.seed,
             ..RunOptions::default()
         };
-        Self {
-            model: SteadyCell::new(material, design.layer, loads.clone(), design.speed_m_s, design.target.quantity()),
+        let scene = Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern: None,
+            layer: design.layer,
+            loads,
+            speed_m_s: design.speed_m_s,
+            run: confirming,
+        };
+        let started = Instant::now();
+        let flat_mu = match design.target.quantity() {
+            Quantity::Ratio => None,
+            Quantity::DynamicFriction => {
+                let flat = flat_friction(&scene, console).map_err(|error| design.refuse(error.to_string()))?;
+                Some(flat.ok_or_else(|| CliError::Other("the flat sample does not slide in the model".to_owned()))?)
+            }
+        };
+        timings.flat = started.elapsed().as_secs_f64();
+        Ok(Self {
+            model: SteadyCell::new(&scene, flat_mu),
             confirming,
-            scene: Scene {
-                elastic: material.elastic,
-                area_law: material.area_law.clone(),
-                pattern: None,
-                layer: design.layer,
-                loads,
-                speed_m_s: design.speed_m_s,
-                run: confirming,
-            },
+            scene,
             status: Status::Budget,
             rounds: 0,
             evaluations: 0,
@@ -178,7 +224,7 @@ impl Rounds {
             confirmed: None,
             alternatives: Vec::new(),
             reachable: Vec::new(),
-        }
+        })
     }
 
     fn run(&mut self, design: &Design, console: &Console<'_>, timings: &mut Timings) -> Result<(), CliError> {
@@ -215,8 +261,8 @@ impl Rounds {
 
     /// Corrects the model at the confirmed design; returns the largest change.
     fn correct(&mut self) -> f64 {
-        match (&self.predicted, &self.confirmed) {
-            (Some(predicted), Some(confirmed)) => self.model.correct(predicted, confirmed),
+        match (&self.best, &self.confirmed) {
+            (Some(best), Some(confirmed)) => self.model.correct(&best.response.value, confirmed),
             _ => 0.0,
         }
     }
@@ -263,20 +309,30 @@ impl Rounds {
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<(), CliError> {
+        let refuse = |error: SceneError| design.refuse(error.to_string());
+        let predicted = self.model.simulate(pattern).map_err(refuse)?;
+        self.confirming.sliding_m = RunOptions::default().sliding_m;
         let bar = Progress::start("confirmation", console.quiet);
-        let predicted = self.model.simulate(pattern);
-        let confirmed = simulate(&Scene { pattern: Some(*pattern), ..self.scene.clone() }, &bar);
+        let confirmed = loop {
+            let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
+            let confirmed = simulate(&scene, &bar).map_err(refuse)?;
+            let sliding = |load: &LoadOutcome| load.surface.status != springblock::Status::NoOnset;
+            if confirmed.loads.iter().all(sliding) || self.confirming.sliding_m >= MOST_TRAVEL_M {
+                break confirmed;
+            }
+            // Slender lands shear further before the last block slips.
+            self.confirming.sliding_m *= 2.0;
+        };
         timings.confirm += bar.finish();
-        let refuse = |error: slipgrid_springblock::SceneError| design.refuse(error.to_string());
-        self.predicted = Some(predicted.map_err(refuse)?);
-        self.confirmed = Some(confirmed.map_err(refuse)?);
+        self.predicted = Some(predicted);
+        self.confirmed = Some(confirmed);
         Ok(())
     }
 
     /// Largest distance of the confirming run from the target, in tolerances; `None` where it has
     /// no value at some pressure.
     fn confirmed_misfit(&self, design: &Design) -> Option<f64> {
-        let values = self.model.values(self.confirmed.as_ref()?);
+        let values = self.model.confirmed(self.confirmed.as_ref()?);
         let values: Option<Vec<f64>> = values.into_iter().collect();
         Some(design.target.misfit(&values?).max)
     }

@@ -30,8 +30,11 @@ pub struct DesignReport {
     pub section_model: bool,
     /// What was asked for.
     pub target: TargetReport,
-    /// The search's model at the target's pressures.
+    /// The steady cell at the target's pressures.
     pub predicted: Vec<LoadReport>,
+    /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
+    /// sample's dynamic friction where that is wanted, with what an earlier confirming run corrected.
+    pub predicted_value: Vec<f64>,
     /// The whole sample in time at the target's pressures.
     pub confirmed: Vec<LoadReport>,
     /// Largest distance from the target in tolerances.
@@ -176,6 +179,8 @@ impl SpecimenReport {
 pub struct Timings {
     /// Reading or calibrating the material.
     pub material: f64,
+    /// The flat sample in time, where the target is dynamic friction itself.
+    pub flat: f64,
     /// Searching.
     pub search: f64,
     /// Confirming.
@@ -224,7 +229,7 @@ impl DesignReport {
             table.row([
                 pressure_mpa.to_string(),
                 fixed(Some(*wanted), 4),
-                fixed(predicted.and_then(|load| self.value(load)), 4),
+                fixed(self.predicted_value.get(row).copied(), 4),
                 fixed(confirmed.and_then(|load| self.value(load)), 4),
                 fixed(error, 4),
                 fixed(confirmed.and_then(|load| load.mu_dynamic), 4),
@@ -260,8 +265,14 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}, searches: {}; material {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
-            self.evaluations, self.rounds, timings.material, timings.search, timings.confirm, timings.export
+            "\ndesigns tried: {}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            self.evaluations,
+            self.rounds,
+            timings.material,
+            timings.flat,
+            timings.search,
+            timings.confirm,
+            timings.export
         );
         text
     }

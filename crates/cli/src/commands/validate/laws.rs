@@ -1,0 +1,168 @@
+//! Area laws of a calibration's surface with its heights scaled.
+
+use std::path::Path;
+
+use slipgrid_contact::Status;
+use slipgrid_material::AreaLaw;
+
+use crate::commands::area_law::height_unit;
+use crate::commands::surface::{
+    AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve,
+};
+use crate::diagnostic::Diagnostic;
+use crate::formats::calibration::{Calibration, Surface};
+use crate::progress::Progress;
+use crate::report::table::fixed;
+use crate::units::{PRESSURE_MPA, tidy};
+use crate::{CliError, Console};
+
+/// Error at which the contact computation ends, the same as for a material file.
+const CONTACT_TOLERANCE: f64 = 1e-8;
+
+/// The area law of the surface with every height multiplied by one factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaledLaw {
+    /// What heights, and so slopes, are multiplied by.
+    pub slope_factor: f64,
+    /// Rms slope of the scaled surface; `None` without a surface.
+    pub rms_slope: Option<f64>,
+    /// The law; `None` without a surface.
+    pub law: Option<AreaLaw>,
+}
+
+/// The laws of one surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaledLaws {
+    /// One per factor, in their order.
+    pub laws: Vec<ScaledLaw>,
+    /// The surface is synthetic.
+    pub synthetic: bool,
+    /// What was done to the surface.
+    pub notes: Vec<String>,
+}
+
+/// The area law of `calibration`'s surface for each of `factors`.
+///
+/// # Errors
+/// [`CliError`] if the map cannot be read or its contact area gives no law.
+pub fn scaled_laws(
+    path: &Path,
+    calibration: &Calibration,
+    factors: &[f64],
+    console: &Console<'_>,
+) -> Result<ScaledLaws, CliError> {
+    let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
+    let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
+    let law = |points: &[AreaPoint]| {
+        area_law(points).map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
+    };
+    match &calibration.surface {
+        Surface::None => Ok(ScaledLaws {
+            laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None }],
+            synthetic: false,
+            notes: vec![
+                "the calibration has no surface: friction is proportional to load, whatever the slope".to_owned(),
+            ],
+        }),
+        Surface::Persson { rms_slope } => {
+            let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+            let laws = factors
+                .iter()
+                .map(|&slope_factor| {
+                    let scaled = rms_slope * slope_factor;
+                    let curve = persson_curve(scaled, contact_modulus_pa, &pressures_pa).map_err(|e| refuse(&e))?;
+                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law(&curve)?) })
+                })
+                .collect::<Result<_, Diagnostic>>()?;
+            let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
+            Ok(ScaledLaws { laws, synthetic: false, notes })
+        }
+        Surface::Map { path: map_path, synthetic, pixel_m, height_unit: unit, level } => {
+            let unit = unit.as_deref().map(height_unit).transpose()?;
+            let surface =
+                SurfaceMap::read(map_path, &MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level })?;
+            // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
+            let solved_pa = unscaled_pressures_pa(factors);
+            let progress = Progress::start("area law", console.quiet);
+            let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
+            progress.finish();
+            let curve = curve.map_err(|error| Diagnostic::file(map_path, error.to_string()))?;
+            let mut notes = vec![format!(
+                "area law of {}: rms slope {}{}",
+                map_path.display(),
+                fixed(Some(surface.rms_slope), 4),
+                if *synthetic || surface.synthetic { ", synthetic" } else { "" },
+            )];
+            notes.extend(surface.notes.iter().cloned());
+            let unfinished = curve.points.iter().filter(|point| point.status != Status::Converged).count();
+            if unfinished > 0 {
+                notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
+            }
+            let laws = factors
+                .iter()
+                .map(|&slope_factor| {
+                    let points = scaled(&curve.points, slope_factor);
+                    Ok(ScaledLaw {
+                        slope_factor,
+                        rms_slope: Some(tidy(surface.rms_slope * slope_factor)),
+                        law: Some(law(&points)?),
+                    })
+                })
+                .collect::<Result<_, Diagnostic>>()?;
+            Ok(ScaledLaws { laws, synthetic: *synthetic || surface.synthetic, notes })
+        }
+    }
+}
+
+/// Pressures P/s of the surface itself behind every tabulated pressure of the scaled ones, increasing.
+fn unscaled_pressures_pa(factors: &[f64]) -> Vec<f64> {
+    let mut pressures_pa: Vec<f64> =
+        factors.iter().flat_map(|&factor| tabulated_pa(factor).map(|pair| pair[1])).collect();
+    pressures_pa.sort_by(f64::total_cmp);
+    pressures_pa.dedup();
+    pressures_pa
+}
+
+/// Tabulated pressures P of a surface scaled by s, each with P/s.
+fn tabulated_pa(factor: f64) -> impl Iterator<Item = [f64; 2]> {
+    DEFAULT_PRESSURES_MPA.into_iter().map(move |pressure_mpa| {
+        let pressure_pa = PRESSURE_MPA.to_si(pressure_mpa);
+        // Rounded, so that the same pressure from two factors is solved once.
+        [pressure_pa, tidy(pressure_pa / factor)]
+    })
+}
+
+/// The curve of the surface scaled by `factor`, from that of the surface itself.
+fn scaled(curve: &[AreaPoint], factor: f64) -> Vec<AreaPoint> {
+    tabulated_pa(factor)
+        .filter_map(|[pressure_pa, unscaled_pa]| {
+            let point = curve.iter().find(|point| point.pressure_pa == unscaled_pa)?;
+            Some(AreaPoint { pressure_pa, ..*point })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_topography::{HeightMap, SelfAffine};
+
+    #[test]
+    fn a_scaled_surface_has_the_curve_of_its_own_map() {
+        let map = SelfAffine { pixels: 32, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
+        let progress = Progress::start("test", true);
+        let solve = |map: &HeightMap, pressures_pa: &[f64]| {
+            area_curve(map, 427.5e6, pressures_pa, 1e-10, &progress).unwrap().points
+        };
+        let own = solve(&map, &unscaled_pressures_pa(&[0.5, 1.0, 2.0]));
+        for factor in [0.5, 1.0, 2.0] {
+            let by_identity = scaled(&own, factor);
+            assert_eq!(by_identity.len(), DEFAULT_PRESSURES_MPA.len());
+            let listed: Vec<f64> = by_identity.iter().map(|point| point.pressure_pa).collect();
+            let solved = solve(&map.scaled(factor).unwrap(), &listed);
+            for (a, b) in by_identity.iter().zip(&solved) {
+                assert!((a.area_fraction - b.area_fraction).abs() < 1e-9, "{factor} {a:?} {b:?}");
+            }
+        }
+    }
+}

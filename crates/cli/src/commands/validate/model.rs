@@ -1,0 +1,142 @@
+//! What the model says about patterned samples, from the flat measurements and the surface alone.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome};
+
+use crate::CliError;
+use crate::diagnostic::Diagnostic;
+use crate::progress::Progress;
+
+/// A flat measurement, as the model needs it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatPoint {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Dynamic friction coefficient of the flat sample.
+    pub mu_flat: f64,
+}
+
+/// Steady sliding of one pattern under one area law at every measurement.
+#[derive(Clone, Copy, Debug)]
+pub struct Case<'a> {
+    /// The pattern, as grooves.
+    pub pattern: Pattern,
+    /// The area law; `None` is Amontons-Coulomb.
+    pub law: Option<&'a AreaLaw>,
+}
+
+/// The model at one measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// f at the nominal pressure.
+    pub area_law_factor: f64,
+    /// Local dynamic coefficient, mu_flat / f.
+    pub dynamic_mean: f64,
+    /// What the solver found.
+    pub outcome: SectionOutcome,
+}
+
+/// Solves every case at every point, in parallel: one list a case.
+///
+/// # Errors
+/// [`CliError`] if the numbers make no scene; `path` is the calibration that they came from.
+pub fn predict(
+    path: &Path,
+    elastic: Elastic,
+    layer: Layer,
+    cases: &[Case<'_>],
+    points: &[FlatPoint],
+    progress: &Progress,
+) -> Result<Vec<Vec<Prediction>>, CliError> {
+    let share = 1.0 / cases.len() as f64;
+    cases
+        .par_iter()
+        .map(|case| {
+            let predicted =
+                solve(elastic, layer, case, points).map_err(|reason| CliError::from(Diagnostic::file(path, reason)));
+            progress.advance(share);
+            predicted
+        })
+        .collect()
+}
+
+fn solve(elastic: Elastic, layer: Layer, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
+    let coefficients: Vec<[f64; 2]> = points
+        .iter()
+        .map(|point| {
+            // A flat cell slides at mu_flat = mu_d f(P).
+            let area_law_factor = case.law.map_or(1.0, |law| law.factor(point.pressure_pa));
+            [area_law_factor, point.mu_flat / area_law_factor]
+        })
+        .collect();
+    let loads = points
+        .iter()
+        .zip(&coefficients)
+        .map(|(point, &[_, dynamic_mean])| {
+            // Steady sliding knows no static coefficient, and a cell takes the mean.
+            let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| error.to_string())?;
+            Ok(Load { pressure_pa: point.pressure_pa, friction })
+        })
+        .collect::<Result<Vec<_>, String>>()?;
+    let scene = Scene {
+        elastic,
+        area_law: case.law.cloned(),
+        pattern: Some(case.pattern),
+        layer,
+        loads,
+        // Steady sliding does not depend on it.
+        speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
+        run: RunOptions::default(),
+    };
+    scene.validate().map_err(|error| error.to_string())?;
+    let outcomes = SectionModel::new(&scene).solve(&case.pattern);
+    let predictions = outcomes.into_iter().zip(coefficients);
+    Ok(predictions
+        .map(|(outcome, [area_law_factor, dynamic_mean])| Prediction { area_law_factor, dynamic_mean, outcome })
+        .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    /// A short layer, so that the test takes milliseconds.
+    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6 };
+
+    fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
+        let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();
+        let points = [(0.3e6, 0.25), (2.6e6, 0.278)].map(|(pressure_pa, mu_flat)| FlatPoint {
+            pressure_pa,
+            speed_m_s: 2e-3,
+            mu_flat,
+        });
+        let elastic = Elastic::new(0.38e9, 900.0).unwrap();
+        let progress = Progress::start("test", true);
+        predict(Path::new("c.toml"), elastic, LAYER, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
+    }
+
+    #[test]
+    fn the_flat_surface_has_its_measured_friction() {
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.2]).unwrap();
+        let [light, heavy] = &predicted(Some(&law), 20e-6)[..] else { panic!() };
+        assert_eq!((light.area_law_factor, light.dynamic_mean), (1.0, 0.25));
+        assert!((heavy.area_law_factor - 0.8).abs() < 1e-12 && (heavy.dynamic_mean - 0.3475).abs() < 1e-12);
+        assert!((heavy.outcome.mu_flat.unwrap() - 0.278).abs() < 1e-12);
+        let ratio = |prediction: &Prediction| prediction.outcome.ratio.unwrap();
+        assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
+    }
+
+    #[test]
+    fn no_pattern_changes_friction_without_an_area_law() {
+        for prediction in predicted(None, 20e-6) {
+            assert!((prediction.outcome.ratio.unwrap() - 1.0).abs() < 1e-9);
+        }
+    }
+}

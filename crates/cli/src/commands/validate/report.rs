@@ -1,0 +1,337 @@
+//! Measured ratios beside modelled ones: JSON and numbers in summary.
+
+use serde::Serialize;
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_springblock::Status;
+
+use super::laws::ScaledLaw;
+use super::model::Prediction;
+use crate::formats::calibration::Calibration;
+use crate::formats::measurements::Measurement;
+use crate::report::simulation::PatternReport;
+use crate::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+/// What `validate --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValidationReport {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Name of the calibration.
+    pub name: String,
+    /// Where the measurements come from.
+    pub source: String,
+    /// The area law rests on a synthetic surface.
+    pub synthetic_surface: bool,
+    /// What was modelled and how.
+    pub model: Vec<String>,
+    /// The pattern that is modelled, as grooves.
+    pub pattern: PatternReport,
+    /// The same as square cavities, for the strip estimate.
+    pub areal_density_square: f64,
+    /// Depth of the measured cavities.
+    pub measured_depth_um: f64,
+    /// What the slopes of the surface were multiplied by.
+    pub slope_factors: Vec<f64>,
+    /// Averages over `results`.
+    pub summary: Summary,
+    /// Seconds.
+    pub wall_s: f64,
+    /// Threads that computed.
+    pub threads: usize,
+    /// One per measured condition.
+    pub results: Vec<RatioReport>,
+}
+
+/// A measured ratio and the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RatioReport {
+    /// Normal force on one specimen.
+    pub force_n: f64,
+    /// The same over its area.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Measured on the flat sample.
+    pub mu_flat: f64,
+    /// Measured on the patterned sample.
+    pub mu_patterned: f64,
+    /// Measured ratio, patterned over flat.
+    pub ratio: f64,
+    /// Its standard deviation.
+    pub ratio_std: f64,
+    /// The model's ratio without an area law.
+    pub ratio_amontons_coulomb: Option<f64>,
+    /// The model's ratios, one per slope factor.
+    pub modelled: Vec<ModelledRatio>,
+    /// The model at the measured depth and the surface as given; null where both depths are one.
+    pub modelled_at_measured_depth: Option<ModelledRatio>,
+}
+
+/// The model at one condition.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelledRatio {
+    /// What the slopes of the surface are multiplied by.
+    pub slope_factor: f64,
+    /// Rms slope; null without a surface.
+    pub rms_slope: Option<f64>,
+    /// f at the nominal pressure.
+    pub area_law_factor: f64,
+    /// Local dynamic coefficient, mu_flat / f.
+    pub dynamic_mean: f64,
+    /// Ratio of the pattern as grooves.
+    pub ratio_groove: Option<f64>,
+    /// Strip estimate of the ratio of square cavities.
+    pub ratio_square_estimate: Option<f64>,
+    /// Largest local pressure; it grows as blocks shrink.
+    pub peak_pressure_mpa: f64,
+    /// Contact blocks under tension.
+    pub tension_blocks: usize,
+    /// A cavity's ceiling reaches the counterface.
+    pub cavity_closed: bool,
+    /// A pressure lies past the last of the area law.
+    pub area_law_extrapolated: bool,
+    /// How the solve ended.
+    pub status: &'static str,
+}
+
+/// Averages over the conditions that are reported.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Conditions.
+    pub conditions: usize,
+    /// Mean of 1 - ratio, measured.
+    pub reduction_measured: f64,
+    /// Its standard deviation between conditions; null for a single one.
+    pub reduction_measured_std: Option<f64>,
+    /// Mean of 1 - ratio for each slope factor.
+    pub modelled: Vec<ModelledReduction>,
+    /// Modelled over measured mean reduction as grooves, surface as given; null where nothing was reduced.
+    pub explained_by_grooves: Option<f64>,
+    /// The same as square cavities, by the strip estimate.
+    pub explained_by_squares: Option<f64>,
+    /// Mean change of the groove's ratio from the modelled to the measured depth.
+    pub ratio_change_at_measured_depth: Option<f64>,
+    /// The change that is largest in size.
+    pub largest_ratio_change_at_measured_depth: Option<f64>,
+}
+
+/// Mean reductions of the model; null where a solve did not converge.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelledReduction {
+    /// What the slopes of the surface are multiplied by.
+    pub slope_factor: f64,
+    /// Mean of 1 - ratio as grooves.
+    pub groove: Option<f64>,
+    /// Mean of 1 - ratio as square cavities, by the strip estimate.
+    pub square: Option<f64>,
+}
+
+/// A flat measurement and the patterned one at the same condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// On the flat sample.
+    pub flat: Measurement,
+    /// On the patterned sample.
+    pub patterned: Measurement,
+}
+
+/// The conditions that both tables have, in the order of the flat one.
+pub fn pairs(calibration: &Calibration) -> Vec<Pair> {
+    let pair = |flat: &Measurement| {
+        let patterned = calibration
+            .patterned
+            .iter()
+            .find(|patterned| same(flat.force_n, patterned.force_n) && same_condition(flat, patterned))?;
+        Some(Pair { flat: *flat, patterned: *patterned })
+    };
+    calibration.flat.iter().filter_map(pair).collect()
+}
+
+/// Whether two measurements were made at the same speed and humidity.
+pub fn same_condition(a: &Measurement, b: &Measurement) -> bool {
+    same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity)
+}
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+impl RatioReport {
+    /// The measured part, without a model.
+    pub fn measured(pair: &Pair, calibration: &Calibration) -> Self {
+        let Pair { flat, patterned } = pair;
+        let ratio = patterned.mu_dynamic / flat.mu_dynamic;
+        // (s_r / r)^2 = (s_p / mu_p)^2 + (s_f / mu_f)^2
+        let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
+        Self {
+            force_n: flat.force_n,
+            pressure_mpa: PRESSURE_MPA.from_si(calibration.pressure_pa(flat.force_n)),
+            speed_mm_s: SPEED_MM_S.from_si(flat.speed_m_s),
+            humidity_pct: HUMIDITY_PCT.from_si(flat.humidity),
+            mu_flat: flat.mu_dynamic,
+            mu_patterned: patterned.mu_dynamic,
+            ratio,
+            ratio_std: ratio * relative,
+            ratio_amontons_coulomb: None,
+            modelled: Vec::new(),
+            modelled_at_measured_depth: None,
+        }
+    }
+
+    /// The model at `slope_factor`.
+    pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
+        self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)
+    }
+}
+
+impl ModelledRatio {
+    /// What `prediction` says of `pattern` on the surface of `law`.
+    pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
+        let surface = &prediction.outcome.surface;
+        Self {
+            slope_factor: law.slope_factor,
+            rms_slope: law.rms_slope,
+            area_law_factor: tidy(prediction.area_law_factor),
+            dynamic_mean: tidy(prediction.dynamic_mean),
+            ratio_groove: prediction.outcome.ratio,
+            ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
+            peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
+            tension_blocks: surface.tension_blocks,
+            cavity_closed: surface.cavity_closed,
+            area_law_extrapolated: surface.area_law_extrapolated,
+            status: surface.status.name(),
+        }
+    }
+
+    /// Whether the solve converged.
+    pub fn has_converged(&self) -> bool {
+        self.status == Status::Converged.name()
+    }
+}
+
+/// The strip estimate of square cavities of `pattern`'s lengths whose section has `ratio_groove`.
+fn as_squares(pattern: &Pattern, ratio_groove: f64) -> f64 {
+    squares(pattern).strip_estimate(ratio_groove)
+}
+
+/// Square cavities of `pattern`'s lengths.
+pub fn squares(pattern: &Pattern) -> Pattern {
+    // Lengths that made a pattern make another one.
+    Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)
+}
+
+impl Summary {
+    /// Averages over `rows`, of which there is at least one.
+    pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
+        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.ratio).collect();
+        let reduction_measured = mean(&measured);
+        let modelled: Vec<ModelledReduction> = slope_factors
+            .iter()
+            .map(|&slope_factor| {
+                let reduction = |ratio: fn(&ModelledRatio) -> Option<f64>| {
+                    let reductions: Option<Vec<f64>> =
+                        rows.iter().map(|row| Some(1.0 - ratio(row.at_slope(slope_factor)?)?)).collect();
+                    reductions.map(|reductions| mean(&reductions))
+                };
+                ModelledReduction {
+                    slope_factor,
+                    groove: reduction(|modelled| modelled.ratio_groove),
+                    square: reduction(|modelled| modelled.ratio_square_estimate),
+                }
+            })
+            .collect();
+        let given = modelled.iter().find(|modelled| modelled.slope_factor == 1.0);
+        let explained =
+            |reduction: Option<f64>| Some(reduction? / reduction_measured).filter(|_| reduction_measured > 0.0);
+        let changes: Option<Vec<f64>> = rows
+            .iter()
+            .map(|row| Some(row.modelled_at_measured_depth.as_ref()?.ratio_groove? - row.at_slope(1.0)?.ratio_groove?))
+            .collect();
+        Self {
+            conditions: rows.len(),
+            reduction_measured,
+            reduction_measured_std: standard_deviation(&measured),
+            explained_by_grooves: given.and_then(|given| explained(given.groove)),
+            explained_by_squares: given.and_then(|given| explained(given.square)),
+            ratio_change_at_measured_depth: changes.as_deref().map(mean),
+            largest_ratio_change_at_measured_depth: changes
+                .and_then(|changes| changes.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))),
+            modelled,
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard deviation of a sample; `None` for a single value.
+fn standard_deviation(values: &[f64]) -> Option<f64> {
+    let mean = mean(values);
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+/// The pattern's depth in the file's unit.
+pub fn depth_um(pattern: &Pattern) -> f64 {
+    LENGTH_UM.from_si(pattern.depth_m())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
+        let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
+            slope_factor,
+            rms_slope: None,
+            area_law_factor: 1.0,
+            dynamic_mean: 0.3,
+            ratio_groove,
+            ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
+            peak_pressure_mpa: 1.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            status: "converged",
+        };
+        RatioReport {
+            force_n: 50.0,
+            pressure_mpa: 0.6,
+            speed_mm_s: 2.0,
+            humidity_pct: 15.0,
+            mu_flat: 0.25,
+            mu_patterned: 0.2,
+            ratio,
+            ratio_std: 0.0,
+            ratio_amontons_coulomb: Some(1.0),
+            modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
+            modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),
+        }
+    }
+
+    #[test]
+    fn averages_known_exactly() {
+        let rows = [row(0.75, Some(1.0), 0.9375), row(0.875, Some(0.75), 0.875)];
+        let summary = Summary::new(&rows, &[0.5, 1.0]);
+        assert_eq!(summary.reduction_measured, 0.1875);
+        assert!((summary.reduction_measured_std.unwrap() - 0.125 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!((summary.modelled[0].groove, summary.modelled[1].groove), (None, Some(0.125)));
+        assert_eq!(summary.explained_by_grooves, Some(0.125 / 0.1875));
+        assert_eq!(summary.explained_by_squares, Some(0.25 * 0.125 / 0.1875));
+        assert_eq!(summary.ratio_change_at_measured_depth, Some(0.03125));
+        assert_eq!(summary.largest_ratio_change_at_measured_depth, Some(0.125));
+    }
+
+    #[test]
+    fn nothing_is_explained_where_nothing_was_reduced_or_solved() {
+        let summary = Summary::new(&[row(1.0, Some(0.9), 0.9)], &[1.0]);
+        assert_eq!((summary.explained_by_grooves, summary.reduction_measured_std), (None, None));
+        let summary = Summary::new(&[row(0.8, Some(0.9), 0.9), row(0.8, None, 0.9)], &[1.0]);
+        assert_eq!((summary.explained_by_grooves, summary.ratio_change_at_measured_depth), (None, None));
+    }
+}

@@ -1,0 +1,248 @@
+//! A validation as a table, statements, a file of numbers and a picture.
+
+use std::fmt::Write as _;
+
+use super::report::{ModelledRatio, RatioReport, ValidationReport};
+use crate::CliError;
+use crate::charts::{self, Estimate, RatioSeries, RatiosChart};
+use crate::report::Table;
+use crate::report::table::fixed;
+
+/// The report for people.
+pub fn table(report: &ValidationReport) -> String {
+    let mut text = format!("{} ({})\n", report.name, report.source);
+    for statement in &report.model {
+        text += &format!("- {statement}\n");
+    }
+    let mut header: Vec<String> =
+        ["F N", "P MPa", "v mm/s", "RH %", "mu flat", "mu patterned", "measured", "+-", "Amontons"]
+            .map(Into::into)
+            .into();
+    for factor in &report.slope_factors {
+        header.extend([format!("groove {factor}x"), format!("square {factor}x")]);
+    }
+    let mut table = Table::new(header.iter().map(String::as_str));
+    for row in &report.results {
+        let mut cells = vec![
+            row.force_n.to_string(),
+            fixed(Some(row.pressure_mpa), 3),
+            row.speed_mm_s.to_string(),
+            row.humidity_pct.to_string(),
+            fixed(Some(row.mu_flat), 3),
+            fixed(Some(row.mu_patterned), 3),
+            fixed(Some(row.ratio), 3),
+            fixed(Some(row.ratio_std), 3),
+            fixed(row.ratio_amontons_coulomb, 3),
+        ];
+        for &factor in &report.slope_factors {
+            let modelled = row.at_slope(factor);
+            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_groove), 3));
+            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_square_estimate), 3));
+        }
+        table.row(cells);
+    }
+    text += &format!(
+        "\nRatios, patterned over flat, at slopes of the surface times {}\n\n{table}\n",
+        listed(&report.slope_factors)
+    );
+    for statement in statements(report) {
+        text += &format!("{statement}\n");
+    }
+    for warning in warnings(report) {
+        text += &format!("! {warning}\n");
+    }
+    text + &format!("\n{:.1} s on {} threads\n", report.wall_s, report.threads)
+}
+
+fn listed(values: &[f64]) -> String {
+    values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
+}
+
+fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "-".to_owned(), |share| format!("{} %", fixed(Some(100.0 * share), 1)))
+}
+
+/// What the numbers say, and what they rest on.
+pub fn statements(report: &ValidationReport) -> Vec<String> {
+    let (summary, pattern) = (&report.summary, &report.pattern);
+    let spread = summary.reduction_measured_std.map_or_else(String::new, |std| {
+        format!(", standard deviation {} between {} conditions", percent(Some(std)), summary.conditions)
+    });
+    let mut said = vec![format!(
+        "Measured: the pattern lowers dynamic friction by {}{spread}.",
+        percent(Some(summary.reduction_measured))
+    )];
+    if let Some(given) = summary.modelled.iter().find(|modelled| modelled.slope_factor == 1.0) {
+        said.push(format!(
+            "Modelled: by {} as grooves ({} of the surface), by {} as square cavities ({}, strip estimate).",
+            percent(given.groove),
+            percent(Some(pattern.areal_density)),
+            percent(given.square),
+            percent(Some(report.areal_density_square)),
+        ));
+    }
+    said.push(match (summary.explained_by_grooves, summary.explained_by_squares) {
+        (Some(grooves), Some(squares)) => format!(
+            "The area law alone explains {:.0} % of the measured reduction if the cavities were grooves, {:.0} % if they are squares.",
+            100.0 * grooves,
+            100.0 * squares
+        ),
+        _ => "No share of the measured reduction can be given.".to_owned(),
+    });
+    said.extend(trend(report));
+    let others: Vec<String> = summary
+        .modelled
+        .iter()
+        .filter(|modelled| modelled.slope_factor != 1.0)
+        .map(|m| {
+            format!(
+                "{} as grooves and {} as squares at {} times the slope",
+                percent(m.groove),
+                percent(m.square),
+                m.slope_factor
+            )
+        })
+        .collect();
+    if !others.is_empty() {
+        said.push(format!("The surface's slope decides how much: the model gives {}.", others.join(", ")));
+    }
+    if let (Some(mean), Some(largest)) =
+        (summary.ratio_change_at_measured_depth, summary.largest_ratio_change_at_measured_depth)
+    {
+        said.push(format!(
+            "Depth: {} um is modelled, {} um was measured. At {} um the groove's ratio changes by {} on average, by {} at most.",
+            pattern.depth_um,
+            report.measured_depth_um,
+            report.measured_depth_um,
+            signed(mean),
+            signed(largest),
+        ));
+    }
+    if report.synthetic_surface {
+        said.push(
+            "The surface behind the area law is synthetic, not measured: these ratios are no test of the model until it is.".to_owned(),
+        );
+    }
+    said.push("Nothing was tuned to the patterned samples.".to_owned());
+    said
+}
+
+/// How both reductions go from the lowest to the highest pressure.
+fn trend(report: &ValidationReport) -> Option<String> {
+    let by_pressure = |a: &&RatioReport, b: &&RatioReport| a.pressure_mpa.total_cmp(&b.pressure_mpa);
+    let (low, high) = (report.results.iter().min_by(by_pressure)?, report.results.iter().max_by(by_pressure)?);
+    let one_condition =
+        report.results.iter().all(|row| row.speed_mm_s == low.speed_mm_s && row.humidity_pct == low.humidity_pct);
+    if !one_condition || high.pressure_mpa <= low.pressure_mpa {
+        return None;
+    }
+    let groove =
+        |row: &RatioReport| row.at_slope(1.0).and_then(|modelled| modelled.ratio_groove).map(|ratio| 1.0 - ratio);
+    Some(format!(
+        "From {} to {} MPa the measured reduction goes from {} to {}, the grooves' from {} to {}.",
+        fixed(Some(low.pressure_mpa), 3),
+        fixed(Some(high.pressure_mpa), 3),
+        percent(Some(1.0 - low.ratio)),
+        percent(Some(1.0 - high.ratio)),
+        percent(groove(low)),
+        percent(groove(high)),
+    ))
+}
+
+fn signed(value: f64) -> String {
+    let text = fixed(Some(value), 4);
+    if value > 0.0 { format!("+{text}") } else { text }
+}
+
+/// What a reader should know before using the numbers.
+fn warnings(report: &ValidationReport) -> Vec<String> {
+    type Test = fn(&ModelledRatio) -> bool;
+    let all: [(Test, &str); 4] = [
+        (|modelled| !modelled.has_converged(), "solves did not converge"),
+        (|modelled| modelled.cavity_closed, "solves close a cavity: its ceiling reaches the counterface"),
+        (|modelled| modelled.area_law_extrapolated, "solves go past the last pressure of the area law"),
+        (|modelled| modelled.tension_blocks > 0, "solves have contact blocks under tension, which carry no friction"),
+    ];
+    let solves = || report.results.iter().flat_map(|row| row.modelled.iter().chain(&row.modelled_at_measured_depth));
+    all.into_iter()
+        .filter_map(|(test, what)| {
+            let count = solves().filter(|modelled| test(modelled)).count();
+            (count > 0).then(|| format!("{count} of {} {what}", solves().count()))
+        })
+        .collect()
+}
+
+/// One row per condition and slope factor, and one for the measured depth.
+pub fn csv(report: &ValidationReport) -> String {
+    let mut text = String::from(
+        "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_patterned,ratio,ratio_std,ratio_amontons_coulomb,\
+         depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_square_estimate\n",
+    );
+    let or_empty = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for row in &report.results {
+        let slopes = row.modelled.iter().map(|modelled| (report.pattern.depth_um, modelled));
+        let depth = row.modelled_at_measured_depth.iter().map(|modelled| (report.measured_depth_um, modelled));
+        for (depth_um, modelled) in slopes.chain(depth) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{}",
+                row.force_n,
+                row.pressure_mpa,
+                row.speed_mm_s,
+                row.humidity_pct,
+                row.mu_flat,
+                row.mu_patterned,
+                row.ratio,
+                row.ratio_std,
+                or_empty(row.ratio_amontons_coulomb),
+                modelled.slope_factor,
+                or_empty(modelled.rms_slope),
+                modelled.area_law_factor,
+                modelled.dynamic_mean,
+                or_empty(modelled.ratio_groove),
+                or_empty(modelled.ratio_square_estimate),
+            );
+        }
+    }
+    text
+}
+
+/// Measured and modelled ratios against pressure, at the condition of the first row.
+///
+/// # Errors
+/// [`CliError::Other`] if the picture cannot be drawn.
+pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
+    let Some(first) = report.results.first() else { return Ok(String::new()) };
+    let rows: Vec<&RatioReport> = report
+        .results
+        .iter()
+        .filter(|row| row.speed_mm_s == first.speed_mm_s && row.humidity_pct == first.humidity_pct)
+        .collect();
+    let column = |value: &dyn Fn(&RatioReport) -> Option<f64>| -> Vec<Option<Estimate>> {
+        rows.iter().map(|row| value(row).map(|value| Estimate { value, error: None })).collect()
+    };
+    let measured = rows.iter().map(|row| Some(Estimate { value: row.ratio, error: Some(row.ratio_std) })).collect();
+    let mut columns = vec![("measured ± standard deviation".to_owned(), measured)];
+    // The surface as given and the two most different ones: more would not be told apart.
+    let mut factors: Vec<f64> = [report.slope_factors.first(), Some(&1.0), report.slope_factors.last()]
+        .into_iter()
+        .flatten()
+        .copied()
+        .collect();
+    factors.dedup();
+    for factor in factors {
+        let label = if factor == 1.0 { "grooves".to_owned() } else { format!("grooves, {factor} times the slope") };
+        columns.push((label, column(&|row| row.at_slope(factor)?.ratio_groove)));
+    }
+    columns.push(("squares, strip estimate".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square_estimate)));
+    let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
+    let title = format!(
+        "Patterned over flat, {} mm/s, {} % humidity{}",
+        first.speed_mm_s,
+        first.humidity_pct,
+        if report.synthetic_surface { " (synthetic surface)" } else { "" }
+    );
+    let pressure_mpa: Vec<f64> = rows.iter().map(|row| (row.pressure_mpa * 1e3).round() / 1e3).collect();
+    Ok(charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })?)
+}
