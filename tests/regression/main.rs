@@ -1,5 +1,7 @@
 //! Against our own past.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use slipgrid_springblock::{Extent, Fidelity, Layer, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published_groove};
 
