@@ -1,5 +1,9 @@
 //! Whole commands on the files that ship.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on fails, and tells what it measured"
+)]
 
 mod designs;

@@ -1,6 +1,10 @@
 //! Against our own past.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on fails, and tells what it measured"
+)]
 
 use slipgrid_springblock::{Extent, Fidelity, Layer, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published_groove};

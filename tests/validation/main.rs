@@ -1,7 +1,11 @@
 //! Against others' numbers, or one of our methods against another. Long ones are ignored by default;
 //! the README says how to run them.
 
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test that cannot go on fails, and tells what it measured"
+)]
 
 mod calibrated_flat;
 mod dynamic_against_reference;
