@@ -166,7 +166,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     )];
     describe_extent(scene, &mut model);
     if scene.run.warm_start {
-        model.push("warm start from steady sliding: no ramp, no rest, no static friction".to_owned());
+        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
     }
     if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
         model.push(format!(

@@ -147,7 +147,8 @@ impl<'a> ContactRow<'a> {
         Self { blocks, law }
     }
 
-    /// Marks every block as sliding: the start of a run from steady sliding.
+    /// Sets every block in motion.
+    #[cfg(test)]
     pub fn all_slip(&mut self) {
         for block in &mut self.blocks {
             block.motion = Motion::Slip;

@@ -20,8 +20,8 @@ pub struct Setup<'a> {
 
 /// An integrator with its state.
 pub trait Engine {
-    /// Starts from given displacements over l, by (i, j), every block moving at the bulk's speed.
-    fn start_sliding(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
+    /// Starts from given displacements over l, by (i, j), every block at rest.
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
 
     /// The bulk begins to move: blocks that slipped under the rising load count as not yet slipped.
     fn begin_drive(&mut self);

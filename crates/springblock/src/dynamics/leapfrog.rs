@@ -98,17 +98,14 @@ impl<'a> StencilLeapfrog<'a> {
 }
 
 impl Engine for StencilLeapfrog<'_> {
-    fn start_sliding(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        let speed = self.protocol.speed * self.time_step;
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for j in 0..self.field.ny {
             for i in 0..self.field.nx {
                 let at = self.field.at(i, j);
                 [self.field.ux[at], self.field.uy[at]] = displacement(i, j);
-                self.field.wx[at] = speed;
             }
         }
         self.stencil.wrap(&mut self.field);
-        self.contact.all_slip();
     }
 
     fn begin_drive(&mut self) {
@@ -201,14 +198,11 @@ impl<'a> BondLeapfrog<'a> {
 }
 
 impl Engine for BondLeapfrog<'_> {
-    fn start_sliding(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        let speed = self.protocol.speed * self.time_step;
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for number in 0..self.inverse_mass.len() {
             [self.displacement[0][number], self.displacement[1][number]] =
                 displacement(number % self.nx, number / self.nx);
-            self.velocity[0][number] = speed;
         }
-        self.contact.all_slip();
     }
 
     fn begin_drive(&mut self) {

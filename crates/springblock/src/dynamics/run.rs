@@ -152,7 +152,7 @@ impl DynamicRun<'_> {
         if run.warm_start {
             let displacements = self.steady_displacements();
             let nx = self.lattice.nx();
-            engine.start_sliding(&|i, j| displacements[j * nx + i]);
+            engine.start_sheared(&|i, j| displacements[j * nx + i]);
         }
         let steps_in = |time_s: f64| (time_s / self.scheme.step_s).ceil().min(9e18) as u64;
         let preparation = steps_in(preparation_s);

@@ -129,12 +129,10 @@ impl<'a> RungeKutta<'a> {
 }
 
 impl Engine for RungeKutta<'_> {
-    fn start_sliding(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
         for number in 0..self.inverse_mass.len() {
             [self.state.u[0][number], self.state.u[1][number]] = displacement(number % self.nx, number / self.nx);
-            self.state.v[0][number] = self.protocol.speed;
         }
-        self.contact.all_slip();
     }
 
     fn begin_drive(&mut self) {
