@@ -46,14 +46,14 @@ pub enum Motion {
 /// One contact block.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactBlock {
-    /// Its column.
-    pub column: usize,
     /// Local coefficients.
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
     /// Whether it has slipped, or was free to, since the drive began.
     pub has_slipped: bool,
+    /// Its column.
+    pub column: usize,
     /// Normal force, positive in compression, at the last force evaluation.
     pub normal: f64,
     /// Friction, positive against the drive, at the last force evaluation.

@@ -7,6 +7,7 @@
 //! | `contact` | the friction law on the contact row |
 //! | `bonds` | forces bond by bond, linear or exact |
 //! | `stencil` | linear forces as a stencil |
+//! | `sweep` | one pass of forces, kick and drift over the stencil |
 //! | `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | the largest eigenfrequency |
 //! | `recorder` | history and averages |
@@ -23,8 +24,9 @@ mod runge_kutta;
 mod scales;
 mod stability;
 mod stencil;
+mod sweep;
 
-pub use run::{DynamicRun, Scheme};
+pub use run::{DynamicRun, MOST_STEPS, Plan, Scheme};
 
 #[cfg(test)]
 mod tests;

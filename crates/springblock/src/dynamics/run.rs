@@ -36,6 +36,39 @@ const STEPS_PER_LOOK: u64 = 256;
 const MOST_EXTENSION: u64 = 20;
 /// Time after the rest that a run without motion is watched, in seconds.
 const WATCH_AT_REST_S: f64 = 20e-6;
+/// Most time steps of one run: a whole sample of 20,000 blocks takes about an hour for them, the paper's
+/// run a quarter of a million. What would take more is not begun and says so.
+pub const MOST_STEPS: u64 = 100_000_000;
+/// Periods of the layer's first shear mode that an average must hold: one mode alone swings mu by a
+/// tenth, and its mean over n periods departs by up to 1/(pi n) of that.
+const LEAST_PERIODS: f64 = 10.0;
+
+/// Steps that a run is planned to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Steps of the ramp and the rest before the bulk moves.
+    pub preparation: u64,
+    /// Steps of the travel asked for.
+    pub travel: u64,
+}
+
+impl Plan {
+    /// The steps of `scene` at `step_s` seconds each.
+    #[must_use]
+    pub fn new(scene: &Scene, step_s: f64) -> Self {
+        // The cast saturates: a number of steps beyond 2^64 stays beyond every limit.
+        let steps_in = |time_s: f64| (time_s / step_s).ceil() as u64;
+        let travel_s = if scene.speed_m_s > 0.0 { scene.run.sliding_m / scene.speed_m_s } else { WATCH_AT_REST_S };
+        let preparation_s = if scene.run.warm_start { 0.0 } else { RAMP_S + REST_S };
+        Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
+    }
+
+    /// All steps.
+    #[must_use]
+    pub const fn total(&self) -> u64 {
+        self.preparation.saturating_add(self.travel)
+    }
+}
 
 /// The integration scheme of a scene and its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +124,12 @@ impl DynamicRun<'_> {
     #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let scene = self.scene;
+        if self.load.pressure_pa == 0.0 {
+            return self.not_run(Status::NoLoad, monitor);
+        }
+        if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
+            return self.not_run(Status::TooManySteps, monitor);
+        }
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let coefficients = draws::draw(&self.load.friction, scene.run.seed, self.lattice.nx());
         let law = LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa);
@@ -107,6 +146,29 @@ impl DynamicRun<'_> {
             self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &scales, monitor)
         } else {
             self.drive(StencilLeapfrog::new(self.lattice, setup), &scales, monitor)
+        }
+    }
+
+    /// What is said of a run that was not begun, because nothing could come of it.
+    fn not_run(&self, status: Status, monitor: &dyn Monitor) -> SurfaceOutcome {
+        monitor.advance(self.share);
+        let block_m = self.scene.layer.block_m;
+        let point = |i: usize| InterfacePoint { x_m: (i as f64 + 0.5) * block_m, pressure_pa: 0.0, friction_pa: 0.0 };
+        SurfaceOutcome {
+            status,
+            mu_dynamic: None,
+            mu_dynamic_stderr: None,
+            averaged_from_s: None,
+            mu_static: None,
+            peak_pressure_pa: 0.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            residual: None,
+            iterations: 0,
+            cost: Some(DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 }),
+            interface: self.lattice.contacts().map(point).collect(),
+            trace: Vec::new(),
         }
     }
 
@@ -148,20 +210,17 @@ impl DynamicRun<'_> {
     fn drive(&self, mut engine: impl Engine, scales: &Scales, monitor: &dyn Monitor) -> SurfaceOutcome {
         let run = &self.scene.run;
         let started_s = monitor.seconds();
-        let preparation_s = if run.warm_start { 0.0 } else { RAMP_S + REST_S };
         if run.warm_start {
             let displacements = self.steady_displacements();
             let nx = self.lattice.nx();
             engine.start_sheared(&|i, j| displacements[j * nx + i]);
         }
-        let steps_in = |time_s: f64| (time_s / self.scheme.step_s).ceil().min(9e18) as u64;
-        let preparation = steps_in(preparation_s);
-        let travel_s = if self.scene.speed_m_s > 0.0 { run.sliding_m / self.scene.speed_m_s } else { WATCH_AT_REST_S };
-        let planned = steps_in(travel_s).max(1);
+        let Plan { preparation, travel: planned } = Plan::new(self.scene, self.scheme.step_s);
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let window_bin = (WINDOW_START * planned as f64 / steps_per_bin as f64).ceil() as usize;
         let mut recorder = Recorder::new(engine.contact().blocks.len(), steps_per_bin, engine.time_step());
-        let most = if run.mu_stderr.is_some() { planned.saturating_mul(MOST_EXTENSION) } else { planned };
+        let most =
+            if run.mu_stderr.is_some() { planned.saturating_mul(MOST_EXTENSION).min(MOST_STEPS) } else { planned };
 
         let mut status = Status::Converged;
         let mut steps: u64 = 0;
@@ -212,8 +271,15 @@ impl DynamicRun<'_> {
             wall_s: monitor.seconds() - started_s,
         };
         let mean = recorder.window_mean(window_bin);
-        if status == Status::Converged && mean.is_none() {
-            status = if self.load.pressure_pa == 0.0 { Status::NoLoad } else { Status::NoOnset };
+        if status == Status::Converged {
+            let window = |mean: &WindowMean| (steps - preparation) as f64 * engine.time_step() - mean.from;
+            status = match &mean {
+                None => Status::NoOnset,
+                Some(mean) if window(mean) < LEAST_PERIODS * shear_period(self.lattice) => Status::ShortWindow,
+                // Sums of nothing but zeros.
+                Some(mean) if mean.mu == 0.0 && mean.stderr == 0.0 => Status::NoFriction,
+                Some(_) => Status::Converged,
+            };
         }
         self.observe(&engine, &recorder, status, mean, cost, scales)
     }
@@ -228,7 +294,7 @@ impl DynamicRun<'_> {
         scales: &Scales,
     ) -> SurfaceOutcome {
         let contact = engine.contact();
-        let interface: Vec<InterfacePoint> = contact
+        let mut interface: Vec<InterfacePoint> = contact
             .blocks
             .iter()
             .zip(recorder.interface(contact))
@@ -238,6 +304,12 @@ impl DynamicRun<'_> {
                 friction_pa: mean.friction * scales.pressure_pa,
             })
             .collect();
+        if status == Status::Diverged {
+            // Forces of a state that is no longer finite mean nothing.
+            for point in &mut interface {
+                (point.pressure_pa, point.friction_pa) = (0.0, 0.0);
+            }
+        }
         let reached = mean.filter(|_| status != Status::Diverged && status != Status::Cancelled);
         let law: Option<&AreaLaw> = self.scene.area_law.as_ref();
         let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
@@ -265,7 +337,13 @@ impl DynamicRun<'_> {
             .columns()
             .iter()
             .enumerate()
-            .filter(|(_, column)| !column.is_land())
+            // A layer of one row may be cut through: nothing is left that could sag.
+            .filter(|(i, column)| !column.is_land() && self.lattice.lowest_row(*i) < self.lattice.ny())
             .any(|(i, column)| column.cavity_rows + engine.rise(i, self.lattice.lowest_row(i)) <= 0.0)
     }
+}
+
+/// Period of the layer's first shear mode over sqrt(m/k): 4 h / c_s, c_s = sqrt(C66/rho) = sqrt(1/2) l sqrt(k/m).
+fn shear_period(lattice: &Lattice) -> f64 {
+    4.0 * lattice.ny() as f64 * std::f64::consts::SQRT_2
 }

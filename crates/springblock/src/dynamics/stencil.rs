@@ -6,19 +6,20 @@
 
 use multiversion::multiversion;
 
+use super::sweep::{Kick, contact_row_forces, sweep};
 use crate::lattice::Lattice;
 
 /// Stiffness of the springs of one block over k: east, west, north, south, then the diagonals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Springs8 {
-    east: f64,
-    west: f64,
-    north: f64,
-    south: f64,
-    north_east: f64,
-    north_west: f64,
-    south_east: f64,
-    south_west: f64,
+pub struct Springs8 {
+    pub east: f64,
+    pub west: f64,
+    pub north: f64,
+    pub south: f64,
+    pub north_east: f64,
+    pub north_west: f64,
+    pub south_east: f64,
+    pub south_west: f64,
 }
 
 const INSIDE: Springs8 = Springs8 {
@@ -34,23 +35,23 @@ const INSIDE: Springs8 = Springs8 {
 
 /// One block's springs and inverse mass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Site {
-    springs: Springs8,
-    inverse_mass: f64,
+pub struct Site {
+    pub springs: Springs8,
+    pub inverse_mass: f64,
 }
 
 /// Coefficients of a row, one array per spring, one entry per column.
 #[derive(Clone, Debug, Default)]
-struct RowCoefficients {
-    east: Vec<f64>,
-    west: Vec<f64>,
-    north: Vec<f64>,
-    south: Vec<f64>,
-    north_east: Vec<f64>,
-    north_west: Vec<f64>,
-    south_east: Vec<f64>,
-    south_west: Vec<f64>,
-    inverse_mass: Vec<f64>,
+pub struct RowCoefficients {
+    pub east: Vec<f64>,
+    pub west: Vec<f64>,
+    pub north: Vec<f64>,
+    pub south: Vec<f64>,
+    pub north_east: Vec<f64>,
+    pub north_west: Vec<f64>,
+    pub south_east: Vec<f64>,
+    pub south_west: Vec<f64>,
+    pub inverse_mass: Vec<f64>,
 }
 
 impl RowCoefficients {
@@ -72,7 +73,7 @@ impl RowCoefficients {
 
 /// How the forces on a row are found.
 #[derive(Clone, Debug)]
-enum Row {
+pub enum Row {
     /// Every block is an inside one, but for the two at free sides.
     Plain { sides: Option<[Site; 2]> },
     /// Springs or masses differ from block to block.
@@ -209,7 +210,7 @@ impl Stencil {
     /// Spring forces on row 0, by column.
     pub fn contact_forces(&self, field: &Field, force_x: &mut [f64], force_y: &mut [f64]) {
         if let Row::General(coefficients) = &self.rows[0] {
-            general_forces(coefficients, field, 0, force_x, force_y);
+            contact_row_forces(coefficients, field, force_x, force_y);
         }
     }
 
@@ -217,46 +218,8 @@ impl Stencil {
     /// damping leaves; `kick`: displacement per step that a unit force adds to a unit mass.
     pub fn kick_and_drift(&self, field: &mut Field, kept: f64, kick: f64, scratch: &mut [Vec<f64>; 2]) {
         let [force_x, force_y] = scratch;
-        for (j, row) in self.rows.iter().enumerate().skip(1) {
-            match row {
-                Row::Plain { sides } => {
-                    let ends = sides.map(|[left, right]| {
-                        let nx = field.nx;
-                        [site_force(&left.springs, field, 0, j), site_force(&right.springs, field, nx - 1, j)]
-                    });
-                    let old = field.at(0, j);
-                    let last = field.at(field.nx - 1, j);
-                    let ends_before = [old, last].map(|at| [field.wx[at], field.wy[at]]);
-                    plain_kick(field, j, kept, kick);
-                    if let (Some(ends), Some(sides)) = (ends, sides) {
-                        for (number, at) in [old, last].into_iter().enumerate() {
-                            let scale = kick * sides[number].inverse_mass;
-                            field.wx[at] = kept * ends_before[number][0] + scale * ends[number][0];
-                            field.wy[at] = kept * ends_before[number][1] + scale * ends[number][1];
-                        }
-                    }
-                }
-                Row::General(coefficients) => {
-                    general_forces(coefficients, field, j, force_x, force_y);
-                    general_kick(coefficients, field, j, kept, kick, force_x, force_y);
-                }
-            }
-            // Row j no longer needs the old positions of row j - 1.
-            self.drift(field, j - 1);
-        }
-        self.drift(field, field.ny - 1);
-    }
-
-    fn drift(&self, field: &mut Field, j: usize) {
-        let row = field.at(0, j)..field.at(field.nx, j);
-        add_to(&mut field.ux[row.clone()], &field.wx[row.clone()]);
-        add_to(&mut field.uy[row.clone()], &field.wy[row.clone()]);
-        if self.periodic {
-            for u in [&mut field.ux, &mut field.uy] {
-                u[row.start - 1] = u[row.end - 1];
-                u[row.end] = u[row.start];
-            }
-        }
+        sweep(&self.rows, field, Kick { kept, kick }, force_x, force_y);
+        self.wrap(field);
     }
 
     /// Copies the sides of every row to its periodic images.
@@ -274,7 +237,7 @@ impl Stencil {
 }
 
 /// Sum of a[i] b[i] in eight fixed partial sums: the same with any vector width.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx2"))]
 fn weighted_sum(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
@@ -286,114 +249,4 @@ fn weighted_sum(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn add_to(u: &mut [f64], w: &[f64]) {
-    for (u, w) in u.iter_mut().zip(w) {
-        *u += w;
-    }
-}
-
-/// The rows below, at and above row j, padding included.
-struct Neighbours<'a> {
-    below: [&'a [f64]; 2],
-    here: [&'a [f64]; 2],
-    above: [&'a [f64]; 2],
-}
-
-fn neighbours<'a>(ux: &'a [f64], uy: &'a [f64], stride: usize, j: usize) -> Neighbours<'a> {
-    let row = |j: usize| [&ux[j * stride..(j + 1) * stride], &uy[j * stride..(j + 1) * stride]];
-    // Row 0 has no springs downwards: whatever stands for its lower row is multiplied by zero.
-    Neighbours { below: row(j.saturating_sub(1)), here: row(j), above: row(j + 1) }
-}
-
-/// Kicks a whole row of inside blocks.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn plain_kick(field: &mut Field, j: usize, kept: f64, kick: f64) {
-    let (nx, stride) = (field.nx, field.stride);
-    let Neighbours { below, here, above } = neighbours(&field.ux, &field.uy, stride, j);
-    let start = j * stride + 1;
-    let (wx, wy) = (&mut field.wx[start..start + nx], &mut field.wy[start..start + nx]);
-    let n = wx.len().min(wy.len());
-    let [bx, by] = below;
-    let [hx, hy] = here;
-    let [ax, ay] = above;
-    let (bxw, bxe) = (&bx[..n], &bx[2..n + 2]);
-    let (byw, byc, bye) = (&by[..n], &by[1..=n], &by[2..n + 2]);
-    let (hxw, hxc, hxe) = (&hx[..n], &hx[1..=n], &hx[2..n + 2]);
-    let hyc = &hy[1..=n];
-    let (axw, axe) = (&ax[..n], &ax[2..n + 2]);
-    let (ayw, ayc, aye) = (&ay[..n], &ay[1..=n], &ay[2..n + 2]);
-    for i in 0..n {
-        let (x, y) = (hxc[i], hyc[i]);
-        // Differences along the two diagonals: u_NE + u_SW and u_NW + u_SE, for x and y.
-        let (rise_x, fall_x) = (axe[i] + bxw[i], axw[i] + bxe[i]);
-        let (rise_y, fall_y) = (aye[i] + byw[i], ayw[i] + bye[i]);
-        // F_x = u_E + u_W - 3 u + 1/4 (sum of diagonals + cross differences of u_y)
-        let force_x = (hxe[i] + hxw[i]) - 3.0 * x + 0.25 * ((rise_x + fall_x) + (rise_y - fall_y));
-        // F_y = u_N + u_S - 3 u + 1/4 (sum of diagonals + cross differences of u_x)
-        let force_y = (ayc[i] + byc[i]) - 3.0 * y + 0.25 * ((rise_y + fall_y) + (rise_x - fall_x));
-        wx[i] = kept * wx[i] + kick * force_x;
-        wy[i] = kept * wy[i] + kick * force_y;
-    }
-}
-
-/// Forces on a row with a coefficient per spring.
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn general_forces(k: &RowCoefficients, field: &Field, j: usize, force_x: &mut [f64], force_y: &mut [f64]) {
-    let n = field.nx;
-    let Neighbours { below, here, above } = neighbours(&field.ux, &field.uy, field.stride, j);
-    let [bx, by] = below;
-    let [hx, hy] = here;
-    let [ax, ay] = above;
-    let (bx, by) = (&bx[..n + 2], &by[..n + 2]);
-    let (hx, hy) = (&hx[..n + 2], &hy[..n + 2]);
-    let (ax, ay) = (&ax[..n + 2], &ay[..n + 2]);
-    let (east, west, north, south) = (&k.east[..n], &k.west[..n], &k.north[..n], &k.south[..n]);
-    let (ne, nw, se, sw) = (&k.north_east[..n], &k.north_west[..n], &k.south_east[..n], &k.south_west[..n]);
-    let (force_x, force_y) = (&mut force_x[..n], &mut force_y[..n]);
-    for i in 0..n {
-        let (x, y) = (hx[i + 1], hy[i + 1]);
-        // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
-        let ne = 0.5 * ne[i] * ((ax[i + 2] - x) + (ay[i + 2] - y));
-        let sw = 0.5 * sw[i] * ((bx[i] - x) + (by[i] - y));
-        let nw = 0.5 * nw[i] * ((ax[i] - x) - (ay[i] - y));
-        let se = 0.5 * se[i] * ((bx[i + 2] - x) - (by[i + 2] - y));
-        force_x[i] = east[i] * (hx[i + 2] - x) + west[i] * (hx[i] - x) + ((ne + sw) + (nw + se));
-        force_y[i] = north[i] * (ay[i + 1] - y) + south[i] * (by[i + 1] - y) + ((ne + sw) - (nw + se));
-    }
-}
-
-#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-fn general_kick(
-    coefficients: &RowCoefficients,
-    field: &mut Field,
-    j: usize,
-    kept: f64,
-    kick: f64,
-    force_x: &[f64],
-    force_y: &[f64],
-) {
-    let row = field.at(0, j)..field.at(field.nx, j);
-    let inverse_mass = &coefficients.inverse_mass;
-    for ((w, force), inverse) in field.wx[row.clone()].iter_mut().zip(force_x).zip(inverse_mass) {
-        *w = kept * *w + kick * inverse * force;
-    }
-    for ((w, force), inverse) in field.wy[row].iter_mut().zip(force_y).zip(inverse_mass) {
-        *w = kept * *w + kick * inverse * force;
-    }
-}
-
-/// Force on one block.
-fn site_force(k: &Springs8, field: &Field, i: usize, j: usize) -> [f64; 2] {
-    let Neighbours { below, here, above } = neighbours(&field.ux, &field.uy, field.stride, j);
-    let (x, y) = (here[0][i + 1], here[1][i + 1]);
-    let ne = 0.5 * k.north_east * ((above[0][i + 2] - x) + (above[1][i + 2] - y));
-    let sw = 0.5 * k.south_west * ((below[0][i] - x) + (below[1][i] - y));
-    let nw = 0.5 * k.north_west * ((above[0][i] - x) - (above[1][i] - y));
-    let se = 0.5 * k.south_east * ((below[0][i + 2] - x) - (below[1][i + 2] - y));
-    let force_x = k.east * (here[0][i + 2] - x) + k.west * (here[0][i] - x) + ((ne + sw) + (nw + se));
-    let force_y = k.north * (above[1][i + 1] - y) + k.south * (below[1][i + 1] - y) + ((ne + sw) - (nw + se));
-    [force_x, force_y]
 }

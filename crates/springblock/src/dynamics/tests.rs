@@ -51,6 +51,26 @@ fn the_stencil_moves_as_the_bonds_do() {
     }
 }
 
+#[test]
+fn tiles_of_a_long_sample_join_without_a_seam() {
+    // Longer than two tiles of the sweep, and no multiple of one.
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    for periodic in [true, false] {
+        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 451), 6, periodic);
+        let mut fast = StencilLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
+        for _ in 0..500 {
+            fast.step();
+            slow.step();
+        }
+        for i in 0..lattice.nx() {
+            for j in 0..lattice.ny() {
+                assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-12, "{periodic} {i} {j}");
+            }
+        }
+    }
+}
+
 /// Height of a block in a frictionless swing after a fixed time.
 fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn Engine>, time_step: f64) -> f64 {
     let lattice = patterned(true);
