@@ -63,7 +63,13 @@ pub struct DynamicFlat {
 pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Result<Vec<DynamicFlat>, CalibrationError> {
     let count = problem.measurements.len();
     let mut found = vec![DynamicFlat::default(); count];
-    let mut done = vec![false; count];
+    // Measurements that differ in nothing the model sees, as humidities do under one pair, share a run.
+    let seen = |i: usize| {
+        let measured = &problem.measurements[i];
+        (measured.pressure_pa, measured.speed_m_s, measured.static_peak.is_some(), pairs[i])
+    };
+    let run_of: Vec<usize> = (0..count).map(|i| (0..i).find(|&j| seen(j) == seen(i)).unwrap_or(i)).collect();
+    let mut done: Vec<bool> = (0..count).map(|i| run_of[i] != i).collect();
     while let Some(first) = done.iter().position(|done| !done) {
         // One scene for all measurements of the same speed and kind of start.
         let kind = |measured: &Measurement| (measured.speed_m_s, measured.static_peak.is_some());
@@ -77,7 +83,8 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
             sliding_m: if from_rest { COLD_TRAVEL_M } else { WARM_TRAVEL_M },
             ..RunOptions::default()
         };
-        let portion = Portion { whole: monitor, share: group.len() as f64 / count as f64 };
+        let runs = (0..count).filter(|&i| run_of[i] == i).count();
+        let portion = Portion { whole: monitor, share: group.len() as f64 / runs as f64 };
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
             done[i] = true;
@@ -87,6 +94,9 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
                 mu_static: outcome.surface.mu_static,
             };
         }
+    }
+    for i in 0..count {
+        found[i] = found[run_of[i]];
     }
     Ok(found)
 }

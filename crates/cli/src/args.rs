@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -49,6 +49,8 @@ pub enum Command {
     Export(ExportArgs),
     /// Measured ratios patterned/flat beside the model's
     Validate(ValidateArgs),
+    /// Speed against error of every method, on one page
+    Accuracy(AccuracyArgs),
 }
 
 /// `simulate`
@@ -239,6 +241,38 @@ pub struct ValidateArgs {
     pub output: Option<PathBuf>,
 }
 
+/// `accuracy`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid accuracy\n  \
+    slipgrid accuracy --full -o out/accuracy\n  \
+    slipgrid accuracy scene.toml --seeds 5 --json\n\n\
+    Methods (fidelity, integrator, springs, step, block size, extent, shortcuts) are compared with\n\
+    `reference` on the same scene: wall time, site updates, error and its standard error. Damping,\n\
+    speed and layer height are choices of the model, not errors, and stand apart. Writes accuracy.md,\n\
+    accuracy.csv, accuracy.svg and result.json.\n\n\
+    Reported times are those of runs alone on one thread. Not modelled: recast rims, plasticity,\n\
+    viscoelasticity, heating, wear.")]
+pub struct AccuracyArgs {
+    /// Scene file; the source paper's specimen by default
+    pub scene: Option<PathBuf>,
+    /// A short specimen with a thin layer, about a minute; this is the default
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// The scene as it is, all rows: hours
+    #[arg(long)]
+    pub full: bool,
+    /// Draws of the local coefficients behind each row
+    #[arg(long, default_value = "3", value_name = "N", value_parser = parse_seeds)]
+    pub seeds: NonZeroU64,
+    /// Print one JSON object instead of Markdown
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for the page, its numbers and the diagram, instead of stdout
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// Names of the fidelities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FidelityName {
@@ -314,6 +348,16 @@ fn parse_waves(text: &str) -> Result<(u32, u32), String> {
         (Ok(least), Ok(most)) if 0 < least && least <= most => Ok((least, most)),
         (Ok(_), Ok(_)) => Err("expected the smaller number first, from 1 up".to_owned()),
         _ => Err(expected()),
+    }
+}
+
+/// Most draws behind a row.
+const MOST_SEEDS: u64 = 1000;
+
+fn parse_seeds(text: &str) -> Result<NonZeroU64, String> {
+    match text.parse::<NonZeroU64>() {
+        Ok(seeds) if seeds.get() <= MOST_SEEDS => Ok(seeds),
+        _ => Err(format!("expected a whole number from 1 to {MOST_SEEDS}")),
     }
 }
 

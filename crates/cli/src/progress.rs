@@ -39,6 +39,11 @@ impl Progress {
         self.start.elapsed().as_secs_f64()
     }
 
+    /// Names what is being done.
+    pub fn say(&self, what: &str) {
+        self.bar.set_message(what.to_owned());
+    }
+
     /// Sets the share done, 0 to 1.
     pub fn set(&self, share: f64) {
         self.bar.set_position((share.clamp(0.0, 1.0) * PARTS) as u64);

@@ -51,6 +51,13 @@ impl Quantity {
         })
     }
 
+    /// The same quantity with its lower end included: where zero has a meaning.
+    #[must_use]
+    pub const fn or_least(mut self) -> Self {
+        self.above = false;
+        self
+    }
+
     /// The same quantity with another upper end.
     #[must_use]
     pub const fn at_most(mut self, most: f64) -> Self {
@@ -133,7 +140,8 @@ mod tests {
 
     #[test]
     fn ranges_say_what_they_accept() {
-        assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && !PRESSURE_MPA.accepts(2.6e6));
+        assert!(PRESSURE_MPA.accepts(2.6) && !PRESSURE_MPA.accepts(0.0) && PRESSURE_MPA.or_least().accepts(0.0));
+        assert!(!PRESSURE_MPA.accepts(2.6e6));
         assert!(HUMIDITY_PCT.accepts(0.0) && !HUMIDITY_PCT.accepts(-1.0) && !HUMIDITY_PCT.accepts(f64::NAN));
         assert_eq!(DENSITY_G_CM3.to_string(), "a number above 0 up to 30 g/cm3");
     }

@@ -18,13 +18,20 @@ pub struct AreaLaw {
     slope: Vec<f64>,
 }
 
+/// A step is taken over this part of the pressure where it stands: f stays continuous, so that a block
+/// pushed across the step has an equilibrium on it.
+const STEP_WIDTH: f64 = 1e-3;
+/// A first factor this close to 1 is no step.
+const STEP_TOLERANCE: f64 = 1e-6;
+
 impl AreaLaw {
-    /// A law from a table of factors. The value below the first pressure is 1.
+    /// A law from a table of factors. The value below the first pressure is 1; a first factor other
+    /// than 1 is a step, taken over the last part in a thousand below the first pressure.
     ///
     /// # Errors
     /// [`MaterialError`] if the table is empty, its columns differ in length, pressures do not
     /// increase from a positive first one, or a factor is negative.
-    pub fn new(pressure_pa: Vec<f64>, factor: Vec<f64>) -> Result<Self, MaterialError> {
+    pub fn new(mut pressure_pa: Vec<f64>, mut factor: Vec<f64>) -> Result<Self, MaterialError> {
         const TABLE: &str = "area law";
         increasing(TABLE, &pressure_pa)?;
         positive("first pressure of the area law", pressure_pa[0])?;
@@ -37,6 +44,10 @@ impl AreaLaw {
         }
         for &value in &factor {
             not_negative("factor of the area law", value)?;
+        }
+        if (factor[0] - 1.0).abs() > STEP_TOLERANCE {
+            pressure_pa.insert(0, pressure_pa[0] * (1.0 - STEP_WIDTH));
+            factor.insert(0, 1.0);
         }
         let slope = pressure_pa.windows(2).zip(factor.windows(2)).map(|(p, f)| (f[1] - f[0]) / (p[1] - p[0])).collect();
         Ok(Self { pressure_pa, factor, slope })
@@ -161,6 +172,16 @@ mod tests {
         for &p in law.pressures_pa() {
             assert!((law.factor(p * (1.0 - 1e-12)) - law.factor(p * (1.0 + 1e-12))).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_first_factor_other_than_one_is_a_narrow_step() {
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6], vec![0.8, 0.5]).unwrap();
+        for (p, f) in [(0.6e6, 1.0), (0.6993e6, 1.0), (0.69965e6, 0.9), (0.7e6, 0.8), (2.6e6, 0.5)] {
+            assert!((law.factor(p) - f).abs() < 1e-9, "{p}: {}", law.factor(p));
+        }
+        let nothing = AreaLaw::new(vec![1.0], vec![0.0]).unwrap();
+        assert_eq!((nothing.factor(1.0), nothing.factor(1e6)), (0.0, 0.0));
     }
 
     #[test]

@@ -29,6 +29,16 @@ pub enum SceneError {
         /// The limit.
         most: f64,
     },
+    /// The equations of steady sliding do not fit in memory.
+    #[error(
+        "the equations of steady sliding take {bytes:.2e} bytes on this lattice: expected at most {most_bytes:.2e}"
+    )]
+    TooLarge {
+        /// Memory they would take.
+        bytes: f64,
+        /// The limit.
+        most_bytes: f64,
+    },
     /// No pressure was given.
     #[error("the scene has no load: expected at least one pressure")]
     NoLoads,

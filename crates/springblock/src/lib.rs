@@ -50,6 +50,7 @@ mod section;
 mod simulate;
 mod steady;
 
+pub use dynamics::MOST_STEPS;
 pub use error::SceneError;
 pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};

@@ -11,6 +11,12 @@ pub enum Status {
     NoOnset,
     /// No contact block carries load, so that mu is 0/0.
     NoLoad,
+    /// The area law leaves no friction on any contact block: mu is 0, a ratio to it 0/0.
+    NoFriction,
+    /// A dynamic run was not begun: it would take more steps than [`crate::MOST_STEPS`].
+    TooManySteps,
+    /// Dynamic mu was averaged over too few periods of the layer's first shear mode to be a mean.
+    ShortWindow,
     /// The wanted standard error was not reached within the run's cap on travel.
     StderrNotReached,
     /// The state stopped being finite.
@@ -28,6 +34,9 @@ impl Status {
             Self::NotConverged => "not_converged",
             Self::NoOnset => "no_onset",
             Self::NoLoad => "no_load",
+            Self::NoFriction => "no_friction",
+            Self::TooManySteps => "too_many_steps",
+            Self::ShortWindow => "short_window",
             Self::StderrNotReached => "stderr_not_reached",
             Self::Diverged => "diverged",
             Self::Cancelled => "cancelled",

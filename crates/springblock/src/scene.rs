@@ -181,6 +181,9 @@ fn whole(ratio: f64) -> usize {
 
 /// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
 const MOST_BLOCKS: f64 = 4e7;
+/// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
+/// pull.
+const LEAST_PITCH: f64 = 1.2;
 /// Ratio that counts as a whole number of blocks.
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
@@ -239,6 +242,13 @@ impl Scene {
                 return Err(SceneError::CavityThroughLayer {
                     depth_m: pattern.depth_m(),
                     height_m: self.layer.height_m,
+                });
+            }
+            if pattern.pitch_m() < LEAST_PITCH * self.layer.block_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "pitch_m",
+                    value: pattern.pitch_m(),
+                    expected: "a pitch of at least 1.2 blocks: smaller blocks resolve it",
                 });
             }
             let most_m = MOST_BLOCKS / (self.layer.height_m / self.layer.block_m) * self.layer.block_m;

@@ -65,7 +65,7 @@ impl SectionModel {
                 let mu_flat = Some(mean * area_law.map_or(1.0, |law| law.factor(load.pressure_pa)))
                     .filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
                 let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
-                    (Status::Converged, Some(mu), Some(flat)) => Some(mu / flat),
+                    (Status::Converged | Status::NoFriction, Some(mu), Some(flat)) => Some(mu / flat),
                     _ => None,
                 };
                 SectionOutcome { surface, mu_flat, ratio }

@@ -5,18 +5,21 @@ use slipgrid_pattern::Pattern;
 
 use crate::columns::{self, Column};
 use crate::draws;
-use crate::dynamics::{DynamicRun, Scheme};
+use crate::dynamics::{DynamicRun, MOST_STEPS, Plan, Scheme};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::monitor::Monitor;
-use crate::outcome::{LoadOutcome, Simulation, SurfaceOutcome};
+use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
 use crate::section::SectionModel;
-use crate::steady::{SteadyLoad, SteadyModel};
+use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
 /// and this many blocks average the scatter of the coefficients.
 const FLAT_CELL_COLUMNS: usize = 100;
+
+/// Most memory that the equations of one lattice may take, in bytes: two may stand side by side.
+const MOST_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 
 /// Columns that stand for a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
@@ -31,10 +34,15 @@ const UNIFORM_COLUMNS: usize = 3;
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     scene.validate()?;
     let mut simulation = match scene.run.fidelity {
-        Fidelity::Steady => steady(scene, monitor),
+        Fidelity::Steady => steady(scene, monitor)?,
         Fidelity::Dynamic | Fidelity::Reference => dynamic(scene, monitor)?,
     };
-    if let Some(pattern) = &scene.pattern {
+    // An estimate that does not fit in memory is left out.
+    let estimated = scene
+        .pattern
+        .as_ref()
+        .filter(|pattern| affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true).is_ok());
+    if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
             _ => SectionModel::new(scene).ratios(pattern),
@@ -66,8 +74,16 @@ fn lattice(scene: &Scene, columns: Vec<Column>) -> Lattice {
     Lattice::new(columns, scene.layer.rows(), scene.run.extent == Extent::Cell)
 }
 
-fn steady(scene: &Scene, monitor: &dyn Monitor) -> Simulation {
+/// Refuses equations of steady sliding that do not fit in memory.
+fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), SceneError> {
+    let bytes = factor_bytes(columns, scene.layer.rows(), periodic);
+    let most_bytes = MOST_FACTOR_BYTES;
+    if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
+}
+
+fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let (own, flat) = surfaces(scene, scene.pattern.as_ref());
+    affordable(scene, own.len(), scene.run.extent == Extent::Cell)?;
     let model = |columns: Vec<Column>| {
         let (block_m, stiffness) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa());
         SteadyModel::new(lattice(scene, columns), block_m, stiffness, scene.run.liftoff)
@@ -96,6 +112,15 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Simulation {
     if scene.run.extent == Extent::Cell {
         model.push("mean local coefficients: a periodic cell has no scatter to average".to_owned());
     }
+    if scene.speed_m_s == 0.0 {
+        model.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
+    }
+    if scene.loads.iter().any(|load| load.friction.dynamic_mean() > 1.0) {
+        model.push(
+            "mu above 1: this equilibrium is unstable, as steady sliding of an elastic body on a rigid plane is"
+                .to_owned(),
+        );
+    }
     if !own.lattice().is_plain() {
         model.push(
             "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
@@ -103,7 +128,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Simulation {
         );
     }
     describe_law(scene, &mut model);
-    Simulation { model, loads }
+    Ok(Simulation { model, loads })
 }
 
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
@@ -127,7 +152,14 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     };
     let (own, flat) = surfaces(scene, nearest.as_ref());
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
+    if scene.run.warm_start {
+        for lattice in &lattices {
+            affordable(scene, lattice.nx(), lattice.is_periodic())?;
+        }
+    }
     let schemes = lattices.iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
+
+    let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
 
     let surfaces = lattices.len();
     let share = 1.0 / (surfaces * scene.loads.len()) as f64;
@@ -139,7 +171,6 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
                 .run(monitor)
         })
         .collect();
-    let corrections = off_lattice_corrections(scene, nearest.as_ref());
     let mut loads = Vec::with_capacity(scene.loads.len());
     for (load, correction) in scene.loads.iter().zip(&corrections).rev() {
         let flat = if surfaces == 2 { outcomes.pop() } else { None };
@@ -164,6 +195,16 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
         scheme.limit_s * 1e9,
         scene.run.damping,
     )];
+    let steps = Plan::new(scene, scheme.step_s).total();
+    if steps > MOST_STEPS {
+        model.push(format!(
+            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
+            scene.run.sliding_m, scene.speed_m_s,
+        ));
+    }
+    if scene.speed_m_s == 0.0 {
+        model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
+    }
     describe_extent(scene, &mut model);
     if scene.run.warm_start {
         model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
@@ -181,19 +222,22 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
-fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Vec<f64> {
+fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<Vec<f64>, SceneError> {
     let none = vec![0.0; scene.loads.len()];
-    let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return none };
+    let (Some(pattern), Some(nearest)) = (&scene.pattern, nearest) else { return Ok(none) };
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
     if close(pattern.width_m(), nearest.width_m())
         && close(pattern.spacing_m(), nearest.spacing_m())
         && close(pattern.depth_m(), nearest.depth_m())
     {
-        return none;
+        return Ok(none);
     }
+    affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true)?;
     let model = SectionModel::new(scene);
     let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
-    exact.iter().zip(&whole).map(|(e, w)| e.unwrap_or(0.0) - w.unwrap_or(0.0)).collect()
+    // Without a steady ratio on one side there is nothing to correct by.
+    let difference = |(e, w): (&Option<f64>, &Option<f64>)| e.zip(*w).map_or(0.0, |(e, w)| e - w);
+    Ok(exact.iter().zip(&whole).map(difference).collect())
 }
 
 /// Change of the steady cell's ratio `own` from blocks twice as large, or the next size that divides the
@@ -210,14 +254,16 @@ fn discretization_errors(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) 
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {
-    let ratio = flat.as_ref().and_then(|flat| {
+    // Two states that are no equilibria have no ratio.
+    let found = |surface: &SurfaceOutcome| surface.status != Status::NotConverged;
+    let ratio = flat.as_ref().filter(|flat| found(&surface) && found(flat)).and_then(|flat| {
         let (own, flat) = (surface.mu_dynamic?, flat.mu_dynamic?);
         (flat != 0.0).then(|| own / flat)
     });
     let ratio_stderr = flat.as_ref().zip(ratio).and_then(|(flat, ratio)| {
-        let own = surface.mu_dynamic_stderr? / surface.mu_dynamic?;
-        let flat = flat.mu_dynamic_stderr? / flat.mu_dynamic?;
-        Some(ratio.abs() * own.hypot(flat))
+        // d(a/b) = (da - (a/b) db) / b: also where the patterned surface has no friction
+        let (own, of_flat) = (surface.mu_dynamic_stderr?, flat.mu_dynamic_stderr?);
+        Some(own.hypot(ratio * of_flat) / flat.mu_dynamic?.abs())
     });
     LoadOutcome { pressure_pa: load.pressure_pa, surface, flat, ratio, ratio_stderr, ratio_discretization_error: None }
 }

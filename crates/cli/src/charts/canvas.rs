@@ -34,6 +34,7 @@ const CHARACTER_WIDTH: f64 = 0.58;
 
 const TITLE_SIZE: f64 = 18.0;
 pub(super) const TEXT_SIZE: f64 = 14.0;
+pub(super) const SMALL_SIZE: f64 = 11.0;
 const LEGEND_HEIGHT: f64 = 22.0;
 const SWATCH: f64 = 26.0;
 
@@ -44,6 +45,8 @@ pub(super) enum Swatch {
     Dashed(RGBColor),
     Band(RGBColor, f64),
     Mark(Mark, RGBColor),
+    /// Pointing down.
+    Arrow(RGBColor),
 }
 
 /// Shapes of points.
@@ -111,6 +114,13 @@ impl Canvas<'_> {
         self.root.draw(&PathElement::new(pixels(points), stroke(color, width))).map_err(failed)
     }
 
+    /// A vertical arrow.
+    pub(super) fn arrow(&self, from: [f64; 2], tip: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
+        let back = 5.0 * (from[1] - tip[1]).signum();
+        self.line(&[from, tip], color, 1.6)?;
+        self.line(&[[tip[0] - 3.5, tip[1] + back], tip, [tip[0] + 3.5, tip[1] + back]], color, 1.6)
+    }
+
     /// A straight dashed line.
     pub(super) fn dashed(&self, [from, to]: [[f64; 2]; 2], color: RGBColor, width: f64) -> Result<(), ChartError> {
         const DASH: f64 = 6.0;
@@ -166,6 +176,12 @@ impl Canvas<'_> {
         self.styled_text(text, at, anchor, color, TEXT_SIZE, FontStyle::Normal, FontTransform::None)
     }
 
+    /// Text for labels beside points.
+    pub(super) fn small_text(&self, text: &str, at: [f64; 2], color: RGBColor) -> Result<(), ChartError> {
+        let anchor = (HPos::Left, VPos::Center);
+        self.styled_text(text, at, anchor, color, SMALL_SIZE, FontStyle::Normal, FontTransform::None)
+    }
+
     /// Text that reads upwards.
     pub(super) fn upward_text(&self, text: &str, at: [f64; 2]) -> Result<(), ChartError> {
         let anchor = (HPos::Center, VPos::Top);
@@ -216,8 +232,14 @@ impl Canvas<'_> {
             Swatch::Dashed(color) => self.dashed(ends, color, 2.0),
             Swatch::Band(color, opacity) => self.rectangle([[x, y - 6.0], [x + SWATCH, y + 6.0]], color, opacity),
             Swatch::Mark(mark, color) => self.mark(mark, [x + SWATCH / 2.0, y], color),
+            Swatch::Arrow(color) => self.arrow([x + SWATCH / 2.0, y - 8.0], [x + SWATCH / 2.0, y + 7.0], color),
         }
     }
+}
+
+/// Estimated width of a small text.
+pub(super) fn small_text_width(text: &str) -> f64 {
+    text_width(text) * SMALL_SIZE / TEXT_SIZE
 }
 
 /// Estimated width of a text of the usual size.

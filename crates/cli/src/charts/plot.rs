@@ -48,6 +48,26 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
+    /// An axis of decimal logarithms over all of `values`, themselves logarithms, with room on both sides;
+    /// its numbers are those whose logarithms they are.
+    pub(super) fn logarithmic(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        const ROOM: f64 = 0.15;
+        let [low, high] = extremes(values);
+        let range = [low - ROOM, high + ROOM];
+        // At most two decades leave room for 2 and 5 between the powers of ten.
+        let factors: &[f64] = if range[1] - range[0] > 2.5 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+        let powers = (range[0].floor() as i32)..=(range[1].ceil() as i32);
+        let ticks = powers
+            .flat_map(|power| factors.iter().map(move |factor| (f64::from(power) + factor.log10(), *factor, power)))
+            .filter(|(log, ..)| (range[0]..=range[1]).contains(log))
+            .map(|(log, factor, power)| {
+                let decimals = (-power).max(0) as usize;
+                (log, format!("{:.decimals$}", factor * 10_f64.powi(power)))
+            })
+            .collect();
+        Self { title: title.to_owned(), range, ticks }
+    }
+
     /// An axis of named places 0, 1, 2, ...
     pub(super) fn of_names(title: &str, names: Vec<String>) -> Self {
         let range = [-0.5, names.len() as f64 - 0.5];
@@ -222,6 +242,13 @@ mod tests {
         assert_eq!(texts([0.0, 3.0]), ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0"]);
         assert_eq!(texts([0.81, 1.02]), ["0.85", "0.90", "0.95", "1.00"]);
         assert_eq!(texts([-20.0, 40.0]), ["-20", "-10", "0", "10", "20", "30", "40"]);
+    }
+
+    #[test]
+    fn logarithmic_ticks_are_powers_of_ten() {
+        let texts = |range| Axis::logarithmic("", range).ticks.into_iter().map(|(_, text)| text).collect::<Vec<_>>();
+        assert_eq!(texts([-2.0, 2.0]), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(texts([-1.0, 0.1]), ["0.1", "0.2", "0.5", "1"]);
     }
 
     #[test]

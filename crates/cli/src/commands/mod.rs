@@ -1,5 +1,6 @@
 //! One module a command: read, call the libraries, report.
 
+mod accuracy;
 mod area_law;
 mod calibrate;
 mod drawings;
@@ -27,5 +28,6 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Synthesize(args) => synthesize::run(args, console),
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
+        Command::Accuracy(args) => accuracy::run(args, console),
     }
 }

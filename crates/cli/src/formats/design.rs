@@ -178,7 +178,7 @@ impl Design {
         let max_peak_pressure_pa = document.optional(file.limits.max_peak_pressure_mpa.as_ref(), PRESSURE_MPA)?;
         let material = read_material_input(&document, &file.material)?;
         if let MaterialInput::Given(material) = &material {
-            read_pressures(&document, &file.target.get_ref().pressure_mpa, material)?;
+            read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, material)?;
         }
         let max_evaluations = match &file.search.max_evaluations {
             None => DEFAULT_MAX_EVALUATIONS,
@@ -217,7 +217,7 @@ impl Design {
     /// [`Diagnostic`] at the condition if `material` has no coefficients for it, or at the
     /// pressures if one exceeds its modulus.
     pub fn loads(&self, material: &Material) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
-        read_pressures(&self.document, &self.target_pressures, material)?;
+        read_pressures(&self.document, &self.target_pressures, PRESSURE_MPA, material)?;
         super::scene::loads(&material.friction, &self.pressures_pa(), self.condition.as_ref())
             .map_err(|error| self.document.refuse(self.condition_place.clone(), error.to_string()))
     }

@@ -20,8 +20,6 @@ use crate::units::{
 pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
 /// mu_s over mu_d where no static friction was measured: the paper's 0.30 over 0.27.
 pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
-/// How far the first factor of an area law may lie from 1.
-const FIRST_FACTOR_TOLERANCE: f64 = 1e-6;
 
 /// A material as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -327,11 +325,6 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
             .expected(format!("{}, one for each pressure", pressure_pa.len())))
     };
     same_length(&law.factor)?;
-    if (factor[0] - 1.0).abs() > FIRST_FACTOR_TOLERANCE {
-        return Err(document
-            .refuse(law.factor.get_ref()[0].span(), "starts the law with a jump, since f = 1 below the first pressure")
-            .expected("1 at the first pressure"));
-    }
     for (about, quantity) in
         [(&law.rms_slope, SLOPE), (&law.sa_um, LENGTH_UM), (&law.pixel_um, LENGTH_UM), (&law.poisson_ratio, POISSON)]
     {

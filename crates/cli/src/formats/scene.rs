@@ -12,7 +12,7 @@ use super::document::Document;
 use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
+use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -183,7 +183,9 @@ impl SceneInput {
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
         let run = read_run(&document, &file.run, overrides)?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
-        let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, &material)?;
+        // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
+        let load = PRESSURE_MPA.or_least();
+        let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, load, &material)?;
         let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
         let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
             .map_err(|error| document.refuse(asked, error.to_string()))?;
@@ -231,6 +233,12 @@ impl SceneInput {
                 let reason = format!("divides the layer into {blocks:.1e} blocks");
                 self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
                     .expected(format!("a size that gives at most {most:.0e}"))
+            }
+            SceneError::TooLarge { bytes, most_bytes } => {
+                let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+                let reason = format!("makes equations of steady sliding that take {:.0} GiB", gib(*bytes));
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("larger blocks or a smaller layer, at most {:.0} GiB", gib(*most_bytes)))
             }
             SceneError::CavityThroughLayer { depth_m, height_m } => self
                 .at(
@@ -377,16 +385,17 @@ pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Lay
     Ok(layer)
 }
 
-/// Reads nominal pressures and checks them against the elastic modulus.
+/// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
 pub fn read_pressures(
     document: &Document,
     pressures: &Spanned<Numbers>,
+    quantity: Quantity,
     material: &Material,
 ) -> Result<Vec<f64>, Diagnostic> {
-    let read = list(document, pressures, PRESSURE_MPA)?;
+    let read = list(document, pressures, quantity)?;
     let modulus_pa = material.elastic.youngs_modulus_pa();
     if let Some(place) = read.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
         let span = match pressures.get_ref() {
@@ -405,7 +414,7 @@ fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&
         (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
         (None, Some(condition)) => Ok(condition.speed_m_s),
         (Some(speed), condition) => {
-            let speed_m_s = document.number(speed, SPEED_MM_S)?;
+            let speed_m_s = document.number(speed, SPEED_MM_S.or_least())?;
             let other = condition.filter(|condition| (condition.speed_m_s / speed_m_s - 1.0).abs() > 1e-6);
             other.map_or(Ok(speed_m_s), |condition| {
                 Err(document

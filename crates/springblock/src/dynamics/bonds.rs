@@ -104,6 +104,35 @@ impl Bonds {
     }
 }
 
+#[cfg(test)]
+impl Bonds {
+    /// Energy of the springs at the displacements of the last evaluation plus load times height: what
+    /// changes by work alone while the load is constant.
+    pub fn potential(&self, u: &[Vec<f64>; 2], bulk_x: f64, load: f64) -> f64 {
+        let energy = |spring: &Spring, d: [f64; 2]| {
+            let [x, y] = spring.rest;
+            let along = x * d[0] + y * d[1];
+            let elongation = match self.law {
+                Springs::Linear => along / spring.length,
+                Springs::Exact => {
+                    (2.0 * along + d[0] * d[0] + d[1] * d[1]) / ((x + d[0]).hypot(y + d[1]) + spring.length)
+                }
+            };
+            0.5 * spring.stiffness * elongation * elongation
+        };
+        let between = |s: &Spring| energy(s, [u[0][s.b] - u[0][s.a], u[1][s.b] - u[1][s.a]]);
+        let to_bulk = |s: &Spring| energy(s, [bulk_x - u[0][s.a], self.height - u[1][s.a]]);
+        let springs: f64 = self.springs.iter().map(between).sum();
+        springs + self.to_bulk.iter().map(to_bulk).sum::<f64>() + load * self.height
+    }
+
+    /// Horizontal force that drives the bulk.
+    pub fn drive(&self, u: &[Vec<f64>; 2], bulk_x: f64) -> f64 {
+        let pull = |s: &Spring| force(self.law, s, [bulk_x - u[0][s.a], self.height - u[1][s.a]])[0];
+        self.to_bulk.iter().map(pull).sum()
+    }
+}
+
 /// Force on the first end of a spring whose second end has moved by `d` relative to it.
 fn force(law: Springs, spring: &Spring, d: [f64; 2]) -> [f64; 2] {
     let [x, y] = spring.rest;

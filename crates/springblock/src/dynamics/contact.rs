@@ -239,10 +239,11 @@ impl<'a> ContactRow<'a> {
     }
 }
 
-/// Direction of slip: that of the velocity or, for a block just starting, of the force.
+/// Direction of slip: that of the velocity or, for a block just starting, of the force; 0 without either.
 #[must_use]
 pub fn slip_direction(velocity: f64, force: f64) -> f64 {
-    if velocity != 0.0 { velocity.signum() } else { force.signum() }
+    let of = if velocity != 0.0 { velocity } else { force };
+    if of == 0.0 { 0.0 } else { of.signum() }
 }
 
 #[cfg(test)]

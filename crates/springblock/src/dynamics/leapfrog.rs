@@ -11,7 +11,8 @@ use super::bonds::Bonds;
 use super::contact::{ContactRow, ContactSums, Motion};
 use super::engine::{Engine, Setup};
 use super::protocol::Protocol;
-use super::stencil::{Field, Stencil};
+use super::rows::Field;
+use super::stencil::Stencil;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 

@@ -6,6 +6,7 @@
 //! | `protocol` | ramp, rest, drive |
 //! | `contact` | the friction law on the contact row |
 //! | `bonds` | forces bond by bond, linear or exact |
+//! | `rows` | coefficients and state of the stencil |
 //! | `stencil` | linear forces as a stencil |
 //! | `sweep` | one pass of forces, kick and drift over the stencil |
 //! | `leapfrog`, `runge_kutta` | integrators |
@@ -19,6 +20,7 @@ mod engine;
 mod leapfrog;
 mod protocol;
 mod recorder;
+mod rows;
 mod run;
 mod runge_kutta;
 mod scales;
@@ -28,5 +30,7 @@ mod sweep;
 
 pub use run::{DynamicRun, MOST_STEPS, Plan, Scheme};
 
+#[cfg(test)]
+mod properties;
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,9 @@
 //! beginning of a step and held through its four stages; a block that would reverse ends at rest.
 //! Units: k = 1, l = 1, m = 1.
 
+#[cfg(test)]
+mod balance;
+
 use super::bonds::Bonds;
 use super::contact::{ContactRow, ContactSums, Motion, slip_direction};
 use super::engine::{Engine, Setup};
@@ -67,6 +70,9 @@ pub struct RungeKutta<'a> {
     time_step: f64,
     steps: u64,
     liftoff: bool,
+    /// Work done so far.
+    #[cfg(test)]
+    ledger: balance::Ledger,
 }
 
 impl<'a> RungeKutta<'a> {
@@ -92,6 +98,8 @@ impl<'a> RungeKutta<'a> {
             time_step,
             steps: 0,
             liftoff,
+            #[cfg(test)]
+            ledger: balance::Ledger::default(),
         }
     }
 
@@ -164,10 +172,15 @@ impl Engine for RungeKutta<'_> {
                 }
                 sums = self.contact.begin_step(&self.state.v[0], force_x, force_y);
                 for (direction, block) in self.direction.iter_mut().zip(&self.contact.blocks) {
-                    *direction = slip_direction(self.state.v[0][block.column], force_x[block.column]);
+                    // A block that carries no pressure now has no friction in this step.
+                    let free = block.friction == 0.0;
+                    let towards = slip_direction(self.state.v[0][block.column], force_x[block.column]);
+                    *direction = if free { 0.0 } else { towards };
                 }
             }
             self.find_slope();
+            #[cfg(test)]
+            self.account(weight * h, now, time);
             self.next.add(weight * h, &self.slope);
             if number < 3 {
                 self.stage.set_to(&self.state, ahead * h, &self.slope);
@@ -177,6 +190,8 @@ impl Engine for RungeKutta<'_> {
         for (block, direction) in self.contact.blocks.iter_mut().zip(&self.direction) {
             let i = block.column;
             if block.motion == Motion::Slip && block.friction != 0.0 && self.state.v[0][i] * direction <= 0.0 {
+                #[cfg(test)]
+                self.ledger.stop(self.inverse_mass[i], self.state.v[0][i]);
                 self.state.v[0][i] = 0.0;
                 block.motion = Motion::Rest;
             }

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use multiversion::multiversion;
 
-use super::stencil::{Field, Row, RowCoefficients, Site, Springs8};
+use super::rows::{Field, Row, RowCoefficients, Site, Springs8};
 
 /// What a kick does to velocities (times the step).
 #[derive(Clone, Copy, Debug)]

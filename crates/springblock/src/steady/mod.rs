@@ -14,10 +14,12 @@
 //!
 //! The fixed point is found by Anderson-accelerated iteration ([`anderson`]); the contraction of the
 //! plain one is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for
-//! mu < 1. If the limit of iterations is reached, the best state is returned as not converged.
+//! mu < 1. Where lands tip or the law falls steeply it may wander: Newton's method ([`newton`]) takes over
+//! from the best state. If that fails too, the best state is returned as not converged.
 
 mod anderson;
 mod band;
+mod newton;
 mod system;
 
 use slipgrid_material::AreaLaw;
@@ -26,6 +28,7 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
 use system::System;
+pub use system::factor_bytes;
 
 /// Change of the friction forces, relative to the load, below which the solve has converged; the
 /// error of mu is about as large. The requirement on mu is 1e-8.
@@ -118,10 +121,10 @@ impl SteadyModel {
                 }
             }
             rounds += 1;
-            if next == lifted || next.len() == system.contacts().len() {
+            if next == lifted {
                 return state;
             }
-            if rounds == MOST_CONTACT_ROUNDS {
+            if rounds == MOST_CONTACT_ROUNDS || next.len() == system.contacts().len() {
                 state.status = Status::NotConverged;
                 return state;
             }
@@ -181,6 +184,10 @@ impl SteadyModel {
 
     fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
         let contacts = self.system.contacts();
+        if !state.normal.iter().chain(&state.friction).all(|force| force.is_finite()) {
+            // Nothing resists the friction, as in a single free column: there is no equilibrium.
+            return SurfaceOutcome { status: Status::NotConverged, ..self.unloaded() };
+        }
         let interface: Vec<InterfacePoint> = contacts
             .iter()
             .zip(state.normal.iter().zip(&state.friction))
@@ -193,6 +200,7 @@ impl SteadyModel {
         let mu = (compressive > 0.0 && friction.is_finite()).then(|| friction / compressive);
         SurfaceOutcome {
             status: match mu {
+                Some(0.0) if state.status == Status::Converged => Status::NoFriction,
                 Some(_) => state.status,
                 None => Status::NoLoad,
             },
@@ -217,7 +225,10 @@ impl SteadyModel {
     /// Whether a ceiling sags to the counterface.
     fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
         let unit = self.displacement_unit(pressure_pa);
-        self.lattice.columns().iter().enumerate().filter(|(_, column)| !column.is_land()).any(|(i, column)| {
+        let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
+        // A layer of one row may be cut through: nothing is left that could sag.
+        let ceilings = columns.iter().enumerate().filter(|(i, c)| !c.is_land() && self.lattice.lowest_row(*i) < rows);
+        ceilings.into_iter().any(|(i, column)| {
             let ceiling = self.system.dof(i, self.lattice.lowest_row(i));
             column.cavity_rows + displacement[ceiling + 1] * unit <= 0.0
         })
@@ -238,11 +249,8 @@ fn iterate(system: &System, load: &SteadyLoad) -> Equilibrium {
     let mut best: Option<(f64, Vec<f64>)> = None;
     let evaluate = |friction: &[f64], displacement: &mut [f64], normal: &mut [f64], image: &mut [f64]| {
         system.respond(friction, displacement, normal);
-        for ((image, contact), &n) in image.iter_mut().zip(contacts).zip(normal.iter()) {
-            let n = if contact.lifted { 0.0 } else { n.max(0.0) };
-            let factor = load.area_law.map_or(1.0, |law| law.factor(n / contact.width * load.pressure_pa));
-            // T = mu_d f(p) N
-            *image = load.dynamic_mu[contact.column] * factor * n;
+        for (number, (image, &normal)) in image.iter_mut().zip(normal.iter()).enumerate() {
+            *image = newton::friction_at(system, load, number, normal);
         }
         image.iter().zip(friction).map(|(g, x)| (g - x).abs()).sum::<f64>() / scale
     };
@@ -266,13 +274,15 @@ fn iterate(system: &System, load: &SteadyLoad) -> Equilibrium {
         }
         mixer.step(&mut friction, &image);
     }
+    let mut iterations = MOST_ITERATIONS;
     if let Some((_, state)) = best {
         friction = state;
+        iterations += newton::improve(system, load, &mut friction, 0.5 * TOLERANCE);
     }
     let residual = evaluate(&friction, &mut displacement, &mut normal, &mut image);
     Equilibrium {
-        status: Status::NotConverged,
-        iterations: MOST_ITERATIONS,
+        status: if residual <= TOLERANCE { Status::Converged } else { Status::NotConverged },
+        iterations,
         residual,
         friction: image,
         normal,

@@ -45,6 +45,19 @@ pub struct System {
     bulk_stiffness: f64,
 }
 
+/// Half bandwidth of the equations of a lattice: neighbouring columns lie one position apart, two where
+/// the ring is folded.
+fn half_bandwidth(columns: usize, rows: usize, periodic: bool) -> usize {
+    let apart = if periodic { 2.min(columns - 1) } else { 1.min(columns - 1) };
+    (2 * rows * apart + 3).min(2 * columns * rows - 1)
+}
+
+/// Memory that the factor of a lattice takes, in bytes.
+pub fn factor_bytes(columns: usize, rows: usize, periodic: bool) -> f64 {
+    let row = half_bandwidth(columns, rows, periodic) + 1;
+    8.0 * (2 * columns * rows) as f64 * row as f64
+}
+
 impl System {
     /// Assembles and factors `lattice` with every contact block pinned vertically but those of the
     /// columns `lifted`.
@@ -52,9 +65,6 @@ impl System {
         let (nx, rows) = (lattice.nx(), lattice.ny());
         let position = column_order(nx, lattice.is_periodic());
         let order = 2 * nx * rows;
-        // Neighbouring columns lie one position apart, two where the ring is folded.
-        let apart = if lattice.is_periodic() { 2.min(nx - 1) } else { 1.min(nx - 1) };
-        let half_bandwidth = (2 * rows * apart + 3).min(order - 1);
 
         let mut system = Self {
             rows,
@@ -73,7 +83,7 @@ impl System {
             contact_at[contact.column] = Some(number);
         }
 
-        let mut stiffness = BandMatrix::zero(order, half_bandwidth);
+        let mut stiffness = BandMatrix::zero(order, half_bandwidth(nx, rows, lattice.is_periodic()));
         let mut touched = vec![false; order];
         lattice.for_each_bond(|bond| system.add_bond(&bond, &contact_at, &mut stiffness, &mut touched));
         // Removed blocks and pinned directions become identity rows.

@@ -1,0 +1,276 @@
+use plotters::style::RGBColor;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::canvas::{
+    Canvas, GREY, INK, LEFT, Mark, PALETTE, RIGHT, SMALL_SIZE, Swatch, WIDTH, picture, small_text_width,
+};
+use super::plot::{Axis, Plot};
+use super::{ChartError, check};
+
+/// Wall time against error, one panel a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkPrecisionChart<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Names of the families of methods, at most as many as there are colours.
+    pub families: &'a [&'a str],
+    /// One below the other.
+    pub panels: &'a [WorkPrecisionPanel<'a>],
+    /// Seconds of the reference.
+    pub reference_s: f64,
+}
+
+/// The errors in one quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkPrecisionPanel<'a> {
+    /// Title of the error axis.
+    pub error_title: &'a str,
+    /// One per method.
+    pub points: &'a [WorkPoint<'a>],
+    /// Errors below this cannot be told apart, in per cent.
+    pub resolution_pct: f64,
+}
+
+/// A method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkPoint<'a> {
+    /// Its name, short.
+    pub label: &'a str,
+    /// Place of its family in the chart's list.
+    pub family: usize,
+    /// Seconds.
+    pub wall_s: f64,
+    /// Size of the error, in per cent.
+    pub error_pct: f64,
+    /// The error is not significant: `error_pct` is what chance would hide.
+    pub at_most: bool,
+    /// No other is both faster and at least as accurate.
+    pub on_front: bool,
+    /// What the program does where nobody chooses.
+    pub is_default: bool,
+}
+
+/// Height of a panel with its axis.
+const PANEL_HEIGHT: f64 = 470.0;
+/// Height of the title and the legend.
+const HEADING: f64 = 100.0;
+/// Errors below this, in per cent, are drawn there: a logarithm needs some number.
+const LEAST_ERROR_PCT: f64 = 1e-3;
+/// Times below this, in seconds, likewise.
+const LEAST_TIME_S: f64 = 1e-6;
+/// Room around a mark.
+const MARK_ROOM: f64 = 7.0;
+/// Room around the ring of a default.
+const RING_ROOM: f64 = 9.0;
+/// Room beside a line.
+const LINE_ROOM: f64 = 2.0;
+/// Length of the arrow at an upper bound.
+const ARROW: f64 = 15.0;
+
+/// Left, top, right, bottom on the page.
+type Frame = [f64; 4];
+
+/// Draws wall time against error, both logarithmic, with the front of each panel.
+///
+/// # Errors
+/// [`ChartError`] if a panel is empty or a value is not finite.
+pub fn work_precision(chart: &WorkPrecisionChart<'_>) -> Result<String, ChartError> {
+    for panel in chart.panels {
+        check(chart.title, panel.points.iter().flat_map(|point| [&point.wall_s, &point.error_pct]))?;
+        check(chart.title, [&panel.resolution_pct])?;
+    }
+    check(chart.title, [&chart.reference_s])?;
+    let mut legend: Vec<(Swatch, &str)> = chart
+        .families
+        .iter()
+        .enumerate()
+        .map(|(family, &name)| {
+            let (mark, color) = style(family);
+            (Swatch::Mark(mark, color), name)
+        })
+        .collect();
+    legend.push((Swatch::Mark(Mark::Ring, INK), "a default of the program"));
+    legend.push((Swatch::Line(GREY), "front"));
+    legend.push((Swatch::Dashed(GREY), "below it not told apart"));
+    legend.push((Swatch::Arrow(GREY), "not significant: at most"));
+    let height = HEADING + PANEL_HEIGHT * chart.panels.len() as f64;
+    picture(height, |canvas| {
+        let heading = canvas.heading(chart.title, &legend)?;
+        let panel_height = (height - heading) / chart.panels.len() as f64;
+        for (order, panel) in chart.panels.iter().enumerate() {
+            let top = heading + panel_height * order as f64;
+            draw(canvas, [LEFT, top, WIDTH - RIGHT, top + panel_height - 70.0], panel, chart.reference_s)?;
+        }
+        Ok(())
+    })
+}
+
+fn style(family: usize) -> (Mark, RGBColor) {
+    // Rings are for the defaults.
+    let marks = [Mark::Circle, Mark::Square, Mark::Triangle, Mark::Diamond];
+    (marks[family % marks.len()], PALETTE[family % PALETTE.len()])
+}
+
+fn logarithms(point: &WorkPoint<'_>) -> [f64; 2] {
+    [point.wall_s.max(LEAST_TIME_S).log10(), point.error_pct.max(LEAST_ERROR_PCT).log10()]
+}
+
+fn draw(canvas: &Canvas<'_>, frame: Frame, panel: &WorkPrecisionPanel<'_>, reference_s: f64) -> Result<(), ChartError> {
+    let places: Vec<[f64; 2]> = panel.points.iter().map(logarithms).collect();
+    let reference = reference_s.max(LEAST_TIME_S).log10();
+    let resolution = panel.resolution_pct.max(LEAST_ERROR_PCT).log10();
+    let x_axis =
+        Axis::logarithmic("wall time of one run on one thread (s)", places.iter().map(|at| at[0]).chain([reference]));
+    let y_axis = Axis::logarithmic(panel.error_title, places.iter().map(|at| at[1]).chain([resolution]));
+    let plot = Plot::new(canvas, frame, x_axis, y_axis)?;
+    plot.horizontal(resolution, GREY)?;
+    let foot = [plot.at([reference, resolution])[0], frame[3]];
+    canvas.dashed([foot, [foot[0], frame[1]]], INK, 1.2)?;
+    canvas.text("reference", [foot[0] - 6.0, frame[1] + 10.0], (HPos::Right, VPos::Center), INK)?;
+    let mut taken = vec![[foot[0] - 76.0, frame[1], foot[0] + 2.0, frame[1] + 20.0]];
+
+    // The front as stairs: between two methods the faster one's error holds.
+    let mut best: Vec<[f64; 2]> =
+        panel.points.iter().zip(&places).filter(|(point, _)| point.on_front).map(|(_, at)| *at).collect();
+    best.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let stairs: Vec<[f64; 2]> = best
+        .iter()
+        .zip(best.iter().skip(1).map(Some).chain([None]))
+        .flat_map(|(&at, next)| [Some(at), next.map(|next| [next[0], at[1]])])
+        .flatten()
+        .map(|at| plot.at(at))
+        .collect();
+    canvas.line(&stairs, GREY, 1.8)?;
+    // Labels keep off the lines.
+    let floor = plot.at([reference, resolution])[1];
+    taken.push([frame[0], floor - LINE_ROOM, frame[2], floor + LINE_ROOM]);
+    taken.extend(stairs.windows(2).map(|ends| {
+        let low = |axis: usize| ends[0][axis].min(ends[1][axis]) - LINE_ROOM;
+        let high = |axis: usize| ends[0][axis].max(ends[1][axis]) + LINE_ROOM;
+        [low(0), low(1), high(0), high(1)]
+    }));
+
+    for (point, &at) in panel.points.iter().zip(&places) {
+        let (mark, color) = style(point.family);
+        let page = plot.at(at);
+        if point.at_most {
+            canvas.arrow(page, [page[0], page[1] + ARROW], color)?;
+        }
+        canvas.mark(mark, page, color)?;
+        if point.is_default {
+            canvas.mark(Mark::Ring, page, INK)?;
+        }
+        let (room, below) =
+            (if point.is_default { RING_ROOM } else { MARK_ROOM }, if point.at_most { ARROW } else { 0.0 });
+        taken.push([page[0] - room, page[1] - room, page[0] + room, page[1] + room.max(below)]);
+    }
+    for (point, &at) in panel.points.iter().zip(&places) {
+        let page = plot.at(at);
+        let place = free_place(page, small_text_width(point.label), frame, &taken);
+        if let Some(far) = place.leader {
+            canvas.line(&[page, far], style(point.family).1, 0.7)?;
+        }
+        canvas.small_text(point.label, [place.frame[0], (place.frame[1] + place.frame[3]) / 2.0], INK)?;
+        taken.push(place.frame);
+    }
+    Ok(())
+}
+
+/// Where a label stands.
+struct LabelPlace {
+    frame: Frame,
+    /// End of the line that ties it to its mark, where it stands away from it.
+    leader: Option<[f64; 2]>,
+}
+
+/// The nearest place beside `mark` for a label `width` wide that covers nothing `taken`.
+fn free_place(mark: [f64; 2], width: f64, frame: Frame, taken: &[Frame]) -> LabelPlace {
+    const DIRECTIONS: u32 = 24;
+    const NEAR: f64 = 12.0;
+    const STEP: f64 = 7.0;
+    const STEPS: u32 = 16;
+    let height = SMALL_SIZE + 2.0;
+    let at = |distance: f64, direction: u32| {
+        let angle = std::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
+        let [x, y] = [mark[0] + distance * angle.cos(), mark[1] - distance * angle.sin()];
+        // The side of the label that faces the mark touches (x, y).
+        let left = x - width * (1.0 - angle.cos()) / 2.0;
+        let top = y - height * (1.0 + angle.sin()) / 2.0;
+        ([left, top, left + width, top + height], [x, y])
+    };
+    let overlap = |a: &Frame, b: &Frame| {
+        let across = (a[2].min(b[2]) - a[0].max(b[0])).max(0.0);
+        across * (a[3].min(b[3]) - a[1].max(b[1])).max(0.0)
+    };
+    let inside = |label: &Frame| {
+        label[0] > frame[0] + 2.0 && label[2] < frame[2] && label[1] > frame[1] && label[3] < frame[3] - 2.0
+    };
+    let places = (0..STEPS)
+        .flat_map(|step| (0..DIRECTIONS).map(move |direction| (NEAR + STEP * f64::from(step), direction)))
+        .map(|(distance, direction)| (distance, at(distance, direction)))
+        .filter(|(_, (label, _))| inside(label));
+    let mut least: Option<(f64, f64, (Frame, [f64; 2]))> = None;
+    for (distance, place) in places {
+        let covered: f64 = taken.iter().map(|other| overlap(&place.0, other)).sum();
+        if least.is_none_or(|(best, ..)| covered < best) {
+            least = Some((covered, distance, place));
+            if covered == 0.0 {
+                break;
+            }
+        }
+    }
+    let (_, distance, (frame, end)) = least.unwrap_or((0.0, NEAR, at(NEAR, 0)));
+    LabelPlace { frame, leader: (distance > NEAR).then_some(end) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(label: &str, family: usize, wall_s: f64, error_pct: f64) -> WorkPoint<'_> {
+        WorkPoint { label, family, wall_s, error_pct, at_most: false, on_front: false, is_default: false }
+    }
+
+    #[test]
+    fn every_method_has_a_mark_and_a_label() {
+        let points = [
+            WorkPoint { on_front: true, is_default: true, ..point("fast", 0, 1e-3, 1.0) },
+            WorkPoint { on_front: true, at_most: true, ..point("good", 1, 1.0, 0.01) },
+            point("neither", 0, 2.0, 0.0),
+        ];
+        let panel = WorkPrecisionPanel { error_title: "error (%)", points: &points, resolution_pct: 0.02 };
+        let chart = WorkPrecisionChart {
+            title: "Speed against error",
+            families: &["circles", "squares"],
+            panels: &[panel],
+            reference_s: 30.0,
+        };
+        let svg = work_precision(&chart).unwrap();
+        // Two marks and a ring, and as many in the legend: one circle and a ring.
+        assert_eq!(svg.matches("<circle").count(), 5);
+        for text in ["fast", "good", "neither", "reference", "circles", "squares"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        let empty = WorkPrecisionPanel { points: &[], ..panel };
+        assert!(matches!(
+            work_precision(&WorkPrecisionChart { panels: &[empty], ..chart }),
+            Err(ChartError::Empty { .. })
+        ));
+    }
+
+    #[test]
+    fn labels_of_neighbours_do_not_cover_each_other() {
+        let frame = [0.0, 0.0, 400.0, 300.0];
+        let mut taken = Vec::new();
+        for mark in [[200.0, 150.0], [203.0, 150.0], [200.0, 153.0], [398.0, 2.0]] {
+            let label = free_place(mark, 60.0, frame, &taken).frame;
+            for other in &taken {
+                let apart =
+                    label[2] <= other[0] || other[2] <= label[0] || label[3] <= other[1] || other[3] <= label[1];
+                assert!(apart, "{label:?} {other:?}");
+            }
+            assert!(label[0] > 0.0 && label[2] < 400.0 && label[1] > 0.0 && label[3] < 300.0, "{label:?}");
+            taken.push(label);
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Running the rows: one function measures one run, the rest decides which runs there are and when.
+
+use rayon::prelude::*;
+use slipgrid_springblock::{
+    Extent, Fidelity, Monitor, Scene, SceneError, Simulation, Springs, SurfaceOutcome, Unwatched, simulate,
+};
+
+use super::plan::{Role, Row};
+use crate::progress::Progress;
+
+/// Runs shorter than this are timed again, and the shortest time counts.
+const SHORT_S: f64 = 0.05;
+/// Most times that a short run is timed.
+const MOST_TIMINGS: usize = 5;
+
+/// What one run of a row gave.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Run {
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// How it ended; why, where it was refused.
+    pub status: String,
+    /// Whether it ended as planned.
+    pub converged: bool,
+    /// Seconds of the whole call, both surfaces.
+    pub wall_s: f64,
+    /// Blocks times force evaluations, both surfaces; 0 where there is no time.
+    pub site_updates: u64,
+    /// The same over the seconds of integration.
+    pub site_updates_per_s: Option<f64>,
+    /// Time step, in seconds.
+    pub dt_s: Option<f64>,
+    /// Dynamic friction coefficient and its standard error.
+    pub mu_dynamic: Option<f64>,
+    /// Standard error of the dynamic friction coefficient: 0 where there is no time.
+    pub mu_dynamic_stderr: Option<f64>,
+    /// Static friction coefficient.
+    pub mu_static: Option<f64>,
+    /// Dynamic friction, patterned over flat.
+    pub ratio: Option<f64>,
+    /// Standard error of the ratio: 0 where there is no time.
+    pub ratio_stderr: Option<f64>,
+}
+
+/// Solves `scene` and takes note.
+pub fn measure(scene: &Scene, monitor: &dyn Monitor) -> Run {
+    let started_s = monitor.seconds();
+    let solved = simulate(scene, monitor);
+    let wall_s = monitor.seconds() - started_s;
+    let seed = scene.run.seed;
+    match solved {
+        Ok(simulation) => Run { wall_s, ..noted(scene, &simulation) },
+        Err(error) => Run { seed, status: format!("refused: {error}"), ..Run::default() },
+    }
+}
+
+fn noted(scene: &Scene, simulation: &Simulation) -> Run {
+    let Some(load) = simulation.loads.first() else { return Run::default() };
+    let surfaces: Vec<&SurfaceOutcome> = [Some(&load.surface), load.flat.as_ref()].into_iter().flatten().collect();
+    let costs: Vec<_> = surfaces.iter().filter_map(|surface| surface.cost).collect();
+    let site_updates: u64 = costs.iter().map(|cost| cost.site_updates).sum();
+    let integration_s: f64 = costs.iter().map(|cost| cost.wall_s).sum();
+    // The first surface that did not end as planned speaks for the run.
+    let ended = surfaces.iter().map(|surface| surface.status.name()).find(|status| *status != "converged");
+    let exact = (scene.run.fidelity == Fidelity::Steady).then_some(0.0);
+    Run {
+        seed: scene.run.seed,
+        status: ended.unwrap_or("converged").to_owned(),
+        converged: ended.is_none(),
+        wall_s: 0.0,
+        site_updates,
+        site_updates_per_s: (site_updates > 0 && integration_s > 0.0).then(|| site_updates as f64 / integration_s),
+        dt_s: costs.first().map(|cost| cost.dt_s),
+        mu_dynamic: load.surface.mu_dynamic,
+        mu_dynamic_stderr: exact.or(load.surface.mu_dynamic_stderr),
+        mu_static: load.surface.mu_static,
+        ratio: load.ratio,
+        ratio_stderr: exact.filter(|_| load.ratio.is_some()).or(load.ratio_stderr),
+    }
+}
+
+/// The largest step that the scheme of `scene` takes on both of its surfaces; `None` where there is none.
+pub fn stability_limit_s(scene: &Scene) -> Option<f64> {
+    let limit = |mut scene: Scene| {
+        scene.run.step_s = Some(f64::MAX);
+        match simulate(&scene, &Unwatched) {
+            Err(SceneError::UnstableStep { limit_s, .. }) => Some(limit_s),
+            _ => None,
+        }
+    };
+    let own = limit(scene.clone())?;
+    let flat = limit(Scene { pattern: None, ..scene.clone() })?;
+    Some(own.min(flat))
+}
+
+/// The scene of a row's `seed`-th draw, counted from 0.
+pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
+    let mut scene = base.clone();
+    scene.run.seed = base.run.seed.wrapping_add(seed);
+    for change in &row.changes {
+        change.apply(&mut scene, stability_limit_s);
+    }
+    scene
+}
+
+/// Runs every row for all its seeds: a list a row, in the order of the seeds.
+///
+/// The first seed of every row runs alone on one thread, and that is the run whose time is reported. The
+/// others then share all threads.
+pub fn measure_all(rows: &[Row], base: &Scene, progress: &Progress) -> Vec<Vec<Run>> {
+    let scenes: Vec<Vec<Scene>> =
+        rows.iter().map(|row| (0..row.seeds).map(|seed| scene_of(row, base, seed)).collect()).collect();
+    let expected_s = |scene: &Scene| 1e-3 + site_evaluations(scene) * seconds_per_site(scene);
+    let all_s: f64 = scenes.iter().flatten().map(expected_s).sum();
+    let part = |scene: &Scene| Part { progress, share: expected_s(scene) / all_s };
+
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let mut runs: Vec<Vec<Run>> = Vec::new();
+    for (row, scenes) in rows.iter().zip(&scenes) {
+        progress.say(&row.label);
+        let timed = scenes.first().map(|scene| {
+            let timed = || timed(scene, &part(scene));
+            // Where the system gives no further thread, the current pool is what there is.
+            alone.as_ref().map_or_else(|_| timed(), |pool| pool.install(timed))
+        });
+        runs.push(timed.into_iter().collect());
+    }
+    progress.say("more seeds");
+    let mut others: Vec<(usize, &Scene)> =
+        scenes.iter().enumerate().flat_map(|(row, scenes)| scenes.iter().skip(1).map(move |s| (row, s))).collect();
+    // Longest first, one at a time, so that no thread ends long after the others.
+    others.sort_by(|a, b| expected_s(b.1).total_cmp(&expected_s(a.1)));
+    let more: Vec<(usize, Run)> =
+        others.into_par_iter().with_max_len(1).map(|(row, scene)| (row, measure(scene, &part(scene)))).collect();
+    for (row, run) in more {
+        runs[row].push(run);
+    }
+    for runs in &mut runs {
+        runs.sort_by_key(|run| run.seed.wrapping_sub(base.run.seed));
+    }
+    runs
+}
+
+/// Measures `scene`, again while that is cheap: the shortest time counts.
+fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
+    let mut run = measure(scene, monitor);
+    for _ in 1..MOST_TIMINGS {
+        if run.wall_s > SHORT_S || !run.converged {
+            break;
+        }
+        let again = measure(scene, &Silent(monitor));
+        if again.wall_s < run.wall_s {
+            run = again;
+        }
+    }
+    run
+}
+
+/// Blocks times force evaluations that a run will take, both surfaces; 0 without time.
+fn site_evaluations(scene: &Scene) -> f64 {
+    if scene.run.fidelity == Fidelity::Steady || scene.speed_m_s <= 0.0 {
+        return 0.0;
+    }
+    let columns = match (scene.run.extent, &scene.pattern) {
+        (Extent::Cell, Some(pattern)) => pattern.pitch_m() / scene.layer.block_m,
+        _ => scene.layer.columns() as f64,
+    };
+    // 4 ns for blocks of 10 um, and in proportion to them
+    let usual_s = if scene.run.fidelity == Fidelity::Reference { 1e-9 } else { 4e-9 * scene.layer.block_m / 10e-6 };
+    let steps = scene.run.sliding_m / scene.speed_m_s / scene.run.step_s.unwrap_or(usual_s);
+    let stages = if scene.run.fidelity == Fidelity::Reference { 4.0 } else { 1.0 };
+    2.0 * columns * scene.layer.rows() as f64 * steps * stages
+}
+
+/// What one of them takes, roughly: only the progress bar and the order of the runs rest on it.
+fn seconds_per_site(scene: &Scene) -> f64 {
+    match (scene.run.fidelity, scene.run.springs) {
+        (Fidelity::Reference, _) | (_, Some(Springs::Exact)) => 35e-9,
+        _ => 3e-9,
+    }
+}
+
+/// The part of all work that one run is.
+struct Part<'a> {
+    progress: &'a Progress,
+    share: f64,
+}
+
+impl Monitor for Part<'_> {
+    fn seconds(&self) -> f64 {
+        self.progress.elapsed_s()
+    }
+
+    fn advance(&self, share: f64) {
+        Monitor::advance(self.progress, share * self.share);
+    }
+}
+
+/// The clock of another monitor, and nothing else.
+struct Silent<'a>(&'a dyn Monitor);
+
+impl Monitor for Silent<'_> {
+    fn seconds(&self) -> f64 {
+        self.0.seconds()
+    }
+}
+
+/// Runs of the row that has `role`.
+pub fn runs_of<'a>(rows: &[Row], runs: &'a [Vec<Run>], role: Role) -> &'a [Run] {
+    rows.iter().zip(runs).find(|(row, _)| row.role == role).map_or(&[], |(_, runs)| runs.as_slice())
+}
