@@ -111,6 +111,29 @@ pub struct SurfaceOutcome {
     pub trace: Vec<TracePoint>,
 }
 
+impl SurfaceOutcome {
+    /// What is said of a surface that was not solved: nothing but why, with the interface unloaded at
+    /// the contact blocks' positions `x_m`.
+    pub(crate) fn unsolved(status: Status, x_m: impl Iterator<Item = f64>) -> Self {
+        Self {
+            status,
+            mu_dynamic: None,
+            mu_dynamic_stderr: None,
+            averaged_from_s: None,
+            mu_static: None,
+            peak_pressure_pa: 0.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            residual: None,
+            iterations: 0,
+            cost: None,
+            interface: x_m.map(|x_m| InterfacePoint { x_m, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
+            trace: Vec::new(),
+        }
+    }
+}
+
 /// What the scene did under one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOutcome {

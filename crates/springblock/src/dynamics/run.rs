@@ -153,23 +153,9 @@ impl DynamicRun<'_> {
     fn not_run(&self, status: Status, monitor: &dyn Monitor) -> SurfaceOutcome {
         monitor.advance(self.share);
         let block_m = self.scene.layer.block_m;
-        let point = |i: usize| InterfacePoint { x_m: (i as f64 + 0.5) * block_m, pressure_pa: 0.0, friction_pa: 0.0 };
-        SurfaceOutcome {
-            status,
-            mu_dynamic: None,
-            mu_dynamic_stderr: None,
-            averaged_from_s: None,
-            mu_static: None,
-            peak_pressure_pa: 0.0,
-            tension_blocks: 0,
-            cavity_closed: false,
-            area_law_extrapolated: false,
-            residual: None,
-            iterations: 0,
-            cost: Some(DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 }),
-            interface: self.lattice.contacts().map(point).collect(),
-            trace: Vec::new(),
-        }
+        let cost = DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 };
+        let unsolved = SurfaceOutcome::unsolved(status, self.lattice.contacts().map(|i| (i as f64 + 0.5) * block_m));
+        SurfaceOutcome { cost: Some(cost), ..unsolved }
     }
 
     fn protocol(&self, scales: &Scales) -> Protocol {

@@ -159,23 +159,8 @@ impl SteadyModel {
     }
 
     fn unloaded(&self) -> SurfaceOutcome {
-        let contacts = self.system.contacts();
-        SurfaceOutcome {
-            status: Status::NoLoad,
-            mu_dynamic: None,
-            mu_dynamic_stderr: None,
-            averaged_from_s: None,
-            mu_static: None,
-            peak_pressure_pa: 0.0,
-            tension_blocks: 0,
-            cavity_closed: false,
-            area_law_extrapolated: false,
-            residual: None,
-            iterations: 0,
-            cost: None,
-            interface: contacts.iter().map(|c| self.point(c.centre, 0.0, 0.0)).collect(),
-            trace: Vec::new(),
-        }
+        let positions = self.system.contacts().iter().map(|contact| contact.centre * self.block_m);
+        SurfaceOutcome::unsolved(Status::NoLoad, positions)
     }
 
     fn point(&self, centre: f64, pressure_pa: f64, friction_pa: f64) -> InterfacePoint {
