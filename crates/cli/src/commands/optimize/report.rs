@@ -277,11 +277,13 @@ impl DesignReport {
         text
     }
 
-    fn verdict(&self) -> &'static str {
+    /// The status in words, with what it holds for where a section stands for the planform.
+    fn verdict(&self) -> String {
+        let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
         match self.status {
-            "met" => "met",
-            "unreachable" => "not reachable within bounds and limits; nearest design:",
-            _ => "not met before the evaluations allowed were spent; nearest design:",
+            "met" => format!("met{scope}"),
+            "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
+            _ => format!("not met{scope} before the evaluations allowed were spent; nearest design:"),
         }
     }
 }
