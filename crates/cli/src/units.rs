@@ -114,6 +114,10 @@ pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2
 pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
 /// Poisson's ratios of an isotropic solid.
 pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
+/// Angles of grooves: turned by half a turn they are the same.
+pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
+/// Angles of the sliding direction.
+pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
 /// Numbers of the laser that are only copied.
 pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e12);
 

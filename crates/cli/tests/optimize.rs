@@ -61,6 +61,44 @@ fn a_target_that_is_met() {
     }
 }
 
+/// A result is made by hand here: no solver stands between a planform and the laser.
+#[test]
+fn every_planform_can_be_exported() {
+    let result = |texture: &str| {
+        format!(
+            r#"{{"name": "by hand", "version": "0", "seed": 1, "design": {{"width_um": 130.0, "spacing_um": 370.0,
+            "depth_um": 5.2, {texture}, "areal_density": 0.1, "section_density": 0.1}}, "laser": {{}},
+            "specimen": {{"shape": "disc", "diameter_mm": 10.0}},
+            "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
+        )
+    };
+    for (texture, says) in [
+        (r#""planform": "disc", "arrangement": "staggered""#, "Pattern: disc, staggered, width 130.000 um"),
+        (r#""planform": "groove", "angle_deg": 30.0"#, "Pattern: groove, turned by 30 degrees from lying across x"),
+        (r#""planform": "square", "sliding_angle_deg": 45.0"#, "Sliding direction: 45 degrees from x"),
+        (
+            r#""planform": "rectangle", "length_um": 200.0, "spacing_across_um": 50.0"#,
+            "Pattern: rectangle, length 200.000 um, spacing across 50.000 um",
+        ),
+    ] {
+        let place = Place::with(&[("result.json", &result(texture))]);
+        place.succeed(&["export", "result.json", "--format", "dxf,svg,csv,process", "-o", "laser"]);
+        let drawing = fs::read_to_string(place.path("laser/pattern.dxf")).unwrap();
+        assert!(drawing.contains(says), "{texture}");
+        // Two circles at least: the outline and a disc.
+        assert_eq!(drawing.matches("\nCIRCLE\n").count() > 1, texture.contains("disc"));
+    }
+    for (texture, says) in [
+        (r#""planform": "groove", "arrangement": "staggered""#, "design.arrangement: a staggered arrangement has no"),
+        (r#""planform": "disc", "sliding_angle_deg": 200.0"#, "design.sliding_angle_deg: sliding angle of 200 degrees"),
+        (r#""planform": "rectangle", "length_um": -1.0"#, "design.length_um: -1 is out of range"),
+    ] {
+        let place = Place::with(&[("result.json", &result(texture))]);
+        let message = place.refuse(&["export", "result.json", "--format", "dxf", "-o", "laser"]);
+        assert!(message.starts_with(&format!("error: result.json: {says}")), "{message}");
+    }
+}
+
 #[test]
 fn targets_that_are_not_met_have_their_own_codes() {
     let place = Place::with(&[

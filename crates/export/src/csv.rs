@@ -2,32 +2,51 @@
 
 use std::fmt::Write as _;
 
+use slipgrid_pattern::Planform;
+
 use crate::Layout;
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
+use crate::words::degrees;
 
-/// The first line of the file.
-pub const CSV_HEADER: &str = "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts";
+/// The first line of the file: what a line says of a cavity. Cavities turned from x and y have an
+/// angle, discs a diameter.
+#[must_use]
+pub fn csv_header(layout: &Layout) -> &'static str {
+    let texture = layout.pattern().texture();
+    match (texture.planform(), texture.orientation_deg()) {
+        (Planform::Disc, _) => "index,centre_x_mm,centre_y_mm,diameter_mm,depth_um,bursts",
+        (_, 0.0) => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts",
+        _ => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
+    }
+}
 
-/// One line per cavity in the layout's order, counted from 1: width along the sliding direction x,
-/// length across it, millimetres from the specimen's centre rounded to one nanometre. `bursts` per
-/// cavity; the field is empty where it is unknown.
+/// One line per cavity in the layout's order, counted from 1: width along x, length along y, or both
+/// turned by the angle, anticlockwise; millimetres from the specimen's centre rounded to one
+/// nanometre. `bursts` per cavity; the field is empty where it is unknown.
 #[must_use]
 pub fn csv(layout: &Layout, bursts: Option<u32>) -> String {
-    let depth_and_bursts = format!(
-        ",{},{}\n",
+    let texture = layout.pattern().texture();
+    let angle = match texture.orientation_deg() {
+        0.0 => String::new(),
+        angle_deg => format!(",{}", degrees(angle_deg)),
+    };
+    let rest = format!(
+        "{angle},{},{}\n",
         decimal(layout.pattern().depth_m() * 1e6, MICROMETRE_DECIMALS),
         bursts.map_or_else(String::new, |bursts| bursts.to_string())
     );
+    let lengths = if texture.planform() == Planform::Disc { 3 } else { 4 };
     let mut out = String::with_capacity(64 * (layout.cavities() + 1));
-    out.push_str(CSV_HEADER);
+    out.push_str(csv_header(layout));
     out.push('\n');
     for (index, cavity) in layout.iter().enumerate() {
         let _ = write!(out, "{}", index + 1);
-        for length_m in [cavity.centre_x_m, cavity.centre_y_m, cavity.width_m, cavity.length_m] {
+        let lengths_m = [cavity.centre_x_m, cavity.centre_y_m, cavity.width_m, cavity.length_m];
+        for length_m in lengths_m.into_iter().take(lengths) {
             out.push(',');
             push_decimal(&mut out, length_m * 1e3, COORDINATE_DECIMALS);
         }
-        out.push_str(&depth_and_bursts);
+        out.push_str(&rest);
     }
     out
 }
@@ -36,30 +55,33 @@ pub fn csv(layout: &Layout, bursts: Option<u32>) -> String {
 mod tests {
     use super::*;
     use crate::Outline;
-    use slipgrid_pattern::{Pattern, Planform};
+    use crate::layout::every_kind;
+    use slipgrid_pattern::{Pattern, Texture};
 
     #[test]
     fn reads_back_to_the_same_cavities_within_a_nanometre() {
-        for planform in Planform::ALL {
-            let pattern = Pattern::new(planform, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap();
+        for texture in every_kind() {
+            let pattern = Pattern::new(texture, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap();
             let layout = Layout::new(pattern, Outline::Disc { diameter_m: 10e-3 }).unwrap();
             let text = csv(&layout, Some(2));
             let mut lines = text.lines();
-            assert_eq!(lines.next(), Some(CSV_HEADER));
+            let names: Vec<&str> = lines.next().unwrap().split(',').collect();
             let mut read = 0;
             for (index, (line, cavity)) in lines.by_ref().zip(layout.iter()).enumerate() {
                 let values: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
-                let expected = [
-                    (index + 1) as f64,
-                    cavity.centre_x_m * 1e3,
-                    cavity.centre_y_m * 1e3,
-                    cavity.width_m * 1e3,
-                    cavity.length_m * 1e3,
-                    5.2,
-                    2.0,
-                ];
-                assert_eq!(values.len(), expected.len());
-                for (value, expected) in values.iter().zip(expected) {
+                assert_eq!(values.len(), names.len());
+                for (value, name) in values.iter().zip(&names) {
+                    let expected = match *name {
+                        "index" => (index + 1) as f64,
+                        "centre_x_mm" => cavity.centre_x_m * 1e3,
+                        "centre_y_mm" => cavity.centre_y_m * 1e3,
+                        "width_mm" | "diameter_mm" => cavity.width_m * 1e3,
+                        "length_mm" => cavity.length_m * 1e3,
+                        "angle_deg" => cavity.orientation[1].atan2(cavity.orientation[0]).to_degrees(),
+                        "depth_um" => 5.2,
+                        "bursts" => 2.0,
+                        _ => panic!("{name}"),
+                    };
                     assert!((value - expected).abs() <= 0.5001e-6, "{line}");
                 }
                 read += 1;
@@ -70,9 +92,22 @@ mod tests {
     }
 
     #[test]
+    fn columns_say_what_a_cavity_has() {
+        let header = |texture: Texture| {
+            let pattern = Pattern::new(texture, 130e-6, 370e-6, 20e-6).unwrap();
+            csv_header(&Layout::new(pattern, Outline::Disc { diameter_m: 10e-3 }).unwrap())
+        };
+        let groove = Texture::new(Planform::Groove);
+        assert!(header(Planform::Disc.into()).contains(",diameter_mm,depth_um"));
+        assert!(header(groove.with_groove_angle_deg(10.0).unwrap()).contains(",length_mm,angle_deg,depth_um"));
+        assert_eq!(header(groove), header(Planform::Rectangle.into()));
+    }
+
+    #[test]
     fn unknown_bursts_are_an_empty_field() {
         let pattern = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
         let layout = Layout::new(pattern, Outline::Rectangle { length_m: 0.2e-3, width_m: 0.2e-3 }).unwrap();
-        assert_eq!(csv(&layout, None), format!("{CSV_HEADER}\n1,0,0,0.13,0.13,20,\n"));
+        let header = "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts";
+        assert_eq!(csv(&layout, None), format!("{header}\n1,0,0,0.13,0.13,20,\n"));
     }
 }

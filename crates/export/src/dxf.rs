@@ -4,8 +4,11 @@
 //! one value a line, sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, so
 //! comments (group 999) state them.
 
+use slipgrid_pattern::{Arrangement, Pattern};
+
 use crate::number::{COORDINATE_DECIMALS, push_decimal};
-use crate::{Heading, Layout, Outline};
+use crate::words::{groove_direction, sliding_direction};
+use crate::{Boundary, Heading, Layout, Outline};
 
 /// Layer of the specimen's outline.
 pub const LAYER_OUTLINE: &str = "OUTLINE";
@@ -21,20 +24,28 @@ const LAYERS: [(&str, &str); 3] = [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), 
 const LONGEST_COMMENT: usize = 200;
 
 /// The layout as an R12 drawing in millimetres, rounded to one nanometre; the origin is the
-/// specimen's centre, x the sliding direction. Cavities are closed polylines of four vertices.
+/// specimen's centre, x the sliding direction unless the texture turns that. Cavities are circles, or
+/// closed polylines of four vertices.
 #[must_use]
 pub fn dxf(layout: &Layout, heading: &Heading) -> String {
     let mut file = Writer { out: String::with_capacity(512 * (layout.cavities() + 8)) };
     let pattern = layout.pattern();
     let [extent_x_m, extent_y_m] = layout.outline().extents_m();
     let (half_x_mm, half_y_mm) = (extent_x_m * 500.0, extent_y_m * 500.0);
-    let arrow = Arrow::below(half_x_mm, half_y_mm);
+    let arrow = Arrow::below(half_x_mm, half_y_mm, pattern.texture().sliding_direction_on_specimen());
 
     file.comment(&format!("slipgrid {}: {}", heading.version, heading.name));
-    file.comment("Units: millimetres. Origin: centre of the specimen. x: sliding direction.");
+    file.comment(&match pattern.texture().sliding_angle_deg() {
+        0.0 => "Units: millimetres. Origin: centre of the specimen. x: sliding direction.".to_owned(),
+        _ => format!(
+            "Units: millimetres. Origin: centre of the specimen. Sliding direction: {}.",
+            sliding_direction(pattern.texture())
+        ),
+    });
     file.comment(&format!(
-        "Pattern: {}, width {:.3} um, spacing {:.3} um, depth {:.3} um, {} cavities",
+        "Pattern: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um, {} cavities",
         pattern.planform(),
+        texture_words(pattern),
         pattern.width_m() * 1e6,
         pattern.spacing_m() * 1e6,
         pattern.depth_m() * 1e6,
@@ -77,18 +88,21 @@ pub fn dxf(layout: &Layout, heading: &Heading) -> String {
 
     file.section("ENTITIES");
     match *layout.outline() {
-        Outline::Disc { diameter_m } => {
-            file.entity("CIRCLE", LAYER_OUTLINE);
-            file.point(10, &[0.0, 0.0, 0.0]);
-            file.real(40, diameter_m * 500.0);
-        }
+        Outline::Disc { diameter_m } => file.circle(LAYER_OUTLINE, [0.0, 0.0], diameter_m * 500.0),
         Outline::Rectangle { .. } => file.polygon(
             LAYER_OUTLINE,
             &[[-half_x_mm, -half_y_mm], [half_x_mm, -half_y_mm], [half_x_mm, half_y_mm], [-half_x_mm, half_y_mm]],
         ),
     }
     for cavity in layout.iter() {
-        file.polygon(LAYER_CAVITIES, &cavity.corners_m().map(|[x_m, y_m]| [x_m * 1e3, y_m * 1e3]));
+        match cavity.boundary() {
+            Boundary::Rectangle { corners_m } => {
+                file.polygon(LAYER_CAVITIES, &corners_m.map(|[x_m, y_m]| [x_m * 1e3, y_m * 1e3]));
+            }
+            Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
+                file.circle(LAYER_CAVITIES, [x_m * 1e3, y_m * 1e3], radius_m * 1e3);
+            }
+        }
     }
     for [from_mm, to_mm] in arrow.lines_mm() {
         file.entity("LINE", LAYER_SLIDING_DIRECTION);
@@ -100,16 +114,42 @@ pub fn dxf(layout: &Layout, heading: &Heading) -> String {
     file.out
 }
 
-/// An arrow along x under the specimen, in millimetres.
+/// What the planform's name leaves open, where it does; each part begins with a comma.
+fn texture_words(pattern: &Pattern) -> String {
+    let texture = pattern.texture();
+    let mut words = String::new();
+    if texture.orientation_deg() != 0.0 {
+        words.push_str(", ");
+        words.push_str(&groove_direction(texture));
+    }
+    if texture.arrangement() != Arrangement::Square {
+        words.push_str(", ");
+        words.push_str(texture.arrangement().name());
+    }
+    for (name, length_m) in [
+        ("length", texture.length_m().and(pattern.length_m())),
+        ("spacing across", texture.spacing_across_m().and(pattern.spacing_across_m())),
+    ] {
+        if let Some(length_m) = length_m {
+            words.push_str(&format!(", {name} {:.3} um", length_m * 1e6));
+        }
+    }
+    words
+}
+
+/// An arrow along the sliding direction under the specimen, in millimetres.
 struct Arrow {
     half_length_mm: f64,
     height_mm: f64,
+    direction: [f64; 2],
 }
 
 impl Arrow {
-    fn below(half_x_mm: f64, half_y_mm: f64) -> Self {
+    fn below(half_x_mm: f64, half_y_mm: f64, direction: [f64; 2]) -> Self {
         let half_length_mm = half_x_mm / 4.0;
-        Self { half_length_mm, height_mm: -half_y_mm - half_length_mm / 2.0 }
+        // Turned, it reaches up: as far from the specimen as it was.
+        let up_mm = half_length_mm * direction[1].abs();
+        Self { half_length_mm, height_mm: -half_y_mm - half_length_mm / 2.0 - up_mm, direction }
     }
 
     /// Half the width of the head.
@@ -118,17 +158,18 @@ impl Arrow {
     }
 
     fn lowest_mm(&self) -> f64 {
-        self.height_mm - self.barb_mm()
+        self.height_mm - self.half_length_mm * self.direction[1].abs() - self.barb_mm()
     }
 
     /// Shaft and the two lines of the head.
     fn lines_mm(&self) -> [[[f64; 2]; 2]; 3] {
-        let (tip, barb) = ([self.half_length_mm, self.height_mm], self.barb_mm());
-        [
-            [[-self.half_length_mm, self.height_mm], tip],
-            [[tip[0] - 2.0 * barb, tip[1] + barb], tip],
-            [[tip[0] - 2.0 * barb, tip[1] - barb], tip],
-        ]
+        let [cosine, sine] = self.direction;
+        let at = |along: f64, across: f64| {
+            [along * cosine - across * sine, self.height_mm + (along * sine + across * cosine)]
+        };
+        let (half, barb) = (self.half_length_mm, self.barb_mm());
+        let tip = at(half, 0.0);
+        [[at(-half, 0.0), tip], [at(half - 2.0 * barb, barb), tip], [at(half - 2.0 * barb, -barb), tip]]
     }
 }
 
@@ -205,6 +246,12 @@ impl Writer {
     fn entity(&mut self, kind: &str, layer: &str) {
         self.pair(0, kind);
         self.pair(8, layer);
+    }
+
+    fn circle(&mut self, layer: &str, centre_mm: [f64; 2], radius_mm: f64) {
+        self.entity("CIRCLE", layer);
+        self.point(10, &[centre_mm[0], centre_mm[1], 0.0]);
+        self.real(40, radius_mm);
     }
 
     /// A closed polyline.

@@ -12,14 +12,14 @@ pub enum ExportError {
     /// The specimen is too small for a single cavity.
     #[error(
         "no cavity {width_m:e} m wide fits whole on the specimen: \
-         expected an extent of at least {needed_m:e} m, but the smallest is {extent_m:e} m"
+         expected an extent of at least {needed_m:e} m, but it is {extent_m:e} m"
     )]
     NoCavityFits {
         /// Width of a cavity, in metres.
         width_m: f64,
-        /// Smallest extent of the specimen, in metres.
+        /// Extent of the specimen that falls short, in metres.
         extent_m: f64,
-        /// Smallest extent on which one cavity fits, in metres.
+        /// Extent on which one cavity fits, in metres.
         needed_m: f64,
     },
     /// More cavities than any file of them could be used for.

@@ -1,8 +1,9 @@
 //! Files that a laser takes: from a pattern and a specimen's outline to bytes.
 //!
-//! A [`Layout`] puts whole cavities on the specimen, one of them on its centre, at x = i pitch and,
-//! for squares, y = j pitch; x is the sliding direction. With N cavities of area a and depth d on a
-//! face of area A,
+//! A [`Layout`] puts whole cavities on the specimen, one of them on its centre, at x = i pitch and
+//! y = j pitch across, odd rows half a pitch aside where staggered, grooves at any angle. x is the
+//! sliding direction unless the texture turns that. With N cavities of area a and depth d on a face
+//! of area A,
 //!
 //! ```text
 //! areal density = sum a / A        volume = d sum a
@@ -11,7 +12,7 @@
 //! | type or function | role |
 //! |---|---|
 //! | [`Outline`] | the specimen's face: disc or rectangle |
-//! | [`Layout`], [`Cavity`] | the cavities on it, made one by one in a fixed order |
+//! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
 //! | [`Heading`] | name, version and notes that drawings carry |
 //! | [`dxf`] | drawing for the laser, AutoCAD R12 |
 //! | [`svg`] | drawing for people, at scale |
@@ -35,6 +36,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cavity;
 mod csv;
 mod dxf;
 mod error;
@@ -43,11 +45,13 @@ mod number;
 mod outline;
 mod process;
 mod svg;
+mod words;
 
-pub use csv::{CSV_HEADER, csv};
+pub use cavity::{Boundary, Cavity};
+pub use csv::{csv, csv_header};
 pub use dxf::{LAYER_CAVITIES, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf};
 pub use error::ExportError;
-pub use layout::{Cavity, Layout, MOST_CAVITIES};
+pub use layout::{Layout, MOST_CAVITIES};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{

@@ -1,7 +1,8 @@
 use crate::ExportError;
 use crate::error::positive;
 
-/// The specimen's sliding face, centred on the origin. x is the sliding direction.
+/// The specimen's sliding face, centred on the origin of its axes x and y. x is the sliding direction
+/// unless the pattern's texture turns that.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// A round face.
@@ -9,11 +10,11 @@ pub enum Outline {
         /// Diameter, in metres.
         diameter_m: f64,
     },
-    /// A rectangular face, sides along and across the sliding direction.
+    /// A rectangular face, sides along x and y.
     Rectangle {
-        /// Extent along the sliding direction x, in metres.
+        /// Extent along x, in metres.
         length_m: f64,
-        /// Extent across it, along y, in metres.
+        /// Extent along y, in metres.
         width_m: f64,
     },
 }
@@ -66,6 +67,29 @@ impl Outline {
         }
     }
 
+    /// Extent along the direction of the unit vector `along`, in metres.
+    pub(crate) fn extent_along_m(&self, along: [f64; 2]) -> f64 {
+        match *self {
+            Self::Disc { diameter_m } => diameter_m,
+            Self::Rectangle { length_m, width_m } => along[0].abs() * length_m + along[1].abs() * width_m,
+        }
+    }
+
+    /// The chord on the line at the distance `offset_m` along the unit vector `normal`: its ends,
+    /// in metres along `normal` turned by a right angle anticlockwise. `None` outside the face.
+    pub(crate) fn chord_m(&self, [cosine, sine]: [f64; 2], offset_m: f64) -> Option<[f64; 2]> {
+        match *self {
+            Self::Disc { .. } => self.half_chord_m(true, offset_m).map(|half_m| [-half_m, half_m]),
+            Self::Rectangle { length_m, width_m } => {
+                // Points (u c - t s, u s + t c) of the line, u the offset, within both pairs of sides.
+                let [low_m, high_m] = between_sides(length_m / 2.0, offset_m * cosine, -sine)?;
+                let [low_y_m, high_y_m] = between_sides(width_m / 2.0, offset_m * sine, cosine)?;
+                let chord_m = [low_m.max(low_y_m), high_m.min(high_y_m)];
+                (chord_m[0] <= chord_m[1]).then_some(chord_m)
+            }
+        }
+    }
+
     /// The name used in files.
     #[must_use]
     pub const fn name(&self) -> &'static str {
@@ -73,5 +97,35 @@ impl Outline {
             Self::Disc { .. } => "disc",
             Self::Rectangle { .. } => "rectangle",
         }
+    }
+}
+
+/// The t for which `at_m + t slope` lies within `half_m` either way; `None` if there are none.
+fn between_sides(half_m: f64, at_m: f64, slope: f64) -> Option<[f64; 2]> {
+    if slope == 0.0 {
+        // An edge that lies on the outline but for rounding counts as inside.
+        return (at_m.abs() <= half_m * (1.0 + 1e-12)).then_some([f64::NEG_INFINITY, f64::INFINITY]);
+    }
+    let (from, to) = ((-half_m - at_m) / slope, (half_m - at_m) / slope);
+    Some([from.min(to), from.max(to)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords_of_a_rectangle_end_on_its_sides() {
+        let rectangle = Outline::Rectangle { length_m: 4.0, width_m: 2.0 };
+        assert_eq!(rectangle.chord_m([1.0, 0.0], 1.5), Some([-1.0, 1.0]));
+        assert_eq!(rectangle.chord_m([0.0, 1.0], 0.5), Some([-2.0, 2.0]));
+        assert_eq!(rectangle.chord_m([0.0, 1.0], 1.5), None);
+        let diagonal = [std::f64::consts::FRAC_1_SQRT_2; 2];
+        let [low, high] = rectangle.chord_m(diagonal, 0.0).unwrap();
+        assert!((high - 2_f64.sqrt()).abs() < 1e-15 && low == -high);
+        // Along the normal 3/sqrt 2 lies the corner.
+        assert!(rectangle.chord_m(diagonal, 3.0 / 2_f64.sqrt() - 1e-9).is_some_and(|[low, high]| high - low < 1e-8));
+        assert_eq!(rectangle.chord_m(diagonal, 3.0 / 2_f64.sqrt() + 1e-9), None);
+        assert!((rectangle.extent_along_m(diagonal) - 6.0 / 2_f64.sqrt()).abs() < 1e-15);
     }
 }

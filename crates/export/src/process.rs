@@ -1,10 +1,11 @@
 //! The process sheet: what the person at the laser needs to know, as TOML.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_pattern::{ManufacturingLimits, Planform};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Planform};
 
 use crate::error::positive;
 use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, millimetres, round_decimals, round_digits};
+use crate::words::{ANGLE_DECIMALS, groove_direction, lattice};
 use crate::{ExportError, Layout, Outline};
 
 /// What no model of slipgrid contains; it stands on every process sheet.
@@ -124,14 +125,33 @@ pub struct ProcessSheet {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternSheet {
-    /// `groove` or `square`.
+    /// `groove`, `square`, `rectangle` or `disc`.
     pub planform: String,
-    /// Width of a cavity along the sliding direction, in um.
+    /// Width of a cavity along a row, in um; of a disc its diameter. Rows run along the sliding
+    /// direction unless an angle says otherwise.
     pub width_um: f64,
-    /// Gap between cavities, in um.
+    /// Gap between the cavities of a row, in um.
     pub spacing_um: f64,
-    /// Period, width + spacing, in um.
+    /// Period of a row, width + spacing, in um.
     pub pitch_um: f64,
+    /// Length of a rectangle across the rows, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<f64>,
+    /// Gap between rows, in um, where rows are not a pitch apart.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing_across_um: Option<f64>,
+    /// Distance of rows, in um, where it is not the pitch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_across_um: Option<f64>,
+    /// `staggered`, where rows are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<String>,
+    /// Grooves turned on the specimen from lying across x, anticlockwise, in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// Sliding direction turned from x, anticlockwise, in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sliding_angle_deg: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
     /// Share of an unbounded surface that is cavity.
@@ -147,10 +167,10 @@ pub struct SpecimenSheet {
     /// Diameter of a disc, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<f64>,
-    /// Length of a rectangle along the sliding direction, in mm.
+    /// Length of a rectangle along x, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<f64>,
-    /// Width of a rectangle across it, in mm.
+    /// Width of a rectangle along y, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
     /// How cavities are arranged, in words.
@@ -195,6 +215,29 @@ pub struct WorkSheet {
     pub estimated_time_assumptions: String,
 }
 
+impl From<&Pattern> for PatternSheet {
+    fn from(pattern: &Pattern) -> Self {
+        let texture = pattern.texture();
+        let given = |angle_deg: f64| Some(round_decimals(angle_deg, ANGLE_DECIMALS)).filter(|_| angle_deg != 0.0);
+        let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
+        Self {
+            planform: pattern.planform().name().to_owned(),
+            width_um: micrometres(pattern.width_m()),
+            spacing_um: micrometres(pattern.spacing_m()),
+            pitch_um: micrometres(pattern.pitch_m()),
+            length_um: texture.length_m().map(micrometres),
+            spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
+            pitch_across_um: apart_m.map(micrometres),
+            arrangement: (texture.arrangement() != Arrangement::Square)
+                .then(|| texture.arrangement().name().to_owned()),
+            angle_deg: given(texture.orientation_deg()),
+            sliding_angle_deg: given(texture.sliding_angle_deg()),
+            depth_um: micrometres(pattern.depth_m()),
+            areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
+        }
+    }
+}
+
 impl ProcessSheet {
     /// The sheet of `layout`.
     ///
@@ -218,21 +261,14 @@ impl ProcessSheet {
             version,
             seed,
             not_modelled: NOT_MODELLED.map(str::to_owned).to_vec(),
-            pattern: PatternSheet {
-                planform: pattern.planform().name().to_owned(),
-                width_um: micrometres(pattern.width_m()),
-                spacing_um: micrometres(pattern.spacing_m()),
-                pitch_um: micrometres(pattern.pitch_m()),
-                depth_um: micrometres(pattern.depth_m()),
-                areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
-            },
+            pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {
                 shape: layout.outline().name().to_owned(),
                 diameter_mm: diameter_m.map(millimetres),
                 length_mm: length_m.map(millimetres),
                 width_mm: width_m.map(millimetres),
-                arrangement: arrangement(pattern.planform()).to_owned(),
+                arrangement: arrangement(pattern),
                 cavities: layout.cavities(),
                 areal_density: round_digits(layout.areal_density(), DERIVED_DIGITS),
                 cavity_area_mm2: round_digits(layout.cavity_area_m2() * 1e6, DERIVED_DIGITS),
@@ -250,7 +286,11 @@ impl ProcessSheet {
     /// [`ExportError::Unwritable`] if TOML cannot hold a value.
     pub fn to_toml(&self) -> Result<String, ExportError> {
         let body = toml::to_string(self).map_err(|error| ExportError::Unwritable { reason: error.to_string() })?;
-        Ok(format!("# Process sheet. x is the sliding direction; units stand in the keys.\n{body}"))
+        let sliding = match self.pattern.sliding_angle_deg {
+            None => "x is the sliding direction".to_owned(),
+            Some(angle_deg) => format!("The sliding direction lies {angle_deg} degrees from x, anticlockwise"),
+        };
+        Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
     }
 }
 
@@ -294,12 +334,13 @@ fn given<const N: usize>(numbers: [(&'static str, Option<f64>); N]) -> Result<()
     Ok(())
 }
 
-const fn arrangement(planform: Planform) -> &'static str {
-    match planform {
-        Planform::Groove => {
-            "grooves across the sliding direction, one through the centre, each as long as fits whole on the specimen"
-        }
-        Planform::Square => "square lattice, one cavity on the centre, only whole cavities",
+fn arrangement(pattern: &Pattern) -> String {
+    match pattern.planform() {
+        Planform::Groove => format!(
+            "grooves {}, one through the centre, each as long as fits whole on the specimen",
+            groove_direction(pattern.texture())
+        ),
+        _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
     }
 }
 
@@ -334,7 +375,10 @@ impl WorkSheet {
                 .map(|(bursts, depth_um)| round_decimals(f64::from(bursts) * depth_um, MICROMETRE_DECIMALS)),
             spots_per_cavity: spots.map(|(longest, _)| longest),
             spots_on_specimen: spots.map(|(_, sum)| sum),
-            spots_formula: SPOTS_FORMULA.to_owned(),
+            spots_formula: match layout.pattern().planform() {
+                Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
+                _ => SPOTS_FORMULA.to_owned(),
+            },
             estimated_time_s,
             no_estimate_because: (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", "))),
             estimated_time_formula: TIME_FORMULA.to_owned(),
@@ -350,105 +394,4 @@ fn spots_along(length_m: f64, spot_um: f64) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use slipgrid_pattern::Pattern;
-
-    /// Laser and pattern of the paper, Sec. "Laser patterning"; the repetition rate is ours.
-    fn input(repetition_hz: Option<f64>) -> ProcessInput {
-        ProcessInput {
-            name: "LDPE, lower friction".to_owned(),
-            version: "0.1.0".to_owned(),
-            seed: 1,
-            laser: Laser {
-                wavelength_nm: Some(1064.0),
-                spot_um: Some(23.0),
-                pulse_ns: Some(4.0),
-                power_density_gw_cm2: Some(3.65),
-                depth_per_burst_um: Some(2.6),
-                repetition_hz,
-            },
-            tolerances: Some(Tolerances {
-                width_um: Some(8.0),
-                spacing_um: Some(13.0),
-                depth_um: Some(1.3),
-                basis: "scatter of the published pattern".to_owned(),
-            }),
-            material: MaterialNote {
-                name: "LDPE on grey cast iron".to_owned(),
-                source: "Balestra et al., J. Tribol. 144, 031704".to_owned(),
-                synthetic_surface: true,
-            },
-        }
-    }
-
-    fn layout(planform: Planform, outline: Outline) -> Layout {
-        Layout::new(Pattern::new(planform, 130e-6, 370e-6, 5.2e-6).unwrap(), outline).unwrap()
-    }
-
-    const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
-
-    #[test]
-    fn the_published_pattern_takes_two_bursts_on_36_spots_a_cavity() {
-        let layout = layout(Planform::Square, DISC);
-        let sheet = ProcessSheet::new(&layout, input(Some(50.0))).unwrap();
-        assert_eq!(sheet.work.bursts_per_cavity, Some(2));
-        assert_eq!(sheet.work.depth_of_bursts_um, Some(5.2));
-        // 130 / 23 = 5.65: six spots along each side.
-        assert_eq!(sheet.work.spots_per_cavity, Some(36));
-        let spots = 36 * layout.cavities() as u64;
-        assert_eq!(sheet.work.spots_on_specimen, Some(spots));
-        assert_eq!(sheet.work.estimated_time_s, Some(spots as f64 * 2.0 / 50.0));
-        assert_eq!(sheet.work.no_estimate_because, None);
-        assert_eq!(sheet.pattern.pitch_um, 500.0);
-        assert_eq!(sheet.pattern.areal_density, 0.0676);
-        assert_eq!(sheet.specimen.diameter_mm, Some(10.0));
-    }
-
-    #[test]
-    fn grooves_count_the_spots_of_each_length() {
-        let outline = Outline::Rectangle { length_m: 1.2e-3, width_m: 2e-3 };
-        let sheet = ProcessSheet::new(&layout(Planform::Groove, outline), input(None)).unwrap();
-        // 2000 / 23 = 86.96.
-        assert_eq!(sheet.work.spots_per_cavity, Some(6 * 87));
-        assert_eq!(sheet.work.spots_on_specimen, Some(3 * 6 * 87));
-        assert_eq!(spots_along(46e-6, 23.0), 2);
-        assert_eq!(spots_along(10e-6, 23.0), 1);
-    }
-
-    #[test]
-    fn a_missing_number_is_the_reason_for_no_estimate() {
-        let mut input = input(None);
-        input.laser.spot_um = None;
-        let sheet = ProcessSheet::new(&layout(Planform::Square, DISC), input).unwrap();
-        assert_eq!(sheet.work.estimated_time_s, None);
-        assert_eq!(sheet.work.no_estimate_because.as_deref(), Some("not given: spot_um, repetition_hz"));
-    }
-
-    #[test]
-    fn the_sheet_reads_back_to_the_same_values() {
-        let mut input_with_large_seed = input(None);
-        input_with_large_seed.seed = u64::MAX;
-        let sheet = ProcessSheet::new(&layout(Planform::Square, DISC), input_with_large_seed).unwrap();
-        assert_eq!(toml::from_str::<ProcessSheet>(&sheet.to_toml().unwrap()).unwrap().seed, u64::MAX);
-        for outline in [DISC, Outline::Rectangle { length_m: 9.96e-3, width_m: 5e-3 }] {
-            for repetition_hz in [None, Some(50.0)] {
-                let sheet = ProcessSheet::new(&layout(Planform::Square, outline), input(repetition_hz)).unwrap();
-                let text = sheet.to_toml().unwrap();
-                assert_eq!(toml::from_str::<ProcessSheet>(&text).unwrap(), sheet);
-                assert!(!text.contains("99999") && !text.contains("00000"), "{text}");
-            }
-        }
-    }
-
-    #[test]
-    fn numbers_that_mean_nothing_are_refused() {
-        let layout = layout(Planform::Square, DISC);
-        let mut bad = input(None);
-        bad.laser.spot_um = Some(0.0);
-        assert!(ProcessSheet::new(&layout, bad).unwrap_err().to_string().contains("spot_um"));
-        let mut bad = input(None);
-        bad.tolerances = Some(Tolerances { depth_um: Some(f64::NAN), ..Default::default() });
-        assert!(ProcessSheet::new(&layout, bad).unwrap_err().to_string().contains("depth_um"));
-    }
-}
+mod tests;

@@ -1,11 +1,14 @@
 //! A drawing of the textured specimen at scale.
 
+mod detail;
+
 use std::fmt::Write as _;
 
-use slipgrid_pattern::Planform;
+use slipgrid_pattern::{Pattern, Planform, Texture};
 
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
-use crate::{Heading, Layout, Outline};
+use crate::words::{cavities, degrees, groove_direction, lattice};
+use crate::{Boundary, Cavity, Heading, Layout, Outline};
 
 /// Blue of the cavities, dark grey of lines and text, light grey of the specimen: told apart in
 /// any colour vision and in print.
@@ -22,9 +25,10 @@ const LINE_HEIGHT: f64 = 3.4;
 const DETAIL_SIDE: f64 = 34.0;
 const TEXT_LEFT: f64 = 42.0;
 const VALUE_LEFT: f64 = 20.0;
-/// Characters that fit a line of the title and of the caption.
+/// Characters that fit a line of the title, of the caption, and of its bold head.
 const TITLE_CHARACTERS: usize = 58;
 const CAPTION_CHARACTERS: usize = 48;
+const BOLD_CHARACTERS: usize = 40;
 
 /// The layout as an SVG picture at scale 1:1: `width` and `height` in millimetres, one unit of the
 /// view box a millimetre, coordinates rounded to one nanometre. The outline, the cavities (one
@@ -38,7 +42,8 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
 
     let title = wrap(heading.name, TITLE_CHARACTERS);
     let (dimensions, remarks) = (dimensions(layout), remarks(heading));
-    let caption_lines = (1 + dimensions.len() + remarks.len()) as f64;
+    let arrangement = wrap(&arrangement(layout.pattern()), BOLD_CHARACTERS);
+    let caption_lines = (arrangement.len() + dimensions.len() + remarks.len()) as f64;
     let title_height = title.len() as f64 * 1.4 * TITLE_SIZE + 2.0;
     let specimen_top = MARGIN + title_height;
     let bar_top = specimen_top + extent_y_mm / unit_mm + 3.0;
@@ -54,16 +59,17 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
 
     let centre = [MARGIN + CONTENT / 2.0, specimen_top + extent_y_mm / unit_mm / 2.0];
     page.specimen(layout, centre);
-    page.sliding_direction([MARGIN, bar_top + 3.0]);
+    page.sliding_direction(layout.pattern().texture(), [MARGIN, bar_top + 3.0]);
     page.scale_bar([MARGIN + CONTENT, bar_top + 3.0]);
     page.detail(layout, [MARGIN, footer_top]);
     let text_left = MARGIN + TEXT_LEFT;
     let mut baseline = footer_top + TEXT_SIZE;
-    let arrangement = match layout.pattern().planform() {
-        Planform::Groove => "Grooves across the sliding direction",
-        Planform::Square => "Square cavities on a square lattice",
-    };
-    page.text([text_left, baseline], "start", TEXT_SIZE, " font-weight=\"bold\"", arrangement);
+    for (line, text) in arrangement.iter().enumerate() {
+        if line > 0 {
+            baseline += LINE_HEIGHT;
+        }
+        page.text([text_left, baseline], "start", TEXT_SIZE, " font-weight=\"bold\"", text);
+    }
     for (name, value) in &dimensions {
         baseline += LINE_HEIGHT;
         page.text([text_left, baseline], "start", TEXT_SIZE, "", name);
@@ -77,23 +83,41 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
     page.out
 }
 
+/// What lies where, in a sentence without a full stop.
+fn arrangement(pattern: &Pattern) -> String {
+    let what = cavities(pattern.planform());
+    let words = match pattern.planform() {
+        Planform::Groove => format!("{what} {}", groove_direction(pattern.texture())),
+        _ => format!("{what} on a {}", lattice(pattern)),
+    };
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// The dimensions, a name and a value a line.
 fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     let pattern = layout.pattern();
     let um = |length_m: f64| format!("{} µm", decimal(length_m * 1e6, MICROMETRE_DECIMALS));
     let mm = |length_m: f64| decimal(length_m * 1e3, COORDINATE_DECIMALS);
-    let cavities = match pattern.planform() {
-        Planform::Groove => "grooves",
-        Planform::Square => "cavities",
-    };
-    vec![
-        ("w  width", um(pattern.width_m())),
+    let texture = pattern.texture();
+    let width = if texture.planform() == Planform::Disc { "w  diameter" } else { "w  width" };
+    let mut lines = vec![
+        (width, um(pattern.width_m())),
         ("s  spacing", um(pattern.spacing_m())),
         ("p  pitch", um(pattern.pitch_m())),
+    ];
+    if let Some(length_m) = texture.length_m() {
+        lines.push(("length", um(length_m)));
+    }
+    if let Some(pitch_m) = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m()) {
+        lines.push(("spacing across", um(pattern.spacing_across_m().unwrap_or(0.0))));
+        lines.push(("pitch across", um(pitch_m)));
+    }
+    lines.extend([
         ("depth", um(pattern.depth_m())),
         ("areal density", format!("{:.2} % of the pattern", 100.0 * pattern.areal_density())),
         ("", format!("{:.2} % of the specimen", 100.0 * layout.areal_density())),
-        (cavities, layout.cavities().to_string()),
+        (if pattern.planform() == Planform::Groove { "grooves" } else { "cavities" }, layout.cavities().to_string()),
         (
             layout.outline().name(),
             match *layout.outline() {
@@ -101,7 +125,8 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
                 Outline::Rectangle { length_m, width_m } => format!("{} mm × {} mm", mm(length_m), mm(width_m)),
             },
         ),
-    ]
+    ]);
+    lines
 }
 
 /// Notes and version, one string a line.
@@ -186,10 +211,13 @@ impl Page {
         );
     }
 
-    /// A filled triangle with its tip at `tip`, pointing along `direction` (1 or -1) in x.
-    fn arrowhead(&mut self, tip: [f64; 2], direction: f64, length: f64) {
-        let back = tip[0] - direction * length;
-        let points = [tip, [back, tip[1] - 0.35 * length], [back, tip[1] + 0.35 * length]]
+    /// A filled triangle with its tip at `tip`, pointing along the unit vector `direction` of the page.
+    fn arrowhead(&mut self, tip: [f64; 2], [along_x, along_y]: [f64; 2], length: f64) {
+        let back = [tip[0] - along_x * length, tip[1] - along_y * length];
+        // At right angles, towards larger y.
+        let aside = 0.35 * length * along_x.signum();
+        let (aside_x, aside_y) = (-along_y * aside, along_x * aside);
+        let points = [tip, [back[0] - aside_x, back[1] - aside_y], [back[0] + aside_x, back[1] + aside_y]]
             .map(|[x, y]| format!("{} {}", self.mm(x), self.mm(y)));
         let _ = writeln!(self.out, "<path d=\"M{}L{}L{}z\"/>", points[0], points[1], points[2]);
     }
@@ -213,24 +241,64 @@ impl Page {
         };
         let _ = write!(self.out, "<path id=\"cavities\" fill=\"{CAVITY_COLOUR}\" d=\"");
         for cavity in layout.iter() {
-            // Upper left corner; y points down.
-            let corner_x_m = cavity.centre_x_m - cavity.width_m / 2.0;
-            let corner_y_m = -cavity.centre_y_m - cavity.length_m / 2.0;
-            let steps = [(" ", corner_y_m), ("h", cavity.width_m), ("v", cavity.length_m), ("h", -cavity.width_m)];
-            for (command, length_m) in std::iter::once(("M", corner_x_m)).chain(steps) {
-                self.out.push_str(command);
-                push_decimal(&mut self.out, length_m * 1e3, COORDINATE_DECIMALS);
-            }
+            self.outline_of(&cavity);
             self.out.push('z');
         }
         self.out.push_str("\"/>\n</g>\n");
     }
 
-    fn sliding_direction(&mut self, [left, y]: [f64; 2]) {
+    /// The commands of a path round a cavity, but for its end; y points down.
+    fn outline_of(&mut self, cavity: &Cavity) {
+        let mut commands = |steps: &[(&str, f64)]| {
+            for &(command, length_m) in steps {
+                self.out.push_str(command);
+                push_decimal(&mut self.out, length_m * 1e3, COORDINATE_DECIMALS);
+            }
+        };
+        match cavity.boundary() {
+            Boundary::Rectangle { .. } if cavity.is_aligned() => commands(&[
+                // From the upper left corner.
+                ("M", cavity.centre_x_m - cavity.width_m / 2.0),
+                (" ", -cavity.centre_y_m - cavity.length_m / 2.0),
+                ("h", cavity.width_m),
+                ("v", cavity.length_m),
+                ("h", -cavity.width_m),
+            ]),
+            Boundary::Rectangle { corners_m } => {
+                for (command, [x_m, y_m]) in ["M", "L", "L", "L"].into_iter().zip(corners_m) {
+                    commands(&[(command, x_m), (" ", -y_m)]);
+                }
+            }
+            // Two half circles, from the leftmost point and back.
+            Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
+                commands(&[("M", x_m - radius_m), (" ", -y_m)]);
+                for across_m in [2.0 * radius_m, -2.0 * radius_m] {
+                    commands(&[("a", radius_m), (" ", radius_m), (" 0 0 0 ", across_m), (" ", 0.0)]);
+                }
+            }
+        }
+    }
+
+    fn sliding_direction(&mut self, texture: &Texture, [left, y]: [f64; 2]) {
         self.out.push_str("<g id=\"sliding-direction\">\n");
-        self.line([left, y], [left + 12.0, y]);
-        self.arrowhead([left + 13.0, y], 1.0, 2.4);
-        self.text([left + 15.0, y + 0.35 * TEXT_SIZE], "start", TEXT_SIZE, "", "sliding direction x");
+        let label_left = if texture.sliding_angle_deg() == 0.0 {
+            self.line([left, y], [left + 12.0, y]);
+            self.arrowhead([left + 13.0, y], [1.0, 0.0], 2.4);
+            left + 15.0
+        } else {
+            // Turned about its middle, short enough to stay off what is above and below.
+            let [cosine, sine] = texture.sliding_direction_on_specimen();
+            let at = |along: f64| [left + 5.0 + along * cosine, y - along * sine];
+            self.line(at(-5.0), at(4.0));
+            self.arrowhead(at(5.0), [cosine, -sine], 2.4);
+            left + 12.0
+        };
+        // The arrow shows which way the angle goes.
+        let label = match texture.sliding_angle_deg() {
+            0.0 => "sliding direction x".to_owned(),
+            angle_deg => format!("sliding direction, {}° from x", degrees(angle_deg)),
+        };
+        self.text([label_left, y + 0.35 * TEXT_SIZE], "start", TEXT_SIZE, "", &label);
         self.out.push_str("</g>\n");
     }
 
@@ -249,138 +317,11 @@ impl Page {
         self.out.push_str("</g>\n");
     }
 
-    /// Two by two periods, enlarged, with dimension lines.
-    fn detail(&mut self, layout: &Layout, [left, top]: [f64; 2]) {
-        let pattern = layout.pattern();
-        let pitch = DETAIL_SIDE / 2.0;
-        let width = pitch * pattern.section_density();
-        self.out.push_str("<g id=\"detail\">\n");
-        let stroke = self.mm(0.2);
-        let frame = format!("fill=\"{FACE_COLOUR}\" stroke=\"{INK_COLOUR}\" stroke-width=\"{stroke}\"");
-        self.rectangle([left, top], [DETAIL_SIDE; 2], &frame);
-        let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
-        let starts = [(pitch - width) / 2.0, (pitch - width) / 2.0 + pitch];
-        for x in starts {
-            match pattern.planform() {
-                Planform::Groove => self.rectangle([left + x, top], [width, DETAIL_SIDE], &cavity),
-                Planform::Square => {
-                    for y in starts {
-                        self.rectangle([left + x, top + y], [width; 2], &cavity);
-                    }
-                }
-            }
-        }
-        // Width and spacing on one line, the pitch below it.
-        let [first, second] = starts.map(|start| left + start);
-        let y = top + DETAIL_SIDE + 3.0;
-        for x in [first, first + width, second] {
-            self.line([x, top + DETAIL_SIDE + 0.8], [x, y + 0.8]);
-        }
-        self.dimension([first, first + width], y, "w");
-        self.dimension([first + width, second], y, "s");
-        for x in [first, second] {
-            self.line([x, y + 0.8], [x, y + 5.8]);
-        }
-        self.dimension([first, second], y + 5.0, "p");
-        let enlargement = DETAIL_SIDE * self.unit_mm / (2.0 * pattern.pitch_m() * 1e3);
-        let decimals = if enlargement < 9.95 { 1 } else { 0 };
-        let label = format!("detail, {} : 1", decimal(enlargement, decimals));
-        self.text([left + DETAIL_SIDE, y + 9.0], "end", TEXT_SIZE, "", &label);
-        self.out.push_str("</g>\n");
-    }
-
     fn rectangle(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2], style: &str) {
         let (x, y, width, height) = (self.mm(x), self.mm(y), self.mm(width), self.mm(height));
         let _ = writeln!(self.out, "<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" {style}/>");
     }
-
-    fn dimension(&mut self, [from, to]: [f64; 2], y: f64, label: &str) {
-        self.line([from, y], [to, y]);
-        let head = (0.4 * (to - from)).min(1.2);
-        self.arrowhead([from, y], -1.0, head);
-        self.arrowhead([to, y], 1.0, head);
-        self.text([(from + to) / 2.0, y + 2.4], "middle", TEXT_SIZE, " font-style=\"italic\"", label);
-    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use slipgrid_pattern::Pattern;
-
-    const HEADING: Heading = Heading { name: "a < b & c", version: "0.0.0", notes: &["synthetic surface"] };
-
-    fn layout(planform: Planform, outline: Outline) -> Layout {
-        Layout::new(Pattern::new(planform, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap(), outline).unwrap()
-    }
-
-    /// The value of attribute `name` in the element that contains `marker`.
-    fn attribute<'a>(svg: &'a str, marker: &str, name: &str) -> &'a str {
-        let at = svg.find(marker).unwrap();
-        let start = svg[..=at].rfind('<').unwrap();
-        let element = &svg[start..at + svg[at..].find('>').unwrap()];
-        let from = element.find(&format!(" {name}=\"")).unwrap() + name.len() + 3;
-        &element[from..from + element[from..].find('"').unwrap()]
-    }
-
-    #[test]
-    fn cavities_read_back_to_the_same_polygons_within_two_nanometres() {
-        for planform in Planform::ALL {
-            for outline in [Outline::Disc { diameter_m: 10e-3 }, Outline::Rectangle { length_m: 6e-3, width_m: 3e-3 }] {
-                let layout = layout(planform, outline);
-                let picture = svg(&layout, &HEADING);
-                let path = attribute(&picture, "id=\"cavities\"", "d");
-                let boxes: Vec<&str> = path.split_terminator('z').collect();
-                assert_eq!(boxes.len(), layout.cavities());
-                for (text, cavity) in boxes.iter().zip(layout.iter()) {
-                    let values: Vec<f64> = text
-                        .split(['M', ' ', 'h', 'v'])
-                        .filter(|value| !value.is_empty())
-                        .map(|value| value.parse().unwrap())
-                        .collect();
-                    let [x, y, width, length, back] = values[..] else { panic!("{text}") };
-                    assert_eq!(width, -back);
-                    // The path's corners, y turned up again, from the least x and y.
-                    let read = [[x, -y - length], [x + width, -y - length], [x + width, -y], [x, -y]];
-                    for (corner_mm, corner_m) in read.iter().zip(cavity.corners_m()) {
-                        for axis in 0..2 {
-                            assert!((corner_mm[axis] - corner_m[axis] * 1e3).abs() < 2e-6);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_picture_is_at_scale() {
-        let picture = svg(&layout(Planform::Square, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
-        let (width, height) = (attribute(&picture, "viewBox", "width"), attribute(&picture, "viewBox", "height"));
-        let view_box = format!("0 0 {} {}", width.strip_suffix("mm").unwrap(), height.strip_suffix("mm").unwrap());
-        assert_eq!(attribute(&picture, "viewBox", "viewBox"), view_box);
-        assert_eq!(attribute(&picture, "id=\"outline\"", "r"), "5");
-        let bar = &picture[picture.find("id=\"scale-bar\"").unwrap()..];
-        assert_eq!(attribute(bar, "<rect", "width"), "2");
-        assert!(bar.contains(">2 mm</text>"));
-    }
-
-    #[test]
-    fn names_are_escaped_and_notes_appear() {
-        let picture = svg(&layout(Planform::Groove, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
-        assert!(picture.contains(">a &lt; b &amp; c</text>"));
-        assert!(picture.contains(">synthetic surface</text>"));
-    }
-
-    #[test]
-    fn round_lengths_are_one_two_or_five() {
-        for (limit, expected) in [(2.0, 2.0), (1.99, 1.0), (0.07, 0.05), (10.0, 10.0), (99.0, 50.0)] {
-            assert!((round_length(limit) - expected).abs() < 1e-12 * expected);
-        }
-    }
-
-    #[test]
-    fn lines_break_between_words() {
-        assert_eq!(wrap("one two  three", 7), ["one two", "three"]);
-        assert_eq!(wrap("unbreakable", 3), ["unbreakable"]);
-    }
-}
+mod tests;

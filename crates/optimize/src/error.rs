@@ -34,7 +34,7 @@ pub enum SearchError {
     /// A manufacturing limit leaves nothing of the bounds.
     #[error("{quantity} is at most {upper_m:e} m, but the {limit} asks for at least {limit_m:e} m")]
     LimitAboveBounds {
-        /// `width` or `spacing`.
+        /// `width`, `spacing`, `length` or `spacing across`.
         quantity: &'static str,
         /// The upper bound, in metres.
         upper_m: f64,

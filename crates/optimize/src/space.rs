@@ -8,7 +8,7 @@
 use crate::SearchError;
 use crate::error::positive;
 use crate::sequence::MOST_DIMENSIONS;
-use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Planform, Texture};
 
 /// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
 /// (0.1 um moves the friction ratio by about 1e-4), finer gives digits without meaning.
@@ -23,20 +23,21 @@ const LONGEST_M: f64 = 1.0;
 /// Bounds of a design, in metres. Equal bounds fix a dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DesignSpace {
-    planform: Planform,
+    texture: Texture,
     width_m: [f64; 2],
     spacing_m: [f64; 2],
     depth_m: [f64; 2],
 }
 
 impl DesignSpace {
-    /// Patterns of `planform` with width, spacing and depth in the closed intervals given, in metres.
+    /// Patterns of `texture` with width, spacing and depth in the closed intervals given, in metres.
+    /// What else the texture leaves open follows: rows lie as far apart as cavities along them.
     ///
     /// # Errors
     /// [`SearchError::OutOfRange`] unless bounds are positive and at most a metre,
     /// [`SearchError::BoundsReversed`] where a lower bound exceeds the upper.
     pub fn new(
-        planform: Planform,
+        texture: impl Into<Texture>,
         width_m: [f64; 2],
         spacing_m: [f64; 2],
         depth_m: [f64; 2],
@@ -52,13 +53,19 @@ impl DesignSpace {
                 return Err(SearchError::BoundsReversed { quantity, lower_m, upper_m });
             }
         }
-        Ok(Self { planform, width_m, spacing_m, depth_m })
+        Ok(Self { texture: texture.into(), width_m, spacing_m, depth_m })
+    }
+
+    /// The texture of every design.
+    #[must_use]
+    pub const fn texture(&self) -> &Texture {
+        &self.texture
     }
 
     /// The planform of every design.
     #[must_use]
     pub const fn planform(&self) -> Planform {
-        self.planform
+        self.texture.planform()
     }
 
     /// Lower and upper bound of the width, in metres.
@@ -172,7 +179,7 @@ impl Axis {
 /// The designs that can be made within bounds and limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grid {
-    planform: Planform,
+    texture: Texture,
     axes: [Axis; MOST_DIMENSIONS],
     /// First and last whole number of bursts, where depths are counted in bursts.
     bursts: Option<[u64; 2]>,
@@ -197,6 +204,15 @@ impl Grid {
         };
         let width_m = above("width", space.width_m, "diameter of the laser spot", limits.spot_m)?;
         let spacing_m = above("spacing", space.spacing_m, "smallest land", limits.min_land_m)?;
+        if let Some(length_m) = space.texture.length_m() {
+            above("length", [length_m; 2], "diameter of the laser spot", limits.spot_m)?;
+        }
+        // Between staggered rows the land is wider than the spacing across them: each design tells.
+        if let Some(spacing_m) = space.texture.spacing_across_m()
+            && space.texture.arrangement() == Arrangement::Square
+        {
+            above("spacing across", [spacing_m; 2], "smallest land", limits.min_land_m)?;
+        }
         if let Some(max_peak_pressure_pa) = constraints.max_peak_pressure_pa {
             positive("largest peak pressure", max_peak_pressure_pa)?;
         }
@@ -206,7 +222,7 @@ impl Grid {
         };
         let axes = [Axis::position(width_m, POSITION_STEP_M), Axis::position(spacing_m, POSITION_STEP_M), depth];
         let depth_per_burst_m = limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M);
-        Ok(Self { planform: space.planform, axes, bursts, depth_per_burst_m })
+        Ok(Self { texture: space.texture, axes, bursts, depth_per_burst_m })
     }
 
     /// Indices of the axes that are not fixed.
@@ -237,7 +253,7 @@ impl Grid {
     pub(crate) fn design(&self, t: &[f64; MOST_DIMENSIONS]) -> Option<Pattern> {
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis].at(t[axis]));
         // Every length of the grid is positive and finite: always a pattern.
-        Pattern::new(self.planform, width_m, spacing_m, depth_m).ok()
+        Pattern::new(self.texture, width_m, spacing_m, depth_m).ok()
     }
 
     /// The shares of `design`.
@@ -341,5 +357,29 @@ mod tests {
         assert!(matches!(grid([-1.0, 400.0], [2.0, 50.0], bursts_of(2.6)), Err(SearchError::OutOfRange { .. })));
         assert!(matches!(grid([400.0, 40.0], [2.0, 50.0], bursts_of(2.6)), Err(SearchError::BoundsReversed { .. })));
         assert!(matches!(grid([40.0, 400.0], [2.0, 50.0], bursts_of(0.0)), Err(SearchError::OutOfRange { .. })));
+    }
+
+    #[test]
+    fn designs_have_the_texture_of_their_space_and_its_lengths_obey_the_limits() {
+        let staggered = Texture::new(Planform::Rectangle).with_arrangement(Arrangement::Staggered).unwrap();
+        let texture = staggered.with_length_m(30e-6).unwrap().with_sliding_angle_deg(45.0).unwrap();
+        let grid = |texture: Texture, limits| {
+            let space = DesignSpace::new(texture, [40e-6, 400e-6], [40e-6, 1e-3], [2e-6, 50e-6]).unwrap();
+            assert_eq!(*space.texture(), texture);
+            Grid::new(&space, &Constraints { limits, max_peak_pressure_pa: None })
+        };
+        let limits =
+            ManufacturingLimits { min_land_m: Some(20e-6), spot_m: Some(23e-6), ..ManufacturingLimits::default() };
+        let design = grid(texture, limits).unwrap().design(&[0.4; 3]).unwrap();
+        assert_eq!(*design.texture(), texture);
+        // Rows follow the spacing searched.
+        assert_eq!(design.spacing_across_m(), Some(design.spacing_m()));
+
+        let refused = grid(texture.with_length_m(22e-6).unwrap(), limits);
+        assert!(matches!(refused, Err(SearchError::LimitAboveBounds { quantity: "length", .. })));
+        let near = texture.with_spacing_across_m(15e-6).unwrap();
+        assert!(grid(near, limits).is_ok());
+        let refused = grid(near.with_arrangement(Arrangement::Square).unwrap(), limits);
+        assert!(matches!(refused, Err(SearchError::LimitAboveBounds { quantity: "spacing across", .. })));
     }
 }

@@ -17,7 +17,7 @@ pub enum LimitViolation {
     /// The land between two cavities is narrower than allowed.
     #[error("land of {land_m:.3e} m is narrower than the smallest allowed, {min_land_m:.3e} m")]
     LandTooNarrow {
-        /// The pattern's spacing, in metres.
+        /// Smallest distance between two cavities, in metres.
         land_m: f64,
         /// The limit, in metres.
         min_land_m: f64,
@@ -25,7 +25,7 @@ pub enum LimitViolation {
     /// The cavity is narrower than the laser spot.
     #[error("cavity of {width_m:.3e} m is narrower than the laser spot, {spot_m:.3e} m")]
     NarrowerThanSpot {
-        /// The cavity's width, in metres.
+        /// The cavity's smallest extent seen from above, in metres.
         width_m: f64,
         /// The spot's diameter, in metres.
         spot_m: f64,
@@ -49,14 +49,14 @@ impl ManufacturingLimits {
     pub fn violations(&self, pattern: &Pattern) -> Vec<LimitViolation> {
         let mut broken = Vec::new();
         if let Some(min_land_m) = self.min_land_m
-            && pattern.spacing_m() < min_land_m
+            && pattern.least_land_m() < min_land_m
         {
-            broken.push(LimitViolation::LandTooNarrow { land_m: pattern.spacing_m(), min_land_m });
+            broken.push(LimitViolation::LandTooNarrow { land_m: pattern.least_land_m(), min_land_m });
         }
         if let Some(spot_m) = self.spot_m
-            && pattern.width_m() < spot_m
+            && pattern.least_extent_m() < spot_m
         {
-            broken.push(LimitViolation::NarrowerThanSpot { width_m: pattern.width_m(), spot_m });
+            broken.push(LimitViolation::NarrowerThanSpot { width_m: pattern.least_extent_m(), spot_m });
         }
         broken
     }
@@ -73,7 +73,7 @@ impl ManufacturingLimits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Planform;
+    use crate::{Planform, Texture};
 
     #[test]
     fn the_published_pattern_takes_two_bursts() {
@@ -90,5 +90,17 @@ mod tests {
         assert_eq!(broken.len(), 2);
         assert!((broken[0].excess() - 0.25).abs() < 1e-12);
         assert!(limits.violations(&Pattern::new(Planform::Groove, 23e-6, 40e-6, 5e-6).unwrap()).is_empty());
+    }
+
+    #[test]
+    fn the_narrowest_land_and_the_smallest_extent_decide() {
+        let limits = ManufacturingLimits { min_land_m: Some(40e-6), spot_m: Some(23e-6), depth_per_burst_m: None };
+        let rectangle = Texture::new(Planform::Rectangle);
+        let close_rows = rectangle.with_length_m(80e-6).unwrap().with_spacing_across_m(30e-6).unwrap();
+        let broken = limits.violations(&Pattern::new(close_rows, 50e-6, 60e-6, 5e-6).unwrap());
+        assert_eq!(broken, [LimitViolation::LandTooNarrow { land_m: 30e-6, min_land_m: 40e-6 }]);
+        let short = rectangle.with_length_m(20e-6).unwrap();
+        let broken = limits.violations(&Pattern::new(short, 50e-6, 60e-6, 5e-6).unwrap());
+        assert_eq!(broken, [LimitViolation::NarrowerThanSpot { width_m: 20e-6, spot_m: 23e-6 }]);
     }
 }

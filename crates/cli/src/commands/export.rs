@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
 
 use super::drawings::{DrawingInput, draw};
 use super::optimize::StoredDesign;
 use crate::args::ExportArgs;
 use crate::diagnostic::Diagnostic;
 use crate::output::{Outputs, check_folder};
+use crate::report::simulation::PatternReport;
 use crate::units::LENGTH_UM;
 use crate::{CliError, Console, exit_code};
 
@@ -18,26 +19,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     check_folder(folder)?;
     let stored = read(&args.result)?;
     let refuse = |reason: String| Diagnostic::file(&args.result, reason);
-    let length = |key: &str, value: f64| {
-        if LENGTH_UM.accepts(value) {
-            return Ok(LENGTH_UM.to_si(value));
-        }
-        let key = Some(format!("design.{key}").into());
-        Err(Diagnostic { key, value: Some(value.to_string().into()), ..refuse("is out of range".into()) }
-            .expected(LENGTH_UM.to_string()))
-    };
-    let design = &stored.design;
-    let planform: Planform = design.planform.parse().map_err(|error: slipgrid_pattern::PatternError| Diagnostic {
-        key: Some("design.planform".into()),
-        ..refuse(error.to_string())
-    })?;
-    let pattern = Pattern::new(
-        planform,
-        length("width_um", design.width_um)?,
-        length("spacing_um", design.spacing_um)?,
-        length("depth_um", design.depth_um)?,
-    )
-    .map_err(|error| refuse(error.to_string()))?;
+    let pattern = pattern(&args.result, &stored.design)?;
     let input = DrawingInput {
         name: &stored.name,
         version: &stored.version,
@@ -54,6 +36,50 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         writeln!(console.out, "{}", folder.join(name).display())?;
     }
     Ok(exit_code::DONE)
+}
+
+/// The design in the result at `path`.
+fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
+    let refuse = |key: &str, error: PatternError| Diagnostic {
+        key: Some(format!("design.{key}").into()),
+        ..Diagnostic::file(path, error.to_string())
+    };
+    let length = |key: &str, value: f64| {
+        if LENGTH_UM.accepts(value) {
+            return Ok(LENGTH_UM.to_si(value));
+        }
+        let key = Some(format!("design.{key}").into());
+        let value = Some(value.to_string().into());
+        Err(Diagnostic { key, value, ..Diagnostic::file(path, "is out of range") }.expected(LENGTH_UM.to_string()))
+    };
+    let planform: Planform = design.planform.parse().map_err(|error| refuse("planform", error))?;
+    let mut texture = Texture::new(planform);
+    if let Some(length_um) = design.length_um {
+        let length_m = length("length_um", length_um)?;
+        texture = texture.with_length_m(length_m).map_err(|error| refuse("length_um", error))?;
+    }
+    if let Some(spacing_um) = design.spacing_across_um {
+        let spacing_m = length("spacing_across_um", spacing_um)?;
+        texture = texture.with_spacing_across_m(spacing_m).map_err(|error| refuse("spacing_across_um", error))?;
+    }
+    if let Some(name) = &design.arrangement {
+        let arrangement: Result<Arrangement, PatternError> = name.parse();
+        texture = arrangement
+            .and_then(|arrangement| texture.with_arrangement(arrangement))
+            .map_err(|error| refuse("arrangement", error))?;
+    }
+    if let Some(angle_deg) = design.angle_deg {
+        texture = texture.with_groove_angle_deg(angle_deg).map_err(|error| refuse("angle_deg", error))?;
+    }
+    if let Some(angle_deg) = design.sliding_angle_deg {
+        texture = texture.with_sliding_angle_deg(angle_deg).map_err(|error| refuse("sliding_angle_deg", error))?;
+    }
+    let (width_m, spacing_m, depth_m) = (
+        length("width_um", design.width_um)?,
+        length("spacing_um", design.spacing_um)?,
+        length("depth_um", design.depth_um)?,
+    );
+    Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| Diagnostic::file(path, error.to_string()))
 }
 
 fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {

@@ -6,13 +6,14 @@ use serde::Deserialize;
 use slipgrid_export::{Laser, Outline};
 use slipgrid_material::{Condition, Material};
 use slipgrid_optimize::{Constraints, DesignSpace, Quantity, Target, TargetPoint};
-use slipgrid_pattern::ManufacturingLimits;
+use slipgrid_pattern::{Arrangement, ManufacturingLimits};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
 use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
-use super::scene::{SampleFile, default_sample, read_layer, read_planform, read_pressures};
+use super::pattern::{TextureFile, read_texture, require_section};
+use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{FRICTION, LENGTH_MM, LENGTH_UM, POSITIVE, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE};
@@ -30,8 +31,8 @@ struct DesignFile {
     condition: Option<Spanned<ConditionFile>>,
     target: Spanned<TargetFile>,
     bounds: Spanned<BoundsFile>,
-    #[serde(default)]
-    pattern: PlanformFile,
+    #[serde(default = "plain_texture")]
+    pattern: Spanned<TextureFile>,
     #[serde(default)]
     limits: LimitsFile,
     laser: Option<LaserFile>,
@@ -40,6 +41,11 @@ struct DesignFile {
     sample: Spanned<SampleFile>,
     #[serde(default)]
     search: SearchFile,
+}
+
+/// Grooves across the sliding direction, where a design names nothing else.
+fn plain_texture() -> Spanned<TextureFile> {
+    Spanned::new(0..0, TextureFile::default())
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -57,12 +63,6 @@ struct BoundsFile {
     width_um: NumberList,
     spacing_um: NumberList,
     depth_um: NumberList,
-}
-
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PlanformFile {
-    planform: Option<Spanned<String>>,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -119,7 +119,7 @@ pub struct Design {
     pub condition: Option<Condition>,
     /// The wanted friction.
     pub target: Target,
-    /// Planform and bounds of the patterns that may be tried.
+    /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
@@ -170,8 +170,9 @@ impl Design {
                 .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
                 .expected(format!("depths below {layer_um} um")));
         }
-        let planform = read_planform(&document, file.pattern.planform.as_ref())?;
-        let space = DesignSpace::new(planform, width_m, spacing_m, depth_m)
+        let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        require_section(&document, file.pattern.get_ref(), &texture)?;
+        let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let laser = read_laser(&document, &file)?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
@@ -304,6 +305,22 @@ fn read_limits(
         return Err(document
             .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
             .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    let texture = file.pattern.get_ref();
+    if let Some((length, spot_m)) = texture.length_um.as_ref().zip(limits.spot_m)
+        && document.number(length, LENGTH_UM)? < spot_m
+    {
+        return Err(document
+            .refuse(length.span(), "is below the laser's spot: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    if let Some((spacing, min_land_m)) = texture.spacing_across_um.as_ref().zip(limits.min_land_m)
+        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() != Arrangement::Staggered.name())
+        && document.number(spacing, LENGTH_UM)? < min_land_m
+    {
+        return Err(document
+            .refuse(spacing.span(), "is below limits.min_land_um: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(min_land_m))));
     }
     if let Some(burst_m) = limits.depth_per_burst_m {
         // The first whole number of bursts at or above the least depth, with slack for decimals.

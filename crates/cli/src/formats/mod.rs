@@ -5,6 +5,7 @@ pub mod design;
 pub mod document;
 pub mod material;
 pub mod measurements;
+pub mod pattern;
 pub mod scene;
 pub mod values;
 

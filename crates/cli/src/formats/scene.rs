@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Friction, Material, MaterialError};
-use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, SceneError, Springs};
 use toml::Spanned;
 
 use super::document::Document;
 use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
+use super::pattern::{PatternFile, read_pattern, require_section};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
@@ -37,21 +37,6 @@ pub struct SceneFile {
     /// How to solve.
     #[serde(default)]
     pub run: RunFile,
-}
-
-/// A texture as a file writes it.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct PatternFile {
-    /// Width of a cavity along the sliding direction.
-    pub width_um: Number,
-    /// Gap between two cavities.
-    pub spacing_um: Number,
-    /// Depth of a cavity.
-    pub depth_um: Number,
-    /// Shape seen from above; `groove` when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub planform: Option<Spanned<String>>,
 }
 
 /// The modelled layer as a file writes it.
@@ -181,6 +166,9 @@ impl SceneInput {
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
         let layer = read_layer(&document, &file.sample)?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
+        if let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref()) {
+            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
+        }
         let run = read_run(&document, &file.run, overrides)?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
@@ -293,7 +281,7 @@ impl SceneInput {
     /// The vertical plane models a section of this planform, not the planform itself.
     #[must_use]
     pub fn is_section_model(&self) -> bool {
-        self.scene.pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2)
+        self.scene.pattern.is_some_and(|pattern| pattern.dimensions() > 2)
     }
 }
 
@@ -321,33 +309,6 @@ pub fn loads(
         outside.push(at.outside_measured_range);
     }
     Ok((loads, outside))
-}
-
-/// Reads a texture and checks that it leaves some of the layer.
-///
-/// # Errors
-/// [`Diagnostic`] for numbers out of range.
-pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>, layer: &Layer) -> Result<Pattern, Diagnostic> {
-    let pattern = file.get_ref();
-    let planform = read_planform(document, pattern.planform.as_ref())?;
-    let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
-    let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
-    let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
-    if depth_m >= layer.height_m {
-        let layer_um = LENGTH_UM.from_si(layer.height_m);
-        return Err(document
-            .refuse(pattern.depth_um.span(), format!("um leaves nothing of the layer of {layer_um} um"))
-            .expected(format!("a depth below {layer_um} um")));
-    }
-    Pattern::new(planform, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
-}
-
-/// Reads a planform; `groove` when absent.
-///
-/// # Errors
-/// [`Diagnostic`] for unknown names.
-pub fn read_planform(document: &Document, planform: Option<&Spanned<String>>) -> Result<Planform, Diagnostic> {
-    planform.map_or(Ok(Planform::Groove), |planform| document.choice(planform, &Planform::ALL, Planform::name))
 }
 
 /// Reads the modelled layer and checks that it is made of whole blocks.

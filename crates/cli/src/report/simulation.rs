@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 use slipgrid_material::Provenance;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{LoadOutcome, Scene, Simulation};
+use toml::Spanned;
 
 use super::table::{Table, fixed};
+use crate::formats::pattern::PatternFile;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
@@ -82,6 +84,21 @@ pub struct PatternReport {
     pub depth_um: f64,
     /// Shape seen from above.
     pub planform: String,
+    /// Extent of a rectangle across its row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<f64>,
+    /// Gap between rows, where it is not that along them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing_across_um: Option<f64>,
+    /// `staggered`, where rows are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<String>,
+    /// Grooves turned from lying across the specimen's x axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// Sliding direction turned from the specimen's x axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_angle_deg: Option<f64>,
     /// Share of the surface that is cavity.
     pub areal_density: f64,
     /// Share of the section through the cavities' centres that is cavity.
@@ -90,14 +107,34 @@ pub struct PatternReport {
 
 impl From<&Pattern> for PatternReport {
     fn from(pattern: &Pattern) -> Self {
+        // As a scene writes it.
+        let written = PatternFile::from(pattern);
         Self {
-            width_um: LENGTH_UM.from_si(pattern.width_m()),
-            spacing_um: LENGTH_UM.from_si(pattern.spacing_m()),
-            depth_um: LENGTH_UM.from_si(pattern.depth_m()),
+            width_um: *written.width_um.get_ref(),
+            spacing_um: *written.spacing_um.get_ref(),
+            depth_um: *written.depth_um.get_ref(),
             planform: pattern.planform().name().to_owned(),
+            length_um: written.length_um.map(Spanned::into_inner),
+            spacing_across_um: written.spacing_across_um.map(Spanned::into_inner),
+            arrangement: written.arrangement.map(Spanned::into_inner),
+            angle_deg: written.angle_deg.map(Spanned::into_inner),
+            sliding_angle_deg: written.sliding_angle_deg.map(Spanned::into_inner),
             areal_density: tidy(pattern.areal_density()),
             section_density: tidy(pattern.section_density()),
         }
+    }
+}
+
+impl PatternReport {
+    /// What the name of the planform leaves open, for people; empty where it is plain.
+    #[must_use]
+    pub fn texture_words(&self) -> String {
+        let lengths = [("long", self.length_um), ("between rows", self.spacing_across_um)];
+        let lengths = lengths.into_iter().filter_map(|(what, um)| um.map(|um| format!(", {um} um {what}")));
+        let angles = [("grooves turned by", self.angle_deg), ("sliding at", self.sliding_angle_deg)];
+        let angles = angles.into_iter().filter_map(|(what, angle)| angle.map(|angle| format!(", {what} {angle} deg")));
+        let arrangement = self.arrangement.iter().map(|name| format!(", {name}"));
+        lengths.chain(arrangement).chain(angles).collect()
     }
 }
 
@@ -164,7 +201,7 @@ impl LoadReport {
     #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
-        let strip = pattern.filter(|pattern| pattern.planform().dimensions() > 2).zip(load.ratio);
+        let strip = pattern.filter(|pattern| pattern.dimensions() > 2).zip(load.ratio);
         let cost = surface.cost;
         Self {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
@@ -211,7 +248,7 @@ pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside:
 #[must_use]
 pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
     let mut notes = Vec::new();
-    if let Some(pattern) = pattern.filter(|pattern| pattern.planform().dimensions() > 2) {
+    if let Some(pattern) = pattern.filter(|pattern| pattern.dimensions() > 2) {
         notes.push(format!(
             "section model: {} cavities are modelled by the vertical section through their centres, as grooves: {:.2} % \
              of the section, {:.2} % of the surface; `ratio` is the section's, `ratio_strip_estimate` counts the strips \
@@ -248,7 +285,7 @@ impl SimulationReport {
             model: simulation.model.iter().cloned().chain(model_notes(pattern, provenance)).collect(),
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),
-            section_model: pattern.is_some_and(|pattern| pattern.planform().dimensions() > 2),
+            section_model: pattern.is_some_and(|pattern| pattern.dimensions() > 2),
             areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
             section_density: pattern.map(|pattern| tidy(pattern.section_density())),
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
@@ -266,7 +303,13 @@ impl SimulationReport {
         let mut text = String::new();
         let surface = self.pattern.as_ref().map_or_else(
             || "flat surface".to_owned(),
-            |p| format!("{} {} um wide, {} um apart, {} um deep", p.planform, p.width_um, p.spacing_um, p.depth_um),
+            |p| {
+                let words = p.texture_words();
+                format!(
+                    "{} {} um wide, {} um apart, {} um deep{words}",
+                    p.planform, p.width_um, p.spacing_um, p.depth_um
+                )
+            },
         );
         text += &format!("{surface}; {}, {}\n", self.fidelity, self.extent);
         for statement in &self.model {

@@ -1,7 +1,8 @@
 //! A reader of R12 written from the format's description, and the drawings read back with it.
 
 use super::*;
-use slipgrid_pattern::{Pattern, Planform};
+use crate::layout::every_kind;
+use slipgrid_pattern::{Pattern, Planform, Texture};
 
 /// What the reader finds.
 #[derive(Default)]
@@ -93,27 +94,37 @@ fn read(text: &str) -> Drawing {
 
 const HEADING: Heading = Heading { name: "test", version: "0.0.0", notes: &[] };
 
-fn layout(planform: Planform, outline: Outline) -> Layout {
-    Layout::new(Pattern::new(planform, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap(), outline).unwrap()
+fn layout(texture: impl Into<Texture>, outline: Outline) -> Layout {
+    Layout::new(Pattern::new(texture, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap(), outline).unwrap()
 }
 
 #[test]
-fn cavities_read_back_to_the_same_polygons_within_half_a_nanometre() {
-    for planform in Planform::ALL {
+fn cavities_read_back_to_the_same_shapes_within_half_a_nanometre() {
+    for texture in every_kind() {
         for outline in [Outline::Disc { diameter_m: 10e-3 }, Outline::Rectangle { length_m: 6e-3, width_m: 3e-3 }] {
-            let layout = layout(planform, outline);
+            let layout = layout(texture, outline);
             let drawing = read(&dxf(&layout, &HEADING));
             let cavities: Vec<&Entity> = drawing.entities.iter().filter(|e| e.layer == LAYER_CAVITIES).collect();
             assert_eq!(cavities.len(), layout.cavities());
+            let close = |read_mm: f64, laid_m: f64| assert!((read_mm - laid_m * 1e3).abs() <= 0.5001e-6);
             for (entity, cavity) in cavities.iter().zip(layout.iter()) {
-                assert_eq!(entity.kind, "POLYLINE");
-                assert_eq!(entity.real(66), 1.0);
-                assert_eq!(entity.real(70), 1.0, "closed");
-                assert!(entity.ended);
-                assert_eq!(entity.vertices_mm.len(), 4);
-                for (vertex_mm, corner_m) in entity.vertices_mm.iter().zip(cavity.corners_m()) {
-                    for axis in 0..2 {
-                        assert!((vertex_mm[axis] - corner_m[axis] * 1e3).abs() <= 0.5001e-6);
+                match cavity.boundary() {
+                    Boundary::Circle { centre_m, radius_m } => {
+                        assert_eq!((entity.kind.as_str(), texture.planform()), ("CIRCLE", Planform::Disc));
+                        close(entity.real(10), centre_m[0]);
+                        close(entity.real(20), centre_m[1]);
+                        close(entity.real(40), radius_m);
+                    }
+                    Boundary::Rectangle { corners_m } => {
+                        assert_eq!(entity.kind, "POLYLINE");
+                        assert_eq!(entity.real(66), 1.0);
+                        assert_eq!(entity.real(70), 1.0, "closed");
+                        assert!(entity.ended);
+                        assert_eq!(entity.vertices_mm.len(), 4);
+                        for (vertex_mm, corner_m) in entity.vertices_mm.iter().zip(corners_m) {
+                            close(vertex_mm[0], corner_m[0]);
+                            close(vertex_mm[1], corner_m[1]);
+                        }
                     }
                 }
             }
@@ -151,6 +162,39 @@ fn the_arrow_points_along_x_and_stays_off_the_specimen() {
     assert_eq!(lines.len(), 3);
     assert!(lines[0].real(11) > lines[0].real(10) && lines[0].real(21) == lines[0].real(20));
     assert!(lines.iter().all(|line| line.real(20) < -5.0 && line.real(21) < -5.0));
+}
+
+#[test]
+fn the_arrow_turns_with_the_sliding_direction_off_the_specimen_and_within_the_extents() {
+    for angle_deg in [-180.0, -120.0, -45.0, 30.0, 90.0] {
+        let texture = Texture::new(Planform::Disc).with_sliding_angle_deg(angle_deg).unwrap();
+        let text = dxf(&layout(texture, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
+        assert!(text.contains(&format!("Sliding direction: {angle_deg} degrees from x, anticlockwise.")));
+        let drawing = read(&text);
+        let lowest_mm: f64 =
+            drawing.variables.iter().find(|(name, _)| name == "$EXTMIN").unwrap().1[1].parse().unwrap();
+        let lines: Vec<&Entity> = drawing.entities.iter().filter(|e| e.layer == LAYER_SLIDING_DIRECTION).collect();
+        let (across, along) = (lines[0].real(21) - lines[0].real(20), lines[0].real(11) - lines[0].real(10));
+        assert!((across.atan2(along).to_degrees().abs() - angle_deg.abs()).abs() < 1e-4);
+        assert!(across.hypot(along) > 2.4 && (across - 2.5 * angle_deg.to_radians().sin()).abs() < 1e-5);
+        for height_mm in lines.iter().flat_map(|line| [line.real(20), line.real(21)]) {
+            assert!(height_mm < -5.0 && height_mm >= lowest_mm, "{angle_deg}: {height_mm}");
+        }
+    }
+}
+
+#[test]
+fn comments_say_what_the_planform_leaves_open() {
+    let comment = |texture: Texture| {
+        let text = dxf(&layout(texture, Outline::Disc { diameter_m: 10e-3 }), &HEADING);
+        text.lines().find(|line| line.starts_with("Pattern: ")).unwrap().to_owned()
+    };
+    assert!(comment(Planform::Square.into()).starts_with("Pattern: square, width 131.235 um, spacing 370.000 um"));
+    let long = Texture::new(Planform::Rectangle).with_length_m(288.8e-6).unwrap();
+    let staggered = long.with_arrangement(slipgrid_pattern::Arrangement::Staggered).unwrap();
+    assert!(comment(staggered).starts_with("Pattern: rectangle, staggered, length 288.800 um, width"));
+    let turned = Texture::new(Planform::Groove).with_groove_angle_deg(30.0).unwrap();
+    assert!(comment(turned).starts_with("Pattern: groove, turned by 30 degrees from lying across x, width"));
 }
 
 #[test]

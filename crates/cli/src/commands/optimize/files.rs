@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use crate::CliError;
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
-use crate::formats::scene::{LoadFile, PatternFile, RunFile, SampleFile, SceneFile};
+use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
 use crate::units::{DENSITY_G_CM3, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
@@ -41,12 +41,7 @@ impl DesignScene<'_> {
             name: Some(self.name.to_owned()),
             condition: None,
             material: unplaced(PathOr::Table(Box::new(self.material()))),
-            pattern: Some(unplaced(PatternFile {
-                width_um: micrometres(self.pattern.width_m()),
-                spacing_um: micrometres(self.pattern.spacing_m()),
-                depth_um: micrometres(self.pattern.depth_m()),
-                planform: Some(unplaced(self.pattern.planform().name().to_owned())),
-            })),
+            pattern: Some(unplaced(self.pattern.into())),
             sample: unplaced(SampleFile {
                 length_um: Some(micrometres(self.layer.length_m)),
                 layer_um: Some(micrometres(self.layer.height_m)),

@@ -98,7 +98,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         status: found.status.name(),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
-        section_model: pattern.planform().dimensions() > 2,
+        section_model: pattern.dimensions() > 2,
         target: (&design.target).into(),
         predicted: load_reports(predicted, Some(&pattern), &outside),
         predicted_value: best.response.value.clone(),

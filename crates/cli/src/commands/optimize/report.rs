@@ -214,11 +214,12 @@ impl DesignReport {
         let design = &self.design;
         let mut text = format!("{}: target {}\n\n", self.name, self.verdict());
         text += &format!(
-            "  {} {} um wide, {} um apart, {} um deep{}\n  {:.1} % of the surface\n\n",
+            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the surface\n\n",
             design.planform,
             design.width_um,
             design.spacing_um,
             design.depth_um,
+            design.texture_words(),
             self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );

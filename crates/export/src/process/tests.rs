@@ -1,0 +1,124 @@
+//! The sheet of the paper's pattern, and of every other kind.
+
+use super::*;
+use slipgrid_pattern::Texture;
+
+/// Laser and pattern of the paper, Sec. "Laser patterning"; the repetition rate is ours.
+fn input(repetition_hz: Option<f64>) -> ProcessInput {
+    ProcessInput {
+        name: "LDPE, lower friction".to_owned(),
+        version: "0.1.0".to_owned(),
+        seed: 1,
+        laser: Laser {
+            wavelength_nm: Some(1064.0),
+            spot_um: Some(23.0),
+            pulse_ns: Some(4.0),
+            power_density_gw_cm2: Some(3.65),
+            depth_per_burst_um: Some(2.6),
+            repetition_hz,
+        },
+        tolerances: Some(Tolerances {
+            width_um: Some(8.0),
+            spacing_um: Some(13.0),
+            depth_um: Some(1.3),
+            basis: "scatter of the published pattern".to_owned(),
+        }),
+        material: MaterialNote {
+            name: "LDPE on grey cast iron".to_owned(),
+            source: "Balestra et al., J. Tribol. 144, 031704".to_owned(),
+            synthetic_surface: true,
+        },
+    }
+}
+
+fn layout(planform: Planform, outline: Outline) -> Layout {
+    Layout::new(Pattern::new(planform, 130e-6, 370e-6, 5.2e-6).unwrap(), outline).unwrap()
+}
+
+const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
+
+#[test]
+fn the_published_pattern_takes_two_bursts_on_36_spots_a_cavity() {
+    let layout = layout(Planform::Square, DISC);
+    let sheet = ProcessSheet::new(&layout, input(Some(50.0))).unwrap();
+    assert_eq!(sheet.work.bursts_per_cavity, Some(2));
+    assert_eq!(sheet.work.depth_of_bursts_um, Some(5.2));
+    // 130 / 23 = 5.65: six spots along each side.
+    assert_eq!(sheet.work.spots_per_cavity, Some(36));
+    let spots = 36 * layout.cavities() as u64;
+    assert_eq!(sheet.work.spots_on_specimen, Some(spots));
+    assert_eq!(sheet.work.estimated_time_s, Some(spots as f64 * 2.0 / 50.0));
+    assert_eq!(sheet.work.no_estimate_because, None);
+    assert_eq!(sheet.pattern.pitch_um, 500.0);
+    assert_eq!(sheet.pattern.areal_density, 0.0676);
+    assert_eq!(sheet.specimen.diameter_mm, Some(10.0));
+}
+
+#[test]
+fn grooves_count_the_spots_of_each_length() {
+    let outline = Outline::Rectangle { length_m: 1.2e-3, width_m: 2e-3 };
+    let sheet = ProcessSheet::new(&layout(Planform::Groove, outline), input(None)).unwrap();
+    // 2000 / 23 = 86.96.
+    assert_eq!(sheet.work.spots_per_cavity, Some(6 * 87));
+    assert_eq!(sheet.work.spots_on_specimen, Some(3 * 6 * 87));
+    assert_eq!(spots_along(46e-6, 23.0), 2);
+    assert_eq!(spots_along(10e-6, 23.0), 1);
+}
+
+#[test]
+fn a_missing_number_is_the_reason_for_no_estimate() {
+    let mut input = input(None);
+    input.laser.spot_um = None;
+    let sheet = ProcessSheet::new(&layout(Planform::Square, DISC), input).unwrap();
+    assert_eq!(sheet.work.estimated_time_s, None);
+    assert_eq!(sheet.work.no_estimate_because.as_deref(), Some("not given: spot_um, repetition_hz"));
+}
+
+#[test]
+fn the_sheet_reads_back_to_the_same_values() {
+    let mut input_with_large_seed = input(None);
+    input_with_large_seed.seed = u64::MAX;
+    let sheet = ProcessSheet::new(&layout(Planform::Square, DISC), input_with_large_seed).unwrap();
+    assert_eq!(toml::from_str::<ProcessSheet>(&sheet.to_toml().unwrap()).unwrap().seed, u64::MAX);
+    for outline in [DISC, Outline::Rectangle { length_m: 9.96e-3, width_m: 5e-3 }] {
+        for repetition_hz in [None, Some(50.0)] {
+            let sheet = ProcessSheet::new(&layout(Planform::Square, outline), input(repetition_hz)).unwrap();
+            let text = sheet.to_toml().unwrap();
+            assert_eq!(toml::from_str::<ProcessSheet>(&text).unwrap(), sheet);
+            assert!(!text.contains("99999") && !text.contains("00000"), "{text}");
+        }
+    }
+}
+
+#[test]
+fn sheets_of_every_kind_read_back_and_name_what_is_not_plain() {
+    for texture in crate::layout::every_kind() {
+        let pattern = Pattern::new(texture, 130e-6, 370e-6, 5.2e-6).unwrap();
+        let sheet = ProcessSheet::new(&Layout::new(pattern, DISC).unwrap(), input(Some(50.0))).unwrap();
+        let text = sheet.to_toml().unwrap();
+        assert_eq!(toml::from_str::<ProcessSheet>(&text).unwrap(), sheet);
+        let named = |key: &str| text.lines().any(|line| line.starts_with(&format!("{key} = ")));
+        assert_eq!(named("angle_deg"), texture.orientation_deg() != 0.0);
+        assert_eq!(named("sliding_angle_deg"), texture.sliding_angle_deg() != 0.0);
+        assert_eq!(text.contains("x is the sliding direction"), texture.sliding_angle_deg() == 0.0);
+        assert_eq!(text.contains("arrangement = \"staggered\""), texture.arrangement() == Arrangement::Staggered);
+        assert_eq!(named("length_um"), texture.length_m().is_some());
+        assert_eq!(sheet.pattern.areal_density, round_digits(pattern.areal_density(), DERIVED_DIGITS));
+    }
+    let turned = Texture::new(Planform::Groove).with_groove_angle_deg(33.3).unwrap();
+    let pattern = Pattern::new(turned, 130e-6, 370e-6, 5.2e-6).unwrap();
+    let sheet = ProcessSheet::new(&Layout::new(pattern, DISC).unwrap(), input(None)).unwrap();
+    assert_eq!(sheet.pattern.angle_deg, Some(33.3));
+    assert!(sheet.specimen.arrangement.starts_with("grooves turned by 33.3 degrees from lying across x, one"));
+}
+
+#[test]
+fn numbers_that_mean_nothing_are_refused() {
+    let layout = layout(Planform::Square, DISC);
+    let mut bad = input(None);
+    bad.laser.spot_um = Some(0.0);
+    assert!(ProcessSheet::new(&layout, bad).unwrap_err().to_string().contains("spot_um"));
+    let mut bad = input(None);
+    bad.tolerances = Some(Tolerances { depth_um: Some(f64::NAN), ..Default::default() });
+    assert!(ProcessSheet::new(&layout, bad).unwrap_err().to_string().contains("depth_um"));
+}

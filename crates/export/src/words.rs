@@ -1,0 +1,50 @@
+//! A texture in words, as drawings and process sheets put it.
+
+use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
+
+use crate::number::decimal;
+
+/// Decimals of an angle in degrees: a millionth turns a specimen of 10 mm by less than a nanometre.
+pub(crate) const ANGLE_DECIMALS: usize = 6;
+
+/// An angle in degrees as text.
+pub(crate) fn degrees(angle_deg: f64) -> String {
+    decimal(angle_deg, ANGLE_DECIMALS)
+}
+
+/// Where the sliding direction lies on the specimen; "x" where nothing is turned.
+pub(crate) fn sliding_direction(texture: &Texture) -> String {
+    match texture.sliding_angle_deg() {
+        0.0 => "x".to_owned(),
+        angle_deg => format!("{} degrees from x, anticlockwise", degrees(angle_deg)),
+    }
+}
+
+/// Where grooves lie on the specimen: across the sliding direction, or where.
+pub(crate) fn groove_direction(texture: &Texture) -> String {
+    match (texture.orientation_deg(), texture.sliding_angle_deg()) {
+        (0.0, 0.0) => "across the sliding direction".to_owned(),
+        (0.0, _) => "across x".to_owned(),
+        (angle_deg, _) => format!("turned by {} degrees from lying across x", degrees(angle_deg)),
+    }
+}
+
+/// Several cavities of this planform.
+pub(crate) const fn cavities(planform: Planform) -> &'static str {
+    match planform {
+        Planform::Groove => "grooves",
+        Planform::Square => "square cavities",
+        Planform::Rectangle => "rectangular cavities",
+        Planform::Disc => "round cavities",
+    }
+}
+
+/// The lattice on which cavities lie; grooves lie on none.
+pub(crate) fn lattice(pattern: &Pattern) -> &'static str {
+    let square = pattern.pitch_across_m() == Some(pattern.pitch_m());
+    match (pattern.texture().arrangement(), square) {
+        (Arrangement::Square, true) => "square lattice",
+        (Arrangement::Square, false) => "rectangular lattice",
+        (Arrangement::Staggered, _) => "staggered lattice, every second row half a pitch aside",
+    }
+}

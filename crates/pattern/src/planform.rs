@@ -1,0 +1,115 @@
+use std::fmt;
+use std::str::FromStr;
+
+use crate::PatternError;
+
+/// What a cavity looks like from above. Its sides lie along the pattern's own axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Planform {
+    /// A groove along the pattern's y axis, as long as the surface. Across the sliding direction it
+    /// is what the vertical plane models.
+    Groove,
+    /// A square.
+    Square,
+    /// A rectangle, `width` along x and `length` along y.
+    Rectangle,
+    /// A disc; its width is its diameter.
+    Disc,
+}
+
+impl Planform {
+    /// All planforms, in the order in which help texts list them.
+    pub const ALL: [Self; 4] = [Self::Groove, Self::Square, Self::Rectangle, Self::Disc];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Groove => "groove",
+            Self::Square => "square",
+            Self::Rectangle => "rectangle",
+            Self::Disc => "disc",
+        }
+    }
+}
+
+impl fmt::Display for Planform {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Planform {
+    type Err = PatternError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .into_iter()
+            .find(|planform| planform.name() == name)
+            .ok_or_else(|| PatternError::UnknownPlanform { name: name.to_owned() })
+    }
+}
+
+/// How the rows of cavities follow each other. A row runs along the pattern's x axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Arrangement {
+    /// Every row like the one before.
+    #[default]
+    Square,
+    /// Every second row shifted along x by half a pitch.
+    Staggered,
+}
+
+impl Arrangement {
+    /// All arrangements, in the order in which help texts list them.
+    pub const ALL: [Self; 2] = [Self::Square, Self::Staggered];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Square => "square",
+            Self::Staggered => "staggered",
+        }
+    }
+}
+
+impl fmt::Display for Arrangement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Arrangement {
+    type Err = PatternError;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL
+            .into_iter()
+            .find(|arrangement| arrangement.name() == name)
+            .ok_or_else(|| PatternError::UnknownArrangement { name: name.to_owned() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_read_back() {
+        for planform in Planform::ALL {
+            assert_eq!(planform.name().parse::<Planform>().unwrap(), planform);
+        }
+        for arrangement in Arrangement::ALL {
+            assert_eq!(arrangement.name().parse::<Arrangement>().unwrap(), arrangement);
+        }
+    }
+
+    #[test]
+    fn refused_names_are_told_with_all_that_are_accepted() {
+        let refused = "hexagon".parse::<Planform>().unwrap_err().to_string();
+        assert!(refused.contains("hexagon") && Planform::ALL.iter().all(|planform| refused.contains(planform.name())));
+        let refused = "hexagonal".parse::<Arrangement>().unwrap_err().to_string();
+        assert!(refused.contains("hexagonal") && Arrangement::ALL.iter().all(|a| refused.contains(a.name())));
+    }
+}

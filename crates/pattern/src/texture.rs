@@ -1,0 +1,268 @@
+use crate::error::length;
+use crate::{Arrangement, PatternError, Planform};
+
+/// Everything about a pattern but its width, spacing and depth: shape, extent across, arrangement
+/// and directions.
+///
+/// A texture lies on a specimen with axes X and Y. Its own axes x and y are turned from them by
+/// `orientation_deg`, anticlockwise: that of grooves is free, cavities of other planforms keep
+/// their sides along X and Y. The specimen slides along a direction `sliding_angle_deg` from X.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Texture {
+    planform: Planform,
+    length_m: Option<f64>,
+    spacing_across_m: Option<f64>,
+    arrangement: Arrangement,
+    orientation_deg: f64,
+    sliding_angle_deg: f64,
+}
+
+/// Grooves at 90 degrees and at -90 are the same.
+const MOST_GROOVE_ANGLE_DEG: f64 = 90.0;
+const MOST_SLIDING_ANGLE_DEG: f64 = 180.0;
+
+impl Texture {
+    /// Cavities of `planform`, as long as wide and as far apart along y as along x, every row like
+    /// the one before, sliding along x.
+    #[must_use]
+    pub const fn new(planform: Planform) -> Self {
+        Self {
+            planform,
+            length_m: None,
+            spacing_across_m: None,
+            arrangement: Arrangement::Square,
+            orientation_deg: 0.0,
+            sliding_angle_deg: 0.0,
+        }
+    }
+
+    /// Rectangles `length_m` long along y, in metres.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::NotALength`] unless positive.
+    pub fn with_length_m(mut self, length_m: f64) -> Result<Self, PatternError> {
+        if self.planform != Planform::Rectangle {
+            return self.no("a length", "planform \"rectangle\", or no length");
+        }
+        self.length_m = Some(length("length", length_m)?);
+        Ok(self)
+    }
+
+    /// A gap of `spacing_across_m` between neighbouring rows, along y, in metres.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::NotALength`] unless positive.
+    pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
+        if self.planform == Planform::Groove {
+            return self.no("a spacing across", "another planform, or no spacing across");
+        }
+        self.spacing_across_m = Some(length("spacing across", spacing_across_m)?);
+        Ok(self)
+    }
+
+    /// The rows in `arrangement`.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for staggered grooves, which have no rows.
+    pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
+        if self.planform == Planform::Groove && arrangement == Arrangement::Staggered {
+            return self.no("a staggered arrangement", "another planform, or arrangement \"square\"");
+        }
+        self.arrangement = arrangement;
+        Ok(self)
+    }
+
+    /// Grooves turned on the specimen by `angle_deg`, anticlockwise from lying across X: at 0 and
+    /// sliding along X they are transversal, at 90 longitudinal.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::AngleOutOfRange`] beyond
+    /// 90 degrees either way.
+    pub fn with_groove_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
+        if self.planform != Planform::Groove {
+            return self.no("a groove angle", "planform \"groove\", or a sliding angle instead");
+        }
+        self.orientation_deg = angle("groove angle", angle_deg, MOST_GROOVE_ANGLE_DEG)?;
+        Ok(self)
+    }
+
+    /// Sliding along a direction turned by `angle_deg` from the specimen's X axis, anticlockwise.
+    ///
+    /// # Errors
+    /// [`PatternError::AngleOutOfRange`] beyond 180 degrees either way.
+    pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
+        self.sliding_angle_deg = angle("sliding angle", angle_deg, MOST_SLIDING_ANGLE_DEG)?;
+        Ok(self)
+    }
+
+    fn no(self, property: &'static str, expected: &'static str) -> Result<Self, PatternError> {
+        Err(PatternError::NoSuchProperty { property, planform: self.planform, expected })
+    }
+
+    /// The shape seen from above.
+    #[must_use]
+    pub const fn planform(&self) -> Planform {
+        self.planform
+    }
+
+    /// Length of a rectangle along y, in metres, where it is not its width.
+    #[must_use]
+    pub const fn length_m(&self) -> Option<f64> {
+        self.length_m
+    }
+
+    /// Gap between neighbouring rows along y, in metres, where it is not the spacing along x.
+    #[must_use]
+    pub const fn spacing_across_m(&self) -> Option<f64> {
+        self.spacing_across_m
+    }
+
+    /// How rows follow each other.
+    #[must_use]
+    pub const fn arrangement(&self) -> Arrangement {
+        self.arrangement
+    }
+
+    /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, and
+    /// 0 for other planforms.
+    #[must_use]
+    pub const fn orientation_deg(&self) -> f64 {
+        self.orientation_deg
+    }
+
+    /// Angle from the specimen's X axis to the sliding direction, in degrees.
+    #[must_use]
+    pub const fn sliding_angle_deg(&self) -> f64 {
+        self.sliding_angle_deg
+    }
+
+    /// Unit vector of the texture's x axis in the specimen's axes.
+    #[must_use]
+    pub fn orientation(&self) -> [f64; 2] {
+        unit_vector(self.orientation_deg)
+    }
+
+    /// Unit vector of the sliding direction in the texture's own axes x and y.
+    #[must_use]
+    pub fn sliding_direction(&self) -> [f64; 2] {
+        unit_vector(self.sliding_angle_deg - self.orientation_deg)
+    }
+
+    /// Unit vector of the sliding direction in the specimen's axes X and Y.
+    #[must_use]
+    pub fn sliding_direction_on_specimen(&self) -> [f64; 2] {
+        unit_vector(self.sliding_angle_deg)
+    }
+
+    /// Dimensions that a model needs: 2 where every vertical section along the sliding direction is
+    /// the same, which is so for grooves across it alone, otherwise 3.
+    #[must_use]
+    pub fn dimensions(&self) -> u8 {
+        let transversal = self.sliding_direction()[1] == 0.0;
+        if self.planform == Planform::Groove && transversal { 2 } else { 3 }
+    }
+}
+
+impl From<Planform> for Texture {
+    fn from(planform: Planform) -> Self {
+        Self::new(planform)
+    }
+}
+
+/// `value_deg` if it is finite and at most `most_deg` either way.
+fn angle(quantity: &'static str, value_deg: f64, most_deg: f64) -> Result<f64, PatternError> {
+    // A negative zero would print as one.
+    let value_deg = value_deg + 0.0;
+    if value_deg.abs() <= most_deg {
+        Ok(value_deg)
+    } else {
+        Err(PatternError::AngleOutOfRange { quantity, value_deg, most_deg })
+    }
+}
+
+/// (cos a, sin a), exact at multiples of a right angle and the same on every platform.
+fn unit_vector(angle_deg: f64) -> [f64; 2] {
+    let quarters = (angle_deg / 90.0).round();
+    let rest = (angle_deg - 90.0 * quarters).to_radians();
+    let (sine, cosine) = (libm::sin(rest), libm::cos(rest));
+    // Angles are at most 270 degrees either way: the cast is exact. Adding zero drops its sign.
+    match (quarters as i32).rem_euclid(4) {
+        0 => [cosine, sine + 0.0],
+        1 => [-sine + 0.0, cosine],
+        2 => [-cosine, -sine + 0.0],
+        _ => [sine + 0.0, -cosine],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_angles_are_exact_and_others_are_the_cosine_and_sine() {
+        for (angle_deg, expected) in
+            [(0.0, [1.0, 0.0]), (90.0, [0.0, 1.0]), (180.0, [-1.0, 0.0]), (-90.0, [0.0, -1.0]), (270.0, [0.0, -1.0])]
+        {
+            assert_eq!(unit_vector(angle_deg), expected, "{angle_deg}");
+        }
+        for angle_deg in -270..=270 {
+            let [cosine, sine] = unit_vector(f64::from(angle_deg));
+            let radians = f64::from(angle_deg).to_radians();
+            assert!((cosine - radians.cos()).abs() < 1e-15 && (sine - radians.sin()).abs() < 1e-15);
+        }
+        assert!((unit_vector(30.0)[1] - 0.5).abs() < 1e-16);
+    }
+
+    #[test]
+    fn two_dimensions_do_for_transversal_grooves_alone() {
+        let groove = Texture::new(Planform::Groove);
+        assert_eq!(groove.dimensions(), 2);
+        assert_eq!(groove.with_sliding_angle_deg(180.0).unwrap().dimensions(), 2);
+        // Grooves turned with the sliding direction stay across it.
+        let turned = groove.with_groove_angle_deg(33.3).unwrap().with_sliding_angle_deg(33.3).unwrap();
+        assert_eq!((turned.dimensions(), turned.sliding_direction()), (2, [1.0, 0.0]));
+        assert_eq!(groove.with_groove_angle_deg(1e-3).unwrap().dimensions(), 3);
+        assert_eq!(groove.with_sliding_angle_deg(90.0).unwrap().dimensions(), 3);
+        for planform in [Planform::Square, Planform::Rectangle, Planform::Disc] {
+            assert_eq!(Texture::new(planform).dimensions(), 3);
+        }
+    }
+
+    #[test]
+    fn a_longitudinal_groove_is_one_turned_or_one_slid_along() {
+        let turned = Texture::new(Planform::Groove).with_groove_angle_deg(-90.0).unwrap();
+        let slid = Texture::new(Planform::Groove).with_sliding_angle_deg(90.0).unwrap();
+        assert_eq!(turned.sliding_direction(), [0.0, 1.0]);
+        assert_eq!(turned.sliding_direction(), slid.sliding_direction());
+        assert_eq!((turned.orientation(), slid.orientation()), ([0.0, -1.0], [1.0, 0.0]));
+    }
+
+    #[test]
+    fn what_a_planform_does_not_have_is_refused_with_what_would_do() {
+        let refused = |texture: Result<Texture, PatternError>| texture.unwrap_err().to_string();
+        for planform in [Planform::Groove, Planform::Square, Planform::Disc] {
+            assert!(refused(Texture::new(planform).with_length_m(1e-4)).contains("\"rectangle\""));
+        }
+        let groove = Texture::new(Planform::Groove);
+        assert!(refused(groove.with_spacing_across_m(1e-4)).contains("\"groove\""));
+        assert!(refused(groove.with_arrangement(Arrangement::Staggered)).contains("arrangement \"square\""));
+        assert_eq!(groove.with_arrangement(Arrangement::Square).unwrap(), groove);
+        for planform in [Planform::Square, Planform::Rectangle, Planform::Disc] {
+            assert!(refused(Texture::new(planform).with_groove_angle_deg(10.0)).contains("a sliding angle instead"));
+        }
+    }
+
+    #[test]
+    fn numbers_that_mean_nothing_are_refused() {
+        let groove = Texture::new(Planform::Groove);
+        for bad in [90.1, -91.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(groove.with_groove_angle_deg(bad), Err(PatternError::AngleOutOfRange { .. })));
+            assert!(matches!(groove.with_sliding_angle_deg(2.0 * bad), Err(PatternError::AngleOutOfRange { .. })));
+        }
+        for bad in [0.0, -1e-6, f64::NAN, f64::INFINITY] {
+            let rectangle = Texture::new(Planform::Rectangle);
+            assert!(matches!(rectangle.with_length_m(bad), Err(PatternError::NotALength { .. })));
+            assert!(matches!(rectangle.with_spacing_across_m(bad), Err(PatternError::NotALength { .. })));
+        }
+    }
+}
