@@ -18,6 +18,27 @@ pub struct AreaLaw {
     slope: Vec<f64>,
 }
 
+/// p f(p) = constant + linear p + quadratic p^2 for pressures from `from_pa` up to `to_pa`, in pascals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Piece {
+    /// First pressure of the interval.
+    pub from_pa: f64,
+    /// Its end, not included.
+    pub to_pa: f64,
+    /// Constant term.
+    pub constant_pa: f64,
+    /// Coefficient of p.
+    pub linear: f64,
+    /// Coefficient of p^2.
+    pub quadratic_per_pa: f64,
+}
+
+impl Piece {
+    /// No law: f = 1 at any pressure.
+    pub const PROPORTIONAL: Self =
+        Self { from_pa: 0.0, to_pa: f64::INFINITY, constant_pa: 0.0, linear: 1.0, quadratic_per_pa: 0.0 };
+}
+
 /// A step is taken over this part of the pressure where it stands: f stays continuous, so that a block
 /// pushed across the step has an equilibrium on it.
 const STEP_WIDTH: f64 = 1e-3;
@@ -126,6 +147,35 @@ impl AreaLaw {
         f[*near] + self.slope[*near] * (pressure_pa - p[*near])
     }
 
+    /// The interval of the law around `pressure_pa` as a polynomial of what it limits, p f(p).
+    #[must_use]
+    pub fn piece(&self, pressure_pa: f64) -> Piece {
+        let (p, f) = (&self.pressure_pa, &self.factor);
+        let last = p.len() - 1;
+        if pressure_pa < p[0] {
+            return Piece { from_pa: 0.0, to_pa: p[0], ..Piece::PROPORTIONAL };
+        }
+        if pressure_pa >= p[last] {
+            // The area stays what it is: f p is constant.
+            return Piece {
+                from_pa: p[last],
+                to_pa: f64::INFINITY,
+                constant_pa: f[last] * p[last],
+                linear: 0.0,
+                quadratic_per_pa: 0.0,
+            };
+        }
+        let i = p.partition_point(|&tabulated| tabulated <= pressure_pa) - 1;
+        Piece {
+            from_pa: p[i],
+            to_pa: p[i + 1],
+            constant_pa: 0.0,
+            // p f = p [f_i + s_i (p - p_i)]
+            linear: f[i] - self.slope[i] * p[i],
+            quadratic_per_pa: self.slope[i],
+        }
+    }
+
     /// Whether `pressure_pa` lies past the last tabulated pressure.
     #[must_use]
     pub fn is_extrapolated(&self, pressure_pa: f64) -> bool {
@@ -191,6 +241,18 @@ mod tests {
         for step in 0..2000 {
             let p = 6e6 * (1.0 + (f64::from(step) * 0.37).sin());
             assert_eq!(law.factor_near(p, &mut near), law.factor(p));
+        }
+    }
+
+    #[test]
+    fn pieces_are_the_law_on_their_intervals() {
+        let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
+        for step in 1..300 {
+            let p = 0.05e6 * f64::from(step);
+            let piece = law.piece(p);
+            assert!(piece.from_pa <= p && p < piece.to_pa);
+            let limited_pa = piece.constant_pa + p * (piece.linear + p * piece.quadratic_per_pa);
+            assert!((limited_pa / (p * law.factor(p)) - 1.0).abs() < 1e-14, "{p}");
         }
     }
 

@@ -34,7 +34,7 @@ mod elastic;
 mod error;
 mod friction;
 
-pub use area_law::{AreaLaw, THRESHOLD_PRESSURE_PA};
+pub use area_law::{AreaLaw, Piece, THRESHOLD_PRESSURE_PA};
 pub use elastic::Elastic;
 pub use error::MaterialError;
 pub use friction::{Condition, ConditionFriction, Friction, FrictionAt, LocalFriction};

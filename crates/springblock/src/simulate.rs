@@ -162,13 +162,16 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
 
     let surfaces = lattices.len();
-    let share = 1.0 / (surfaces * scene.loads.len()) as f64;
-    let mut outcomes: Vec<SurfaceOutcome> = (0..surfaces * scene.loads.len())
+    let runs = surfaces * scene.loads.len();
+    let share = 1.0 / runs as f64;
+    // Threads that find no run of their own help with another's.
+    let threads = rayon::current_num_threads() / runs;
+    let mut outcomes: Vec<SurfaceOutcome> = (0..runs)
         .into_par_iter()
         .map(|task| {
             let (load, surface) = (task / surfaces, task % surfaces);
-            DynamicRun { scene, load: &scene.loads[load], lattice: &lattices[surface], scheme: schemes[surface], share }
-                .run(monitor)
+            let (load, lattice, scheme) = (&scene.loads[load], &lattices[surface], schemes[surface]);
+            DynamicRun { scene, load, lattice, scheme, threads, share }.run(monitor)
         })
         .collect();
     let mut loads = Vec::with_capacity(scene.loads.len());

@@ -4,7 +4,7 @@
 //! mu_d f(p) F_n against the velocity; a step that would reverse the velocity ends at rest. The law
 //! sees the local pressure and the direction of slip, nothing more.
 
-use slipgrid_material::AreaLaw;
+use slipgrid_material::{AreaLaw, Piece};
 
 use crate::draws::Coefficients;
 
@@ -23,12 +23,43 @@ impl<'a> LocalLaw<'a> {
         Self { area_law, unit_pressure_pa }
     }
 
+    /// Interval of normal forces around `normal` in which friction per unit coefficient is a polynomial.
+    pub fn piece(&self, normal: f64) -> GripPiece {
+        let unit_pa = self.unit_pressure_pa;
+        let piece = self.area_law.map_or(Piece::PROPORTIONAL, |law| law.piece(normal * unit_pa));
+        GripPiece {
+            from: piece.from_pa / unit_pa,
+            to: piece.to_pa / unit_pa,
+            constant: piece.constant_pa / unit_pa,
+            linear: piece.linear,
+            quadratic: piece.quadratic_per_pa * unit_pa,
+        }
+    }
+
     /// f(p) F_n: friction per unit coefficient. `near` remembers the interval of the law's table.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
             Some(law) => normal * law.factor_near(normal * self.unit_pressure_pa, near),
             None => normal,
         }
+    }
+}
+
+/// f(p) F_n = constant + linear F_n + quadratic F_n^2 for normal forces from `from` up to `to`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GripPiece {
+    pub from: f64,
+    pub to: f64,
+    pub constant: f64,
+    pub linear: f64,
+    pub quadratic: f64,
+}
+
+impl GripPiece {
+    /// f(p) F_n at the normal force `normal`.
+    #[must_use]
+    pub fn grip(&self, normal: f64) -> f64 {
+        self.constant + normal * (self.linear + normal * self.quadratic)
     }
 }
 
@@ -73,13 +104,14 @@ enum Meeting {
 
 impl ContactBlock {
     /// Takes note of the spring forces: normal force, friction at rest, and whether the block starts.
-    fn meet(&mut self, law: &LocalLaw, force_x: f64, force_y: f64) -> Meeting {
+    /// `grip_at` gives f(p) F_n for a normal force above zero.
+    fn meet(&mut self, force_x: f64, force_y: f64, grip_at: impl FnOnce(f64, &mut usize) -> f64) -> Meeting {
         // F_n = -(force of the springs)_y
         self.normal = if self.motion == Motion::Lifted { 0.0 } else { -force_y };
         if self.normal <= 0.0 {
             return self.let_go();
         }
-        let grip = law.grip(self.normal, &mut self.near);
+        let grip = grip_at(self.normal, &mut self.near);
         if grip * self.coefficients.starting_mu() == 0.0 {
             // A law that reaches zero holds nothing, and a reversal is no end of motion.
             return self.let_go();
@@ -93,6 +125,37 @@ impl ContactBlock {
         }
         self.has_slipped = true;
         Meeting::Sliding { grip }
+    }
+
+    /// Velocity after one leapfrog kick by the spring forces `force_x`, `force_y`; `kept` and `kick` as in
+    /// [`ContactRow::kick`], `grip_at` as in [`ContactBlock::meet`].
+    pub fn kick(
+        &mut self,
+        v: f64,
+        [force_x, force_y]: [f64; 2],
+        kept: f64,
+        kick: f64,
+        grip_at: impl FnOnce(f64, &mut usize) -> f64,
+    ) -> f64 {
+        let free = kept * v + kick * force_x;
+        match self.meet(force_x, force_y, grip_at) {
+            Meeting::Free => free,
+            Meeting::Held => v,
+            Meeting::Sliding { grip } => {
+                let direction = slip_direction(v, force_x);
+                let resistance = self.coefficients.dynamic_mu * grip;
+                let slowed = free - direction * kick * resistance;
+                if slowed * direction > 0.0 {
+                    self.friction = direction * resistance;
+                    slowed
+                } else {
+                    // The step ends at rest: friction is what it took to stop the block.
+                    self.motion = Motion::Rest;
+                    self.friction = free / kick;
+                    0.0
+                }
+            }
+        }
     }
 
     fn let_go(&mut self) -> Meeting {
@@ -115,10 +178,25 @@ pub struct ContactSums {
 }
 
 impl ContactSums {
-    fn add(&mut self, block: &ContactBlock) {
+    /// Takes the sums of another part of the row.
+    pub fn add(&mut self, other: Self) {
+        self.friction += other.friction;
+        self.normal += other.normal;
+    }
+
+    fn add_block(&mut self, block: &ContactBlock) {
         self.friction += block.friction;
         self.normal += block.normal.max(0.0);
     }
+}
+
+/// Forces on one contact block, at an instant or in the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ContactForce {
+    /// Normal force, positive in compression.
+    pub normal: f64,
+    /// Friction, positive against the drive.
+    pub friction: f64,
 }
 
 /// The contact row.
@@ -147,6 +225,12 @@ impl<'a> ContactRow<'a> {
         Self { blocks, law }
     }
 
+    /// Its blocks and their law.
+    #[must_use]
+    pub fn into_parts(self) -> (Vec<ContactBlock>, LocalLaw<'a>) {
+        (self.blocks, self.law)
+    }
+
     /// Sets every block in motion.
     #[cfg(test)]
     pub fn all_slip(&mut self) {
@@ -169,6 +253,12 @@ impl<'a> ContactRow<'a> {
         self.blocks.iter().all(|block| block.has_slipped)
     }
 
+    /// Forces on the blocks at the last force evaluation.
+    #[must_use]
+    pub fn forces(&self) -> Vec<ContactForce> {
+        self.blocks.iter().map(|block| ContactForce { normal: block.normal, friction: block.friction }).collect()
+    }
+
     /// One leapfrog kick of the contact row.
     ///
     /// `velocity`: horizontal velocities by column, times the step; `force_x`, `force_y`: spring forces
@@ -186,27 +276,9 @@ impl<'a> ContactRow<'a> {
         let law = self.law;
         for block in &mut self.blocks {
             let i = block.column;
-            let (force, v, kick) = (force_x[i], velocity[i], kick[i]);
-            match block.meet(&law, force, force_y[i]) {
-                Meeting::Free => velocity[i] = kept * v + kick * force,
-                Meeting::Held => {}
-                Meeting::Sliding { grip } => {
-                    let direction = slip_direction(v, force);
-                    let resistance = block.coefficients.dynamic_mu * grip;
-                    let free = kept * v + kick * force;
-                    let slowed = free - direction * kick * resistance;
-                    if slowed * direction > 0.0 {
-                        velocity[i] = slowed;
-                        block.friction = direction * resistance;
-                    } else {
-                        // The step ends at rest: friction is what it took to stop the block.
-                        velocity[i] = 0.0;
-                        block.motion = Motion::Rest;
-                        block.friction = free / kick;
-                    }
-                }
-            }
-            sums.add(block);
+            let grip_at = |normal: f64, near: &mut usize| law.grip(normal, near);
+            velocity[i] = block.kick(velocity[i], [force_x[i], force_y[i]], kept, kick[i], grip_at);
+            sums.add_block(block);
         }
         sums
     }
@@ -218,10 +290,11 @@ impl<'a> ContactRow<'a> {
         let law = self.law;
         for block in &mut self.blocks {
             let i = block.column;
-            if let Meeting::Sliding { grip } = block.meet(&law, force_x[i], force_y[i]) {
+            if let Meeting::Sliding { grip } = block.meet(force_x[i], force_y[i], |normal, near| law.grip(normal, near))
+            {
                 block.friction = slip_direction(velocity[i], force_x[i]) * block.coefficients.dynamic_mu * grip;
             }
-            sums.add(block);
+            sums.add_block(block);
         }
         sums
     }

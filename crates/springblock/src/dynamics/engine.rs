@@ -1,6 +1,6 @@
 //! What every integrator offers to the run that drives it.
 
-use super::contact::{ContactRow, ContactSums};
+use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::protocol::Protocol;
 
 /// What an integrator starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
@@ -29,8 +29,14 @@ pub trait Engine {
     /// Advances by one step; the sums over the contact row at its beginning.
     fn step(&mut self) -> ContactSums;
 
-    /// The contact row.
-    fn contact(&self) -> &ContactRow<'_>;
+    /// Whether every contact block has slipped since the drive began.
+    fn all_have_slipped(&self) -> bool;
+
+    /// Forces on the contact blocks at the last force evaluation, left to right.
+    fn contact_forces(&mut self) -> Vec<ContactForce>;
+
+    /// Ends what runs beside the caller: no step follows.
+    fn finish(&mut self) {}
 
     /// Time step over sqrt(m/k).
     fn time_step(&self) -> f64;

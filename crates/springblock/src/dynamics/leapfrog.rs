@@ -8,33 +8,18 @@
 //! dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
 
 use super::bonds::Bonds;
-use super::contact::{ContactRow, ContactSums, Motion};
+use super::contact::{ContactForce, ContactRow, ContactSums, Motion};
 use super::engine::{Engine, Setup};
 use super::protocol::Protocol;
-use super::rows::Field;
-use super::stencil::Stencil;
+use super::sweep::Kick;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
-
-/// Share of the velocity that damping leaves, and displacement that a unit force adds to a unit mass.
-#[derive(Clone, Copy, Debug)]
-struct Coefficients {
-    kept: f64,
-    kick: f64,
-}
-
-impl Coefficients {
-    fn new(time_step: f64, damping: f64) -> Self {
-        let half = 0.5 * damping * time_step;
-        Self { kept: (1.0 - half) / (1.0 + half), kick: time_step * time_step / (1.0 + half) }
-    }
-}
 
 /// Vertical motion of contact blocks under unilateral contact: lifts those under tension, moves those
 /// in the air, lands those that reach the counterface.
 fn move_vertically(
     contact: &mut ContactRow,
-    coefficients: Coefficients,
+    coefficients: Kick,
     inverse_mass: &[f64],
     force_y: &[f64],
     uy: &mut [f64],
@@ -57,103 +42,6 @@ fn move_vertically(
     }
 }
 
-/// Leapfrog on the linear stencil: the fast integrator.
-#[derive(Clone, Debug)]
-pub struct StencilLeapfrog<'a> {
-    stencil: Stencil,
-    field: Field,
-    contact: ContactRow<'a>,
-    protocol: Protocol,
-    coefficients: Coefficients,
-    contact_kick: Vec<f64>,
-    time_step: f64,
-    steps: u64,
-    liftoff: bool,
-    contact_force: [Vec<f64>; 2],
-    scratch: [Vec<f64>; 2],
-}
-
-impl<'a> StencilLeapfrog<'a> {
-    /// A lattice at rest.
-    #[must_use]
-    pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
-        let Setup { contact, protocol, time_step, damping, liftoff } = setup;
-        let stencil = Stencil::new(lattice);
-        let coefficients = Coefficients::new(time_step, damping);
-        let contact_kick = stencil.contact_inverse_mass().iter().map(|inverse| coefficients.kick * inverse).collect();
-        let nx = lattice.nx();
-        Self {
-            field: Field::at_rest(nx, lattice.ny()),
-            stencil,
-            contact,
-            protocol,
-            coefficients,
-            contact_kick,
-            time_step,
-            steps: 0,
-            liftoff,
-            contact_force: [vec![0.0; nx], vec![0.0; nx]],
-            scratch: [vec![0.0; nx], vec![0.0; nx]],
-        }
-    }
-}
-
-impl Engine for StencilLeapfrog<'_> {
-    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        for j in 0..self.field.ny {
-            for i in 0..self.field.nx {
-                let at = self.field.at(i, j);
-                [self.field.ux[at], self.field.uy[at]] = displacement(i, j);
-            }
-        }
-        self.stencil.wrap(&mut self.field);
-    }
-
-    fn begin_drive(&mut self) {
-        self.contact.begin_drive();
-    }
-
-    fn step(&mut self) -> ContactSums {
-        let time = self.steps as f64 * self.time_step;
-        self.steps += 1;
-        let field = &mut self.field;
-        self.stencil.place_bulk(field, self.protocol.bulk_x(time), self.protocol.load(time));
-        let [force_x, force_y] = &mut self.contact_force;
-        self.stencil.contact_forces(field, force_x, force_y);
-        let row = field.at(0, 0)..field.at(field.nx, 0);
-        let sums =
-            self.contact.kick(&mut field.wx[row.clone()], force_x, force_y, self.coefficients.kept, &self.contact_kick);
-        if self.liftoff {
-            move_vertically(
-                &mut self.contact,
-                self.coefficients,
-                self.stencil.contact_inverse_mass(),
-                force_y,
-                &mut field.uy[row.clone()],
-                &mut field.wy[row],
-            );
-        }
-        self.stencil.kick_and_drift(field, self.coefficients.kept, self.coefficients.kick, &mut self.scratch);
-        sums
-    }
-
-    fn contact(&self) -> &ContactRow<'_> {
-        &self.contact
-    }
-
-    fn time_step(&self) -> f64 {
-        self.time_step
-    }
-
-    fn evaluations_per_step(&self) -> u64 {
-        1
-    }
-
-    fn rise(&self, i: usize, j: usize) -> f64 {
-        self.field.uy[self.field.at(i, j)]
-    }
-}
-
 /// Leapfrog bond by bond, for exact springs and as the judge of the stencil.
 #[derive(Clone, Debug)]
 pub struct BondLeapfrog<'a> {
@@ -164,7 +52,7 @@ pub struct BondLeapfrog<'a> {
     velocity: [Vec<f64>; 2],
     contact: ContactRow<'a>,
     protocol: Protocol,
-    coefficients: Coefficients,
+    coefficients: Kick,
     inverse_mass: Vec<f64>,
     contact_kick: Vec<f64>,
     time_step: f64,
@@ -178,7 +66,7 @@ impl<'a> BondLeapfrog<'a> {
     pub fn new(lattice: &Lattice, springs: Springs, setup: Setup<'a>) -> Self {
         let Setup { contact, protocol, time_step, damping, liftoff } = setup;
         let bonds = Bonds::new(lattice, springs);
-        let coefficients = Coefficients::new(time_step, damping);
+        let coefficients = Kick::new(time_step, damping);
         let inverse_mass = bonds.inverse_mass();
         let (nx, blocks) = (lattice.nx(), inverse_mass.len());
         Self {
@@ -215,7 +103,7 @@ impl Engine for BondLeapfrog<'_> {
         self.steps += 1;
         self.bonds.evaluate(&self.displacement, self.protocol.bulk_x(time), self.protocol.load(time));
         let [force_x, force_y] = self.bonds.forces();
-        let Coefficients { kept, kick } = self.coefficients;
+        let Kick { kept, kick } = self.coefficients;
         let nx = self.nx;
         let [wx, wy] = &mut self.velocity;
         let sums = self.contact.kick(&mut wx[..nx], force_x, force_y, kept, &self.contact_kick);
@@ -243,8 +131,12 @@ impl Engine for BondLeapfrog<'_> {
         sums
     }
 
-    fn contact(&self) -> &ContactRow<'_> {
-        &self.contact
+    fn all_have_slipped(&self) -> bool {
+        self.contact.all_have_slipped()
+    }
+
+    fn contact_forces(&mut self) -> Vec<ContactForce> {
+        self.contact.forces()
     }
 
     fn time_step(&self) -> f64 {

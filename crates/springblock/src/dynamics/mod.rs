@@ -6,16 +6,21 @@
 //! | `protocol` | ramp, rest, drive |
 //! | `contact` | the friction law on the contact row |
 //! | `bonds` | forces bond by bond, linear or exact |
-//! | `rows` | coefficients and state of the stencil |
-//! | `stencil` | linear forces as a stencil |
-//! | `sweep` | one pass of forces, kick and drift over the stencil |
-//! | `leapfrog`, `runge_kutta` | integrators |
+//! | `rows` | coefficients and state of a strip of columns |
+//! | `stencil` | a lattice cut into strips, with the coefficients of its linear springs |
+//! | `sweep` | one step for the rows of a strip, in vectors |
+//! | `contact_strip` | friction on the contact blocks of a strip, in vectors |
+//! | `strip` | one step of a strip |
+//! | `crew` | several threads on one lattice |
+//! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | the largest eigenfrequency |
 //! | `recorder` | history and averages |
 //! | `run` | one run from start to end |
 
 mod bonds;
 mod contact;
+mod contact_strip;
+mod crew;
 mod engine;
 mod leapfrog;
 mod protocol;
@@ -26,11 +31,17 @@ mod runge_kutta;
 mod scales;
 mod stability;
 mod stencil;
+mod strip;
+mod strip_leapfrog;
 mod sweep;
 
 pub use run::{DynamicRun, MOST_STEPS, Plan, Scheme};
 
 #[cfg(test)]
+mod front_speed;
+#[cfg(test)]
 mod properties;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod work_balance;

@@ -6,9 +6,9 @@ use slipgrid_material::LocalFriction;
 
 use super::contact::{ContactRow, ContactSums, LocalLaw};
 use super::engine::{Engine, Setup};
-use super::leapfrog::StencilLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
+use super::strip_leapfrog::StripLeapfrog;
 use crate::columns::Column;
 use crate::draws::{self, Coefficients};
 use crate::lattice::Lattice;
@@ -50,7 +50,7 @@ fn slide(
         let mut engine = RungeKutta::new(&lattice, Springs::Exact, setup);
         (0..STEPS).map(|_| engine.step()).collect()
     } else {
-        let mut engine = StencilLeapfrog::new(&lattice, setup);
+        let mut engine = StripLeapfrog::new(&lattice, setup);
         (0..STEPS).map(|_| engine.step()).collect()
     }
 }

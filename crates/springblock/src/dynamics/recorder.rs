@@ -1,7 +1,8 @@
 //! Recorded history of a dynamic run: mu in time, its mean over the sliding window with a standard
 //! error from batch means, the static peak, the mean interface.
 
-use super::contact::{ContactRow, ContactSums};
+use super::contact::{ContactForce, ContactSums};
+use super::engine::Engine;
 use crate::outcome::TracePoint;
 
 /// Batches of the window. Fewer make the error estimate noisy, more make batches short against the
@@ -36,15 +37,6 @@ pub struct WindowMean {
     pub from: f64,
 }
 
-/// Mean normal force and friction of one contact block.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MeanForce {
-    /// Normal force, positive in compression.
-    pub normal: f64,
-    /// Friction, positive against the drive.
-    pub friction: f64,
-}
-
 /// Records a run from the moment the bulk starts to move.
 #[derive(Clone, Debug)]
 pub struct Recorder {
@@ -56,7 +48,7 @@ pub struct Recorder {
     /// Bin in which the last contact block slipped for the first time.
     onset_bin: Option<usize>,
     peak_mu: f64,
-    interface: Vec<MeanForce>,
+    interface: Vec<ContactForce>,
     interface_samples: u64,
     interface_from_bin: usize,
 }
@@ -73,14 +65,14 @@ impl Recorder {
             steps: 0,
             onset_bin: None,
             peak_mu: f64::NEG_INFINITY,
-            interface: vec![MeanForce::default(); contacts],
+            interface: vec![ContactForce::default(); contacts],
             interface_samples: 0,
             interface_from_bin: 0,
         }
     }
 
     /// Takes note of one step. `window_bin`: first bin that the averaging window may hold.
-    pub fn record(&mut self, sums: ContactSums, contact: &ContactRow, window_bin: usize) {
+    pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine, window_bin: usize) {
         self.open.friction += sums.friction;
         self.open.normal += sums.normal;
         self.steps += 1;
@@ -88,31 +80,31 @@ impl Recorder {
             if sums.normal > 0.0 {
                 self.peak_mu = self.peak_mu.max(sums.friction / sums.normal);
             }
-            if contact.all_have_slipped() {
+            if engine.all_have_slipped() {
                 self.onset_bin = Some(self.bins.len());
             }
         }
         if self.steps.is_multiple_of(INTERFACE_EVERY) {
-            self.sample_interface(contact, window_bin);
+            self.sample_interface(engine, window_bin);
         }
         if self.steps.is_multiple_of(self.steps_per_bin) {
             self.bins.push(std::mem::take(&mut self.open));
         }
     }
 
-    fn sample_interface(&mut self, contact: &ContactRow, window_bin: usize) {
+    fn sample_interface(&mut self, engine: &mut impl Engine, window_bin: usize) {
         let from = self.window_start(window_bin).unwrap_or(window_bin);
         if from != self.interface_from_bin {
             // The window begins later than thought: forget what was sampled before.
-            self.interface.fill(MeanForce::default());
+            self.interface.fill(ContactForce::default());
             self.interface_samples = 0;
             self.interface_from_bin = from;
         }
         if self.bins.len() >= from {
             self.interface_samples += 1;
-            for (mean, block) in self.interface.iter_mut().zip(&contact.blocks) {
-                mean.normal += block.normal;
-                mean.friction += block.friction;
+            for (mean, force) in self.interface.iter_mut().zip(engine.contact_forces()) {
+                mean.normal += force.normal;
+                mean.friction += force.friction;
             }
         }
     }
@@ -161,15 +153,14 @@ impl Recorder {
 
     /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
     #[must_use]
-    pub fn interface(&self, contact: &ContactRow) -> Vec<MeanForce> {
+    pub fn interface(&self, last: &[ContactForce]) -> Vec<ContactForce> {
         let samples = self.interface_samples as f64;
-        let last = contact.blocks.iter().map(|block| MeanForce { normal: block.normal, friction: block.friction });
         if self.interface_samples == 0 {
-            return last.collect();
+            return last.to_vec();
         }
         self.interface
             .iter()
-            .map(|sum| MeanForce { normal: sum.normal / samples, friction: sum.friction / samples })
+            .map(|sum| ContactForce { normal: sum.normal / samples, friction: sum.friction / samples })
             .collect()
     }
 
@@ -193,21 +184,43 @@ impl Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draws::Coefficients;
-    use crate::dynamics::contact::LocalLaw;
+
+    /// A row of one block that has slipped or not.
+    struct OneBlock(bool);
+
+    impl Engine for OneBlock {
+        fn start_sheared(&mut self, _: &dyn Fn(usize, usize) -> [f64; 2]) {}
+        fn begin_drive(&mut self) {}
+        fn step(&mut self) -> ContactSums {
+            ContactSums::default()
+        }
+        fn all_have_slipped(&self) -> bool {
+            self.0
+        }
+        fn contact_forces(&mut self) -> Vec<ContactForce> {
+            vec![ContactForce::default()]
+        }
+        fn time_step(&self) -> f64 {
+            1.0
+        }
+        fn evaluations_per_step(&self) -> u64 {
+            1
+        }
+        fn rise(&self, _: usize, _: usize) -> f64 {
+            0.0
+        }
+    }
 
     #[test]
     fn standard_error_of_independent_samples_is_that_of_their_mean() {
-        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
-        let mut contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
-        contact.all_slip();
+        let mut contact = OneBlock(true);
         let mut recorder = Recorder::new(1, 1, 1.0);
         let mut bits: u64 = 1;
         let n = 20_000;
         for _ in 0..n {
             bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            recorder.record(ContactSums { friction: 0.3 + noise, normal: 1.0 }, &contact, 0);
+            recorder.record(ContactSums { friction: 0.3 + noise, normal: 1.0 }, &mut contact, 0);
         }
         let mean = recorder.window_mean(0).unwrap();
         let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();
@@ -217,15 +230,13 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_straight_line_is_that_of_its_window() {
-        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
-        let mut contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
-        contact.all_slip();
+        let mut contact = OneBlock(true);
         let (steps_per_bin, time_step) = (3, 0.5);
         let mut recorder = Recorder::new(1, steps_per_bin, time_step);
         // mu = t, 107 intervals of 1.5: from interval 50 on, 57 make 20 batches of 2 and leave 17 out.
         for step in 0..107 * steps_per_bin {
             let mu = (step as f64 + 0.5) * time_step;
-            recorder.record(ContactSums { friction: mu, normal: 1.0 }, &contact, 50);
+            recorder.record(ContactSums { friction: mu, normal: 1.0 }, &mut contact, 50);
         }
         let mean = recorder.window_mean(50).unwrap();
         let end = 107.0 * 1.5;
@@ -237,11 +248,10 @@ mod tests {
 
     #[test]
     fn no_mean_before_every_block_has_slipped() {
-        let coefficients = [Coefficients { static_mu: 0.3, dynamic_mu: 0.3 }];
-        let contact = ContactRow::new([0].into_iter(), &coefficients, LocalLaw::new(None, 1.0));
+        let mut contact = OneBlock(false);
         let mut recorder = Recorder::new(1, 1, 1.0);
         for _ in 0..1000 {
-            recorder.record(ContactSums { friction: 0.3, normal: 1.0 }, &contact, 10);
+            recorder.record(ContactSums { friction: 0.3, normal: 1.0 }, &mut contact, 10);
         }
         assert_eq!((recorder.window_mean(10), recorder.peak_mu()), (None, None));
     }

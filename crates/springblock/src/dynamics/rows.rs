@@ -1,4 +1,4 @@
-//! What a sweep reads and writes: coefficients of rows, displacements and velocities of blocks.
+//! What a sweep reads and writes: coefficients of rows, displacements of blocks.
 
 /// Stiffness of the springs of one block over k: east, west, north, south, then the diagonals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -32,73 +32,114 @@ pub struct Site {
     pub inverse_mass: f64,
 }
 
-/// Coefficients of a row, one array per spring, one entry per column.
+/// Coefficients of a row, one array per spring, one entry per column, then zeros up to a whole number of
+/// cache lines. Those of the diagonals are halved.
 #[derive(Clone, Debug, Default)]
 pub struct RowCoefficients {
     pub east: Vec<f64>,
     pub west: Vec<f64>,
     pub north: Vec<f64>,
     pub south: Vec<f64>,
-    pub north_east: Vec<f64>,
-    pub north_west: Vec<f64>,
-    pub south_east: Vec<f64>,
-    pub south_west: Vec<f64>,
+    pub half_north_east: Vec<f64>,
+    pub half_north_west: Vec<f64>,
+    pub half_south_east: Vec<f64>,
+    pub half_south_west: Vec<f64>,
     pub inverse_mass: Vec<f64>,
 }
 
 impl RowCoefficients {
     /// Transposes the blocks of a row.
     pub fn new(sites: &[Site]) -> Self {
-        let column = |f: fn(&Site) -> f64| sites.iter().map(f).collect::<Vec<f64>>();
+        let column = |f: fn(&Site) -> f64| {
+            let mut values: Vec<f64> = sites.iter().map(f).collect();
+            values.resize(whole_lines(sites.len()), 0.0);
+            values
+        };
         Self {
             east: column(|s| s.springs.east),
             west: column(|s| s.springs.west),
             north: column(|s| s.springs.north),
             south: column(|s| s.springs.south),
-            north_east: column(|s| s.springs.north_east),
-            north_west: column(|s| s.springs.north_west),
-            south_east: column(|s| s.springs.south_east),
-            south_west: column(|s| s.springs.south_west),
+            half_north_east: column(|s| 0.5 * s.springs.north_east),
+            half_north_west: column(|s| 0.5 * s.springs.north_west),
+            half_south_east: column(|s| 0.5 * s.springs.south_east),
+            half_south_west: column(|s| 0.5 * s.springs.south_west),
             inverse_mass: column(|s| s.inverse_mass),
         }
     }
 }
 
-/// How the forces on a row are found.
-#[derive(Clone, Debug)]
-pub enum Row {
-    /// Every block is an inside one, but for the two at free sides.
-    Plain { sides: Option<[Site; 2]> },
-    /// Springs or masses differ from block to block.
-    General(RowCoefficients),
+/// The whole number of cache lines that holds `columns` values, in values.
+#[must_use]
+pub const fn whole_lines(columns: usize) -> usize {
+    columns.next_multiple_of(LINE)
 }
 
-/// Displacements of all blocks, and velocities times the step. Row r, column i is at
-/// r * stride + 1 + i; a column of padding on each side holds the periodic images; row ny is the bulk.
-#[derive(Clone, Debug, PartialEq)]
+/// Values in a cache line.
+pub const LINE: usize = 8;
+/// Bytes in a cache line.
+const LINE_BYTES: usize = 64;
+
+/// One value a block, row by row: column i of row j is at `LINE + j * stride + i`. Behind the last column
+/// lie two values or more: the image of the first column beyond it, and last the image of the column before
+/// column 0 of the next row. Row ny is the bulk. Column 0 begins a cache line.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    values: Vec<f64>,
+    skip: usize,
+}
+
+impl Plane {
+    fn zero(size: usize) -> Self {
+        let values = vec![0.0; size + LINE];
+        // A clone may lie otherwise: slower, not wrong.
+        let skip = values.as_ptr().align_offset(LINE_BYTES).min(LINE);
+        Self { values, skip }
+    }
+
+    /// All rows, padding included.
+    #[inline(always)]
+    pub fn rows(&self) -> &[f64] {
+        &self.values[self.skip..]
+    }
+
+    /// All rows, padding included.
+    #[inline(always)]
+    pub fn rows_mut(&mut self) -> &mut [f64] {
+        &mut self.values[self.skip..]
+    }
+}
+
+/// Displacements of the blocks of a strip, x and y: at an instant, and one step before it or after it.
+#[derive(Clone, Debug)]
 pub struct Field {
     pub nx: usize,
     pub ny: usize,
     pub stride: usize,
-    pub ux: Vec<f64>,
-    pub uy: Vec<f64>,
-    pub wx: Vec<f64>,
-    pub wy: Vec<f64>,
+    pub now: [Plane; 2],
+    /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
+    pub other: [Plane; 2],
 }
 
 impl Field {
-    /// A lattice at rest.
+    /// A strip at rest.
     #[must_use]
     pub fn at_rest(nx: usize, ny: usize) -> Self {
-        // Rows begin at multiples of a cache line.
-        let stride = (nx + 2).next_multiple_of(8);
-        let size = stride * (ny + 1);
-        Self { nx, ny, stride, ux: vec![0.0; size], uy: vec![0.0; size], wx: vec![0.0; size], wy: vec![0.0; size] }
+        // An odd number of lines a row: rows do not meet in the same sets of a cache.
+        let stride = ((nx + 2).div_ceil(LINE) | 1) * LINE;
+        let plane = || Plane::zero(stride * (ny + 1) + 2 * LINE);
+        Self { nx, ny, stride, now: [plane(), plane()], other: [plane(), plane()] }
     }
 
-    /// Index of block (i, j).
+    /// Index of block (i, j) in [`Plane::rows`].
+    #[inline(always)]
     #[must_use]
     pub const fn at(&self, i: usize, j: usize) -> usize {
-        j * self.stride + 1 + i
+        LINE + j * self.stride + i
+    }
+
+    /// Makes what a sweep has written the present.
+    pub fn turn(&mut self) {
+        std::mem::swap(&mut self.now, &mut self.other);
     }
 }

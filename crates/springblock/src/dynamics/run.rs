@@ -4,12 +4,13 @@ use slipgrid_material::AreaLaw;
 
 use super::contact::{ContactRow, LocalLaw};
 use super::engine::{Engine, Setup};
-use super::leapfrog::{BondLeapfrog, StencilLeapfrog};
+use super::leapfrog::BondLeapfrog;
 use super::protocol::{Protocol, RAMP_S, REST_S};
 use super::recorder::{Recorder, WINDOW_START, WindowMean};
 use super::runge_kutta::RungeKutta;
 use super::scales::Scales;
 use super::stability::largest_frequency;
+use super::strip_leapfrog::StripLeapfrog;
 use crate::SceneError;
 use crate::draws;
 use crate::lattice::Lattice;
@@ -115,6 +116,8 @@ pub struct DynamicRun<'a> {
     pub lattice: &'a Lattice,
     /// How to integrate.
     pub scheme: Scheme,
+    /// Threads that may work on it; what it finds does not depend on them.
+    pub threads: usize,
     /// Share of all work that this run is, for the progress report.
     pub share: f64,
 }
@@ -145,7 +148,11 @@ impl DynamicRun<'_> {
         } else if self.scheme.springs == Springs::Exact {
             self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &scales, monitor)
         } else {
-            self.drive(StencilLeapfrog::new(self.lattice, setup), &scales, monitor)
+            // One thread is the scope's own: without others nothing is spawned.
+            std::thread::scope(|scope| {
+                let engine = StripLeapfrog::new(self.lattice, setup).with_threads(scope, self.threads);
+                self.drive(engine, &scales, monitor)
+            })
         }
     }
 
@@ -204,7 +211,7 @@ impl DynamicRun<'_> {
         let Plan { preparation, travel: planned } = Plan::new(self.scene, self.scheme.step_s);
         let steps_per_bin = planned.div_ceil(BINS).max(1);
         let window_bin = (WINDOW_START * planned as f64 / steps_per_bin as f64).ceil() as usize;
-        let mut recorder = Recorder::new(engine.contact().blocks.len(), steps_per_bin, engine.time_step());
+        let mut recorder = Recorder::new(self.lattice.contacts().count(), steps_per_bin, engine.time_step());
         let most =
             if run.mu_stderr.is_some() { planned.saturating_mul(MOST_EXTENSION).min(MOST_STEPS) } else { planned };
 
@@ -247,7 +254,7 @@ impl DynamicRun<'_> {
                 break;
             }
             if steps > preparation {
-                recorder.record(sums, engine.contact(), window_bin);
+                recorder.record(sums, &mut engine, window_bin);
             }
         }
         let cost = DynamicCost {
@@ -267,25 +274,26 @@ impl DynamicRun<'_> {
                 Some(_) => Status::Converged,
             };
         }
-        self.observe(&engine, &recorder, status, mean, cost, scales)
+        self.observe(engine, &recorder, status, mean, cost, scales)
     }
 
     fn observe(
         &self,
-        engine: &impl Engine,
+        mut engine: impl Engine,
         recorder: &Recorder,
         status: Status,
         mean: Option<WindowMean>,
         cost: DynamicCost,
         scales: &Scales,
     ) -> SurfaceOutcome {
-        let contact = engine.contact();
-        let mut interface: Vec<InterfacePoint> = contact
-            .blocks
-            .iter()
-            .zip(recorder.interface(contact))
-            .map(|(block, mean)| InterfacePoint {
-                x_m: (block.column as f64 + 0.5) * scales.length_m,
+        let last = engine.contact_forces();
+        engine.finish();
+        let mut interface: Vec<InterfacePoint> = self
+            .lattice
+            .contacts()
+            .zip(recorder.interface(&last))
+            .map(|(column, mean)| InterfacePoint {
+                x_m: (column as f64 + 0.5) * scales.length_m,
                 pressure_pa: mean.normal * scales.pressure_pa,
                 friction_pa: mean.friction * scales.pressure_pa,
             })
@@ -306,8 +314,8 @@ impl DynamicRun<'_> {
             averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
             mu_static: if self.scene.run.warm_start { None } else { recorder.peak_mu() },
             peak_pressure_pa,
-            tension_blocks: contact.blocks.iter().filter(|block| block.normal < 0.0).count(),
-            cavity_closed: self.is_closed(engine),
+            tension_blocks: last.iter().filter(|force| force.normal < 0.0).count(),
+            cavity_closed: self.is_closed(&engine),
             area_law_extrapolated: law.is_some_and(|law| law.is_extrapolated(peak_pressure_pa)),
             residual: None,
             iterations: 0,

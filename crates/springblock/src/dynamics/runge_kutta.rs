@@ -8,7 +8,7 @@
 mod balance;
 
 use super::bonds::Bonds;
-use super::contact::{ContactRow, ContactSums, Motion, slip_direction};
+use super::contact::{ContactForce, ContactRow, ContactSums, Motion, slip_direction};
 use super::engine::{Engine, Setup};
 use super::protocol::Protocol;
 use crate::lattice::Lattice;
@@ -204,8 +204,12 @@ impl Engine for RungeKutta<'_> {
         sums
     }
 
-    fn contact(&self) -> &ContactRow<'_> {
-        &self.contact
+    fn all_have_slipped(&self) -> bool {
+        self.contact.all_have_slipped()
+    }
+
+    fn contact_forces(&mut self) -> Vec<ContactForce> {
+        self.contact.forces()
     }
 
     fn time_step(&self) -> f64 {

@@ -1,152 +1,210 @@
-//! Linear spring forces as a stencil over structure-of-arrays, one row at a time.
+//! A lattice cut into strips of columns, with the coefficients of its linear springs.
 //!
 //! Inside, coefficients are constants; rows that touch the counterface or a cavity, and the two free
-//! sides, carry a coefficient per spring. The loops over blocks are in [`super::sweep`]. Units: k = 1,
-//! l = 1, m = 1.
+//! sides, carry a coefficient per spring. A strip's rows lie close enough together for the translation
+//! buffer and the caches, and strips are what threads share. Where strips begin depends on the lattice
+//! alone, and sums are taken strip by strip: results do not depend on the number of threads.
+//! Units: k = 1, l = 1, m = 1.
 
-use multiversion::multiversion;
+use std::ops::Range;
 
-use super::rows::{Field, INSIDE, Row, RowCoefficients, Site};
-use super::sweep::{Kick, contact_row_forces, sweep};
+use pulp::{Simd, WithSimd};
+
+use super::rows::{Field, INSIDE, LINE, RowCoefficients, Site};
+use super::sweep::vectorized;
 use crate::lattice::Lattice;
 
-/// A lattice prepared for fast stepping.
+/// Most columns of a strip: twenty rows of them fill a second-level cache by a sixth.
+const STRIP_COLUMNS: usize = 256;
+
+/// What binds the bulk to the top row: sum over the top blocks of [yy (H - u_y) + xy (X - u_x)] = -load.
+#[derive(Clone, Copy, Debug)]
+pub struct BulkBalance {
+    yy: f64,
+    xy: f64,
+}
+
+impl BulkBalance {
+    /// Height of the bulk at the horizontal displacement `bulk_x` under `load`; `held`: sum of what
+    /// [`StripStencil::held`] gives.
+    #[must_use]
+    pub fn height(&self, held: f64, bulk_x: f64, load: f64) -> f64 {
+        (held - self.xy * bulk_x - load) / self.yy
+    }
+}
+
+/// Coefficients of one strip.
 #[derive(Clone, Debug)]
-pub struct Stencil {
-    rows: Vec<Row>,
-    periodic: bool,
-    /// Vertical stiffness and cross stiffness of every top block to the bulk, and their sums.
+pub struct StripStencil {
+    /// Its columns in the lattice.
+    pub columns: Range<usize>,
+    /// Rows with a coefficient per spring, from the counterface up.
+    pub general: Vec<RowCoefficients>,
+    /// Blocks at a free side in the rows above those, by column of the strip.
+    pub sides: Vec<(usize, Vec<Site>)>,
     to_bulk_yy: Vec<f64>,
-    to_bulk_xy: Vec<f64>,
-    bulk_yy: f64,
-    bulk_xy: f64,
-    contact_inverse_mass: Vec<f64>,
+    /// The columns at free sides, whose springs to the bulk do not balance sideways.
+    to_bulk_xy: Vec<(usize, f64)>,
 }
 
-impl Stencil {
-    /// Prepares a plain lattice (whole blocks of equal width).
+impl StripStencil {
+    /// What the top row takes of the balance of the bulk.
     #[must_use]
-    pub fn new(lattice: &Lattice) -> Self {
-        let (nx, ny) = (lattice.nx(), lattice.ny());
-        let mut sites = vec![Site::default(); nx * ny];
-        let (mut to_bulk_yy, mut to_bulk_xy) = (vec![0.0; nx], vec![0.0; nx]);
-        lattice.for_each_bond(|bond| {
-            let (i, j) = bond.a;
-            let k = bond.stiffness;
-            let own = &mut sites[j * nx + i].springs;
-            let [x, y] = bond.rest;
-            match (x, y) {
-                (x, 0.0) if x > 0.0 => own.east = k,
-                (0.0, _) => own.north = k,
-                (x, _) if x > 0.0 => own.north_east = k,
-                _ => own.north_west = k,
-            }
-            match bond.b {
-                Some((bi, bj)) => {
-                    let other = &mut sites[bj * nx + bi].springs;
-                    match (x, y) {
-                        (x, 0.0) if x > 0.0 => other.west = k,
-                        (0.0, _) => other.south = k,
-                        (x, _) if x > 0.0 => other.south_west = k,
-                        _ => other.south_east = k,
-                    }
-                }
-                None => {
-                    let [_, kxy, kyy] = bond.linear();
-                    to_bulk_yy[i] += kyy;
-                    to_bulk_xy[i] += kxy;
-                }
-            }
-        });
-        for (number, site) in sites.iter_mut().enumerate() {
-            let mass = lattice.mass(number % nx, number / nx);
-            site.inverse_mass = if mass > 0.0 { 1.0 / mass } else { 0.0 };
-        }
-        let inside = Site { springs: INSIDE, inverse_mass: 1.0 };
-        let periodic = lattice.is_periodic();
-        let rows = sites
-            .chunks_exact(nx)
-            .enumerate()
-            .map(|(j, row)| {
-                let sides = if periodic { 0 } else { 1 };
-                // The contact row is always general: its forces are needed apart from its motion.
-                if j > 0 && nx > 2 && row[sides..nx - sides].iter().all(|site| *site == inside) {
-                    Row::Plain { sides: (!periodic).then(|| [row[0], row[nx - 1]]) }
-                } else {
-                    Row::General(RowCoefficients::new(row))
-                }
-            })
-            .collect();
-        Self {
-            rows,
-            periodic,
-            bulk_yy: to_bulk_yy.iter().sum(),
-            bulk_xy: to_bulk_xy.iter().sum(),
-            to_bulk_yy,
-            to_bulk_xy,
-            contact_inverse_mass: sites[..nx].iter().map(|site| site.inverse_mass).collect(),
-        }
-    }
-
-    /// Inverse mass of the blocks of row 0, by column.
-    #[must_use]
-    pub fn contact_inverse_mass(&self) -> &[f64] {
-        &self.contact_inverse_mass
-    }
-
-    /// Sets the bulk to the horizontal displacement `bulk_x` and to the height that balances `load`.
-    pub fn place_bulk(&self, field: &mut Field, bulk_x: f64, load: f64) {
-        let (nx, ny) = (field.nx, field.ny);
-        let top = field.at(0, ny - 1)..field.at(nx, ny - 1);
-        // sum [kyy (H - u_y) + kxy (X - u_x)] = -load
-        let held =
-            weighted_sum(&self.to_bulk_yy, &field.uy[top.clone()]) + weighted_sum(&self.to_bulk_xy, &field.ux[top]);
-        let height = (held - self.bulk_xy * bulk_x - load) / self.bulk_yy;
-        let bulk = field.at(0, ny) - 1..field.at(nx, ny) + 1;
-        field.ux[bulk.clone()].fill(bulk_x);
-        field.uy[bulk].fill(height);
-    }
-
-    /// Spring forces on row 0, by column.
-    pub fn contact_forces(&self, field: &Field, force_x: &mut [f64], force_y: &mut [f64]) {
-        if let Row::General(coefficients) = &self.rows[0] {
-            contact_row_forces(coefficients, field, force_x, force_y);
-        }
-    }
-
-    /// Kicks and drifts all rows; row 0 has been kicked already. `kept`: share of the velocity that
-    /// damping leaves; `kick`: displacement per step that a unit force adds to a unit mass.
-    pub fn kick_and_drift(&self, field: &mut Field, kept: f64, kick: f64, scratch: &mut [Vec<f64>; 2]) {
-        let [force_x, force_y] = scratch;
-        sweep(&self.rows, field, Kick { kept, kick }, force_x, force_y);
-        self.wrap(field);
-    }
-
-    /// Copies the sides of every row to its periodic images.
-    pub fn wrap(&self, field: &mut Field) {
-        if self.periodic {
-            for j in 0..field.ny {
-                let row = field.at(0, j)..field.at(field.nx, j);
-                for u in [&mut field.ux, &mut field.uy] {
-                    u[row.start - 1] = u[row.end - 1];
-                    u[row.end] = u[row.start];
-                }
-            }
-        }
+    pub fn held(&self, field: &Field) -> f64 {
+        let top = field.at(0, field.ny - 1);
+        let row = |component: usize| &field.now[component].rows()[top..][..field.nx];
+        let sideways: f64 = self.to_bulk_xy.iter().map(|(i, xy)| xy * row(0)[*i]).sum();
+        weighted_sum(&self.to_bulk_yy, row(1)) + sideways
     }
 }
 
-/// Sum of a[i] b[i] in eight fixed partial sums: the same with any vector width.
-#[multiversion(targets("x86_64+avx2"))]
+/// First columns of the strips of `nx` columns, and `nx`.
+fn cuts(nx: usize) -> Vec<usize> {
+    let strips = nx.div_ceil(STRIP_COLUMNS);
+    // Whole cache lines but for the last strip.
+    let mut cuts: Vec<usize> = (0..strips).map(|s| nx * s / strips / LINE * LINE).collect();
+    cuts.push(nx);
+    cuts
+}
+
+/// Cuts a plain lattice (whole blocks of equal width) into strips.
+#[must_use]
+pub fn strips(lattice: &Lattice) -> (Vec<StripStencil>, BulkBalance) {
+    let (nx, ny) = (lattice.nx(), lattice.ny());
+    let mut sites = vec![Site::default(); nx * ny];
+    let (mut to_bulk_yy, mut to_bulk_xy) = (vec![0.0; nx], vec![0.0; nx]);
+    lattice.for_each_bond(|bond| {
+        let (i, j) = bond.a;
+        let k = bond.stiffness;
+        let own = &mut sites[j * nx + i].springs;
+        let [x, y] = bond.rest;
+        match (x, y) {
+            (x, 0.0) if x > 0.0 => own.east = k,
+            (0.0, _) => own.north = k,
+            (x, _) if x > 0.0 => own.north_east = k,
+            _ => own.north_west = k,
+        }
+        match bond.b {
+            Some((bi, bj)) => {
+                let other = &mut sites[bj * nx + bi].springs;
+                match (x, y) {
+                    (x, 0.0) if x > 0.0 => other.west = k,
+                    (0.0, _) => other.south = k,
+                    (x, _) if x > 0.0 => other.south_west = k,
+                    _ => other.south_east = k,
+                }
+            }
+            None => {
+                let [_, kxy, kyy] = bond.linear();
+                to_bulk_yy[i] += kyy;
+                to_bulk_xy[i] += kxy;
+            }
+        }
+    });
+    for (number, site) in sites.iter_mut().enumerate() {
+        let mass = lattice.mass(number % nx, number / nx);
+        site.inverse_mass = if mass > 0.0 { 1.0 / mass } else { 0.0 };
+    }
+    let balance = BulkBalance { yy: to_bulk_yy.iter().sum(), xy: to_bulk_xy.iter().sum() };
+    let inside = Site { springs: INSIDE, inverse_mass: 1.0 };
+    let strips = cuts(nx)
+        .windows(2)
+        .map(|cut| {
+            let columns = cut[0]..cut[1];
+            let row = |j: usize| &sites[j * nx..][columns.clone()];
+            let at_side = |i: usize| !lattice.is_periodic() && (i == 0 || i + 1 == nx);
+            let is_inside = |j: usize| columns.clone().zip(row(j)).all(|(i, site)| at_side(i) || *site == inside);
+            // The contact row is always general: its forces are needed apart from its motion.
+            let inside_from = (1..ny).rev().take_while(|&j| is_inside(j)).last().unwrap_or(ny);
+            let general = (0..inside_from).map(|j| RowCoefficients::new(row(j))).collect();
+            let sides = columns
+                .clone()
+                .filter(|&i| at_side(i))
+                .map(|i| (i - columns.start, (inside_from..ny).map(|j| sites[j * nx + i]).collect()))
+                .collect();
+            let to_bulk_yy = to_bulk_yy[columns.clone()].to_vec();
+            let own_xy = to_bulk_xy[columns.clone()].iter().copied().enumerate();
+            let to_bulk_xy = own_xy.filter(|(_, xy)| *xy != 0.0).collect();
+            StripStencil { columns, general, sides, to_bulk_yy, to_bulk_xy }
+        })
+        .collect();
+    (strips, balance)
+}
+
+/// Partial sums in which long sums are taken, whatever the width of vectors.
+const PARTS: usize = 16;
+
+struct WeightedSum<'a>(&'a [f64], &'a [f64]);
+
+impl WithSimd for WeightedSum<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let (a, b) = (self.0.chunks_exact(PARTS), self.1.chunks_exact(PARTS));
+        let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
+        // PARTS / lanes vectors of partial sums.
+        let mut parts = [simd.splat_f64s(0.0); PARTS];
+        for (a, b) in a.zip(b) {
+            let (a, b) = (S::as_simd_f64s(a).0, S::as_simd_f64s(b).0);
+            for ((part, a), b) in parts.iter_mut().zip(a).zip(b) {
+                *part = simd.add_f64s(*part, simd.mul_f64s(*a, *b));
+            }
+        }
+        let parts = &parts[..PARTS / S::F64_LANES];
+        pulp::bytemuck::cast_slice::<S::f64s, f64>(parts).iter().sum::<f64>() + rest
+    }
+}
+
+/// Sum of a[i] b[i]: the same with any vector width.
 fn weighted_sum(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
-    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; LANES];
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
+    vectorized(WeightedSum(a, b))
+}
+
+struct FixedSum<'a>(&'a [f64]);
+
+impl WithSimd for FixedSum<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        let chunks = self.0.chunks_exact(PARTS);
+        let rest: f64 = chunks.remainder().iter().sum();
+        let mut parts = [simd.splat_f64s(0.0); PARTS];
+        for chunk in chunks {
+            for (part, value) in parts.iter_mut().zip(S::as_simd_f64s(chunk).0) {
+                *part = simd.add_f64s(*part, *value);
+            }
+        }
+        let parts = &parts[..PARTS / S::F64_LANES];
+        pulp::bytemuck::cast_slice::<S::f64s, f64>(parts).iter().sum::<f64>() + rest
+    }
+}
+
+/// Sum of `values`: the same with any vector width.
+#[must_use]
+pub fn fixed_sum(values: &[f64]) -> f64 {
+    vectorized(FixedSum(values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_cover_every_column_once_in_whole_lines() {
+        for nx in [1, 50, 256, 257, 996, 100_000] {
+            let cuts = cuts(nx);
+            assert!(cuts[0] == 0 && cuts[cuts.len() - 1] == nx);
+            assert!(cuts.windows(2).all(|w| w[0] < w[1] && w[1] - w[0] <= STRIP_COLUMNS + LINE));
+            assert!(cuts[..cuts.len() - 1].iter().all(|cut| cut.is_multiple_of(LINE)));
         }
     }
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
+
+    #[test]
+    fn sums_are_sums() {
+        let values: Vec<f64> = (0..101).map(f64::from).collect();
+        assert_eq!(fixed_sum(&values), 5050.0);
+        assert_eq!(weighted_sum(&values, &values), 338_350.0);
+    }
 }

@@ -4,9 +4,10 @@ use slipgrid_pattern::{Pattern, Planform};
 use super::bonds::Bonds;
 use super::contact::{ContactRow, LocalLaw};
 use super::engine::{Engine, Setup};
-use super::leapfrog::{BondLeapfrog, StencilLeapfrog};
+use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
+use super::strip_leapfrog::StripLeapfrog;
 use crate::columns;
 use crate::draws::{self, Coefficients};
 use crate::lattice::Lattice;
@@ -34,7 +35,7 @@ fn setup(lattice: &Lattice, time_step: f64, speed: f64) -> Setup<'static> {
 fn the_stencil_moves_as_the_bonds_do() {
     for periodic in [true, false] {
         let lattice = patterned(periodic);
-        let mut fast = StencilLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let mut fast = StripLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
         let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
         for step in 0..4000 {
             let (a, b) = (fast.step(), slow.step());
@@ -42,7 +43,7 @@ fn the_stencil_moves_as_the_bonds_do() {
             assert!((a.friction - b.friction).abs() < 1e-9, "{periodic} {step}: {} {}", a.friction, b.friction);
             assert!((a.normal - b.normal).abs() < 1e-9);
         }
-        assert!(fast.contact().blocks.iter().any(|block| block.has_slipped));
+        assert!(slow.all_have_slipped() == fast.all_have_slipped());
         for i in 0..lattice.nx() {
             for j in 0..lattice.ny() {
                 assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-9);
@@ -52,12 +53,12 @@ fn the_stencil_moves_as_the_bonds_do() {
 }
 
 #[test]
-fn tiles_of_a_long_sample_join_without_a_seam() {
-    // Longer than two tiles of the sweep, and no multiple of one.
+fn strips_of_a_long_sample_join_without_a_seam() {
+    // More columns than two strips hold, and no whole number of cache lines.
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
     for periodic in [true, false] {
-        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 451), 6, periodic);
-        let mut fast = StencilLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
+        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 601), 6, periodic);
+        let mut fast = StripLeapfrog::new(&lattice, setup(&lattice, 0.2, 1e-5));
         let mut slow = BondLeapfrog::new(&lattice, Springs::Linear, setup(&lattice, 0.2, 1e-5));
         for _ in 0..500 {
             fast.step();
@@ -67,6 +68,32 @@ fn tiles_of_a_long_sample_join_without_a_seam() {
             for j in 0..lattice.ny() {
                 assert!((fast.rise(i, j) - slow.rise(i, j)).abs() < 1e-12, "{periodic} {i} {j}");
             }
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_takes_the_same_steps() {
+    let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
+    for periodic in [true, false] {
+        let lattice = Lattice::new(columns::sample(&pattern, 10e-6, 1101), 5, periodic);
+        let run = |threads: usize| {
+            std::thread::scope(|scope| {
+                let setup = setup(&lattice, 0.2, 1e-4);
+                let mut engine = StripLeapfrog::new(&lattice, setup).with_threads(scope, threads);
+                let mut sums: Vec<_> = (0..300).map(|_| engine.step()).collect();
+                engine.begin_drive();
+                sums.extend((0..600).map(|_| engine.step()));
+                let (forces, slipped) = (engine.contact_forces(), engine.all_have_slipped());
+                engine.finish();
+                let rises: Vec<f64> = (0..lattice.nx()).map(|i| engine.rise(i, 3)).collect();
+                (sums, forces, slipped, rises)
+            })
+        };
+        let alone = run(1);
+        assert!(alone.0.iter().any(|sums| sums.friction > 0.0));
+        for threads in [2, 3, 8] {
+            assert!(run(threads) == alone, "{periodic} {threads}");
         }
     }
 }
@@ -87,9 +114,8 @@ fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn Engine>, time_step: 
 
 #[test]
 fn leapfrog_is_of_second_and_runge_kutta_of_fourth_order_without_friction() {
-    let leapfrog = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> {
-        Box::new(StencilLeapfrog::new(lattice, setup))
-    };
+    let leapfrog =
+        |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> { Box::new(StripLeapfrog::new(lattice, setup)) };
     let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> {
         Box::new(RungeKutta::new(lattice, Springs::Linear, setup))
     };
@@ -136,7 +162,7 @@ fn a_lattice_under_load_without_drive_comes_to_rest_with_the_load_on_its_contact
         let lattice = patterned(periodic);
         let mut setup = setup(&lattice, 0.2, 0.0);
         setup.damping = 0.2;
-        let mut engine = StencilLeapfrog::new(&lattice, setup);
+        let mut engine = StripLeapfrog::new(&lattice, setup);
         let mut sums = engine.step();
         for _ in 0..20_000 {
             sums = engine.step();
@@ -155,7 +181,7 @@ fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
     let grows = |factor: f64| {
         let mut setup = setup(&lattice, factor * limit, 0.0);
         setup.damping = 0.0;
-        let mut engine = StencilLeapfrog::new(&lattice, setup);
+        let mut engine = StripLeapfrog::new(&lattice, setup);
         for _ in 0..4000 {
             engine.step();
         }

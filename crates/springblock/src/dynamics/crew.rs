@@ -1,0 +1,291 @@
+//! Several threads on one lattice: each advances its own strips, in lockstep.
+//!
+//! The leader computes the bulk's place, posts it with the columns at its strips' sides and calls a turn;
+//! the others read it, do the turn's work, post theirs and report. One exchange a step, over a board of
+//! atomic words: no locks, nothing shared but what strips need of each other. Sums are posted strip by
+//! strip and added in their order, so that results are those of one thread to the last bit.
+
+use std::hint::spin_loop;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::{Scope, ScopedJoinHandle, yield_now};
+
+use super::contact::{ContactForce, ContactSums};
+use super::strip::{BulkPlace, Side, Strip};
+
+/// What a turn asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Turn {
+    Step,
+    BeginDrive,
+    PostForces,
+    Finish,
+}
+
+impl Turn {
+    const ALL: [Self; 4] = [Self::Step, Self::BeginDrive, Self::PostForces, Self::Finish];
+}
+
+/// Looks at a word before the thread offers its core to others.
+const SPINS: u32 = 4000;
+
+fn wait_until(condition: impl Fn() -> bool) {
+    let mut spins = 0;
+    while !condition() {
+        spins += 1;
+        if spins < SPINS { spin_loop() } else { yield_now() }
+    }
+}
+
+/// A number in an atomic word; the turn's hand-over orders it.
+#[derive(Debug, Default)]
+struct Number(AtomicU64);
+
+impl Number {
+    fn post(&self, value: f64) {
+        self.0.store(value.to_bits(), Ordering::Relaxed);
+    }
+
+    fn read(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+}
+
+/// What a strip posts.
+#[derive(Debug)]
+struct StripBoard {
+    /// Columns at the left and right sides, after even and after odd steps: a thread may already post the
+    /// next while another still reads the last.
+    edges: [[Vec<Number>; 2]; 2],
+    held: Number,
+    friction: Number,
+    normal: Number,
+    all_have_slipped: AtomicU64,
+    /// Normal force and friction of every contact block.
+    forces: Vec<[Number; 2]>,
+}
+
+#[derive(Debug)]
+struct Board {
+    strips: Vec<StripBoard>,
+    periodic: bool,
+    bulk_x: Number,
+    bulk_height: Number,
+    /// What the current turn asks for, an index into [`Turn::ALL`].
+    wanted: AtomicU64,
+    /// Number of the current turn.
+    turn: AtomicU64,
+    /// Last turn that each of the others has done.
+    done: Vec<AtomicU64>,
+}
+
+impl Board {
+    fn new(strips: &[Strip], periodic: bool, others: usize) -> Self {
+        let numbers = |count: usize| (0..count).map(|_| Number::default()).collect::<Vec<_>>();
+        let strips = strips
+            .iter()
+            .map(|strip| StripBoard {
+                edges: [(); 2].map(|()| [(); 2].map(|()| numbers(strip.edge_len()))),
+                held: Number::default(),
+                friction: Number::default(),
+                normal: Number::default(),
+                all_have_slipped: AtomicU64::new(0),
+                forces: strip.contact().forces().map(|_| [Number::default(), Number::default()]).collect(),
+            })
+            .collect();
+        Self {
+            strips,
+            periodic,
+            bulk_x: Number::default(),
+            bulk_height: Number::default(),
+            wanted: AtomicU64::new(0),
+            turn: AtomicU64::new(0),
+            done: (0..others).map(|_| AtomicU64::new(0)).collect(),
+        }
+    }
+
+    /// Posts what the others need of strip `number` after step `step`.
+    fn post(&self, number: usize, strip: &Strip, step: u64) {
+        let board = &self.strips[number];
+        board.held.post(strip.held());
+        if self.strips.len() == 1 && self.periodic {
+            return;
+        }
+        let [left, right] = &board.edges[(step % 2) as usize];
+        strip.edge(Side::Left, |at, value| left[at].post(value));
+        strip.edge(Side::Right, |at, value| right[at].post(value));
+    }
+
+    /// Gives strip `number` the columns beside it as they were after step `step`.
+    fn join(&self, number: usize, strip: &mut Strip, step: u64) {
+        let count = self.strips.len();
+        if count == 1 && self.periodic {
+            strip.join_sides();
+            return;
+        }
+        let before = number.checked_sub(1).or(self.periodic.then_some(count - 1));
+        let after = if number + 1 < count { Some(number + 1) } else { self.periodic.then_some(0) };
+        let edge = |of: usize, side: usize| &self.strips[of].edges[(step % 2) as usize][side];
+        // Nothing stands beyond a free side; zeros keep what vectors write there in bounds.
+        let (left, right) = (before.map(|of| edge(of, 1)), after.map(|of| edge(of, 0)));
+        strip.set_image(Side::Left, |at| left.map_or(0.0, |edge| edge[at].read()));
+        strip.set_image(Side::Right, |at| right.map_or(0.0, |edge| edge[at].read()));
+    }
+
+    /// Advances strip `number` by step `step` and posts it.
+    fn step(&self, number: usize, strip: &mut Strip, step: u64) {
+        self.join(number, strip, step - 1);
+        let sums = strip.step(BulkPlace { x: self.bulk_x.read(), height: self.bulk_height.read() });
+        let board = &self.strips[number];
+        board.friction.post(sums.friction);
+        board.normal.post(sums.normal);
+        board.all_have_slipped.store(u64::from(strip.contact().all_have_slipped()), Ordering::Relaxed);
+        self.post(number, strip, step);
+    }
+
+    fn post_forces(&self, number: usize, strip: &Strip) {
+        for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
+            normal.post(force.normal);
+            friction.post(force.friction);
+        }
+    }
+
+    /// Does what a turn asks for on `strips`, the first of which is `first`; `step` counts steps.
+    fn work(&self, wanted: Turn, first: usize, strips: &mut [Strip], step: &mut u64) {
+        *step += u64::from(wanted == Turn::Step);
+        for (number, strip) in (first..).zip(strips) {
+            match wanted {
+                Turn::Step => self.step(number, strip, *step),
+                Turn::BeginDrive => strip.begin_drive(),
+                Turn::PostForces => self.post_forces(number, strip),
+                Turn::Finish => {}
+            }
+        }
+    }
+}
+
+/// The leader's own strips and the threads that have the others.
+#[derive(Debug)]
+pub struct Crew<'scope, 'a> {
+    board: Arc<Board>,
+    own: Vec<Strip<'a>>,
+    others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a>>>>,
+    turn: u64,
+    step: u64,
+}
+
+impl<'scope, 'a: 'scope> Crew<'scope, 'a> {
+    /// Shares `strips` among the caller's thread and, with `threads`, others of that scope, up to that many.
+    pub fn new(
+        mut strips: Vec<Strip<'a>>,
+        periodic: bool,
+        threads: Option<(&'scope Scope<'scope, '_>, usize)>,
+    ) -> Self {
+        let count = strips.len();
+        let most = threads.map_or(1, |(_, most)| most).clamp(1, count);
+        let board = Arc::new(Board::new(&strips, periodic, most - 1));
+        for (number, strip) in strips.iter().enumerate() {
+            board.post(number, strip, 0);
+        }
+        let mut others = Vec::new();
+        if let Some((scope, _)) = threads {
+            for thread in (1..most).rev() {
+                let first = count * thread / most;
+                let (board, own) = (Arc::clone(&board), strips.split_off(first));
+                others.push(scope.spawn(move || follow(&board, thread - 1, first, own)));
+            }
+        }
+        others.reverse();
+        Self { board, own: strips, others, turn: 0, step: 0 }
+    }
+
+    /// Calls a turn, does the leader's part and waits for the others'.
+    fn call(&mut self, wanted: Turn) {
+        self.turn += 1;
+        let number = Turn::ALL.iter().position(|turn| *turn == wanted).unwrap_or(0);
+        self.board.wanted.store(number as u64, Ordering::Relaxed);
+        self.board.turn.store(self.turn, Ordering::Release);
+        self.board.work(wanted, 0, &mut self.own, &mut self.step);
+        for done in &self.board.done {
+            wait_until(|| done.load(Ordering::Acquire) >= self.turn);
+        }
+    }
+
+    /// Sum over all strips of what their top rows take of the balance of the bulk.
+    #[must_use]
+    pub fn held(&self) -> f64 {
+        self.board.strips.iter().map(|strip| strip.held.read()).sum()
+    }
+
+    /// Advances by one step; the sums over the contact row at its beginning.
+    pub fn step(&mut self, bulk: BulkPlace) -> ContactSums {
+        self.board.bulk_x.post(bulk.x);
+        self.board.bulk_height.post(bulk.height);
+        self.call(Turn::Step);
+        let mut sums = ContactSums::default();
+        for strip in &self.board.strips {
+            sums.add(ContactSums { friction: strip.friction.read(), normal: strip.normal.read() });
+        }
+        sums
+    }
+
+    /// The bulk begins to move.
+    pub fn begin_drive(&mut self) {
+        self.call(Turn::BeginDrive);
+    }
+
+    /// Whether every contact block has slipped since the drive began.
+    #[must_use]
+    pub fn all_have_slipped(&self) -> bool {
+        self.board.strips.iter().all(|strip| strip.all_have_slipped.load(Ordering::Relaxed) == 1)
+    }
+
+    /// Forces on the contact blocks at the last force evaluation, left to right.
+    pub fn contact_forces(&mut self) -> Vec<ContactForce> {
+        self.call(Turn::PostForces);
+        let forces = self.board.strips.iter().flat_map(|strip| &strip.forces);
+        forces.map(|[normal, friction]| ContactForce { normal: normal.read(), friction: friction.read() }).collect()
+    }
+
+    /// Ends the threads; all strips are the leader's again.
+    pub fn finish(&mut self) {
+        if !self.others.is_empty() {
+            self.call(Turn::Finish);
+        }
+        for other in self.others.drain(..) {
+            // A thread that panicked has no strips to give back; the scope passes its panic on.
+            self.own.extend(other.join().unwrap_or_default());
+        }
+    }
+
+    /// The leader's strips: all of them after [`Crew::finish`].
+    #[must_use]
+    pub fn own(&self) -> &[Strip<'a>] {
+        &self.own
+    }
+}
+
+impl Drop for Crew<'_, '_> {
+    fn drop(&mut self) {
+        if !self.others.is_empty() {
+            let number = Turn::ALL.len() - 1;
+            self.board.wanted.store(number as u64, Ordering::Relaxed);
+            self.board.turn.store(self.turn + 1, Ordering::Release);
+        }
+    }
+}
+
+/// What the other threads do: turn by turn, until told to finish.
+fn follow<'a>(board: &Board, thread: usize, first: usize, mut strips: Vec<Strip<'a>>) -> Vec<Strip<'a>> {
+    let (mut turn, mut step) = (0, 0);
+    loop {
+        turn += 1;
+        wait_until(|| board.turn.load(Ordering::Acquire) >= turn);
+        let wanted = Turn::ALL[board.wanted.load(Ordering::Relaxed) as usize];
+        board.work(wanted, first, &mut strips, &mut step);
+        board.done[thread].store(turn, Ordering::Release);
+        if wanted == Turn::Finish {
+            return strips;
+        }
+    }
+}

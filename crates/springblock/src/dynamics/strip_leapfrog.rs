@@ -1,0 +1,116 @@
+//! The fast integrator: leapfrog on linear springs, strip by strip.
+//!
+//! ```text
+//! u_after = u + kept (u - u_before) + kick F/m,  kept = (1 - g dt/2) / (1 + g dt/2),  kick = dt^2 / (1 + g dt/2)
+//! ```
+//!
+//! one force evaluation a step, damping implicit, symplectic without damping and friction, of order 2;
+//! stable for dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
+
+use std::thread::Scope;
+
+use super::contact::{ContactForce, ContactSums};
+use super::crew::Crew;
+use super::engine::{Engine, Setup};
+use super::protocol::Protocol;
+use super::stencil::{BulkBalance, strips};
+use super::strip::{BulkPlace, Strip};
+use super::sweep::Kick;
+use crate::lattice::Lattice;
+
+/// Leapfrog on the strips of a plain lattice.
+#[derive(Debug)]
+pub struct StripLeapfrog<'scope, 'env, 'a> {
+    /// Strips before the first step; the crew has them after it.
+    strips: Vec<Strip<'a>>,
+    crew: Option<Crew<'scope, 'a>>,
+    /// Where other threads may be started, and how many with the caller's.
+    threads: Option<(&'scope Scope<'scope, 'env>, usize)>,
+    balance: BulkBalance,
+    protocol: Protocol,
+    time_step: f64,
+    steps: u64,
+    periodic: bool,
+}
+
+impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
+    /// A plain lattice at rest.
+    #[must_use]
+    pub fn new(lattice: &Lattice, setup: Setup<'a>) -> Self {
+        let Setup { contact, protocol, time_step, damping, liftoff } = setup;
+        let kick = Kick::new(time_step, damping);
+        let (stencils, balance) = strips(lattice);
+        let (blocks, law) = contact.into_parts();
+        let strips = stencils
+            .into_iter()
+            .map(|stencil| Strip::new(stencil, lattice.ny(), &blocks, law, kick, liftoff))
+            .collect();
+        let periodic = lattice.is_periodic();
+        Self { strips, crew: None, threads: None, balance, protocol, time_step, steps: 0, periodic }
+    }
+
+    /// The same, advanced by at most `threads` threads of `scope` with the caller's.
+    #[must_use]
+    pub fn with_threads(self, scope: &'scope Scope<'scope, 'env>, threads: usize) -> Self {
+        Self { threads: Some((scope, threads)), ..self }
+    }
+
+    /// Displacements of block (i, j), x and y; of the caller's own strips until [`Engine::finish`].
+    #[must_use]
+    pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
+        let strips = self.crew.as_ref().map_or(&self.strips[..], Crew::own);
+        let strip = strips.iter().find(|strip| strip.columns().contains(&i));
+        strip.map_or([0.0; 2], |strip| strip.displacement(i - strip.columns().start, j))
+    }
+
+    /// The crew, which takes the strips over.
+    fn crew(&mut self) -> &mut Crew<'scope, 'a> {
+        let Self { strips, crew, threads, periodic, .. } = self;
+        crew.get_or_insert_with(|| Crew::new(std::mem::take(strips), *periodic, *threads))
+    }
+}
+
+impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+        for strip in &mut self.strips {
+            strip.start(displacement);
+        }
+    }
+
+    fn begin_drive(&mut self) {
+        self.crew().begin_drive();
+    }
+
+    fn step(&mut self) -> ContactSums {
+        let time = self.steps as f64 * self.time_step;
+        self.steps += 1;
+        let (x, load, balance) = (self.protocol.bulk_x(time), self.protocol.load(time), self.balance);
+        let crew = self.crew();
+        let height = balance.height(crew.held(), x, load);
+        crew.step(BulkPlace { x, height })
+    }
+
+    fn all_have_slipped(&self) -> bool {
+        self.crew.as_ref().is_some_and(Crew::all_have_slipped)
+    }
+
+    fn contact_forces(&mut self) -> Vec<ContactForce> {
+        self.crew().contact_forces()
+    }
+
+    fn finish(&mut self) {
+        self.crew().finish();
+    }
+
+    fn time_step(&self) -> f64 {
+        self.time_step
+    }
+
+    fn evaluations_per_step(&self) -> u64 {
+        1
+    }
+
+    fn rise(&self, i: usize, j: usize) -> f64 {
+        self.displacement(i, j)[1]
+    }
+}

@@ -1,0 +1,78 @@
+//! Site updates per second of the dynamic solver: blocks times force evaluations over the time that
+//! further travel takes, so that setting up does not count. Pin it to one core (`taskset -c 1`) for one
+//! thread's numbers; unpinned it also runs two threads on one sample beside two samples at once.
+
+#![allow(clippy::print_stdout)]
+
+use std::time::Instant;
+
+use slipgrid_springblock::{Extent, Fidelity, Scene, Unwatched, simulate};
+use slipgrid_tests::{polymer_scene, published_groove};
+
+/// Repetitions of which the median counts.
+const REPETITIONS: usize = 5;
+
+/// Seconds and site updates of one run over `travel_m`.
+fn run(scene: &Scene, travel_m: f64) -> (f64, f64) {
+    let mut scene = scene.clone();
+    scene.run.sliding_m = travel_m;
+    let start = Instant::now();
+    let simulation = simulate(&scene, &Unwatched).expect("a valid scene");
+    let seconds = start.elapsed().as_secs_f64();
+    let surfaces = simulation.loads.iter().flat_map(|load| [Some(&load.surface), load.flat.as_ref()]).flatten();
+    let updates: u64 = surfaces.filter_map(|surface| surface.cost.map(|cost| cost.site_updates)).sum();
+    (seconds, updates as f64)
+}
+
+/// Median of the site updates per second between a travel and three times that travel.
+fn throughput(scene: &Scene, travel_m: f64) -> f64 {
+    let mut found: Vec<f64> = (0..REPETITIONS)
+        .map(|_| {
+            let ((short_s, few), (long_s, many)) = (run(scene, travel_m), run(scene, 3.0 * travel_m));
+            (many - few) / (long_s - short_s)
+        })
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found[REPETITIONS / 2]
+}
+
+fn main() {
+    let scene = |patterned: bool, extent: Extent, law: bool| {
+        let pattern = patterned.then(|| published_groove().expect("valid lengths"));
+        let mut scene = polymer_scene(pattern, &[2.6], Fidelity::Dynamic, extent).expect("a valid scene");
+        scene.run.warm_start = true;
+        if !law {
+            scene.area_law = None;
+        }
+        scene
+    };
+    let threads = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+    let cell = |mut scene: Scene| {
+        scene.layer.length_m = 500e-6;
+        scene
+    };
+    println!("| scene | threads | site updates per second |\n|---|---|---|");
+    // Arguments choose the rows that hold one of them; cargo adds `--bench`.
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let row = |what: &str, count: usize, scene: &Scene, travel_m: f64| {
+        if !wanted.is_empty() && !wanted.iter().any(|part| what.contains(part)) {
+            return;
+        }
+        let found = threads(count).install(|| throughput(scene, travel_m));
+        println!("| {what} | {count} | {found:.2e} |");
+    };
+    row("flat sample, 996 x 20", 1, &scene(false, Extent::Sample, true), 0.05e-6);
+    row("the same without area law", 1, &scene(false, Extent::Sample, false), 0.05e-6);
+    row("sample of grooves 130/370/20 um with its flat one", 1, &scene(true, Extent::Sample, true), 0.03e-6);
+    row("flat cell, 50 x 20", 1, &cell(scene(false, Extent::Cell, true)), 1e-6);
+    row("cell of grooves 130/370/20 um with its flat one", 1, &cell(scene(true, Extent::Cell, true)), 0.5e-6);
+    let mut reference = scene(false, Extent::Sample, true);
+    reference.run.fidelity = Fidelity::Reference;
+    row("flat sample by the reference integration", 1, &reference, 0.002e-6);
+    if std::thread::available_parallelism().is_ok_and(|cores| cores.get() > 1) {
+        row("flat sample, 996 x 20", 2, &scene(false, Extent::Sample, true), 0.05e-6);
+        let mut two = scene(false, Extent::Sample, true);
+        two.loads.push(two.loads[0]);
+        row("two flat samples at once", 2, &two, 0.05e-6);
+    }
+}
