@@ -97,6 +97,7 @@ struct SpecimenFile {
 struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
+    from_rest: Option<bool>,
 }
 
 /// Where the material comes from.
@@ -135,6 +136,8 @@ pub struct Design {
     pub seed: u64,
     /// Most evaluations of the model.
     pub max_evaluations: usize,
+    /// Confirming runs start from an unloaded layer at rest and give static friction too.
+    pub from_rest: bool,
     document: Document,
     condition_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
@@ -202,6 +205,7 @@ impl Design {
             speed_m_s: condition.map_or_else(|| SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S), |condition| condition.speed_m_s),
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
+            from_rest: file.search.from_rest.unwrap_or(false),
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             document,

@@ -56,6 +56,8 @@ impl DesignScene<'_> {
                 extent: Some(unplaced(self.run.extent.name().to_owned())),
                 seed: Some(self.run.seed),
                 sliding_um: Some(micrometres(self.run.sliding_m)),
+                mu_stderr: self.run.mu_stderr.map(number),
+                warm_start: self.run.warm_start.then_some(true),
                 ..RunFile::default()
             },
         };

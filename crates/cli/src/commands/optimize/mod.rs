@@ -163,8 +163,12 @@ struct Rounds {
     reachable: Vec<ReachableReport>,
 }
 
-/// Travel of the flat sample's runs from steady sliding, in metres: a hundred stick-slip cycles of a block.
-const FLAT_TRAVEL_M: f64 = 0.4e-6;
+/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
+/// run goes on until its standard error is small enough.
+const WARM_TRAVEL_M: f64 = 0.4e-6;
+
+/// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
+const CONFIRMED_STDERR: f64 = 0.001;
 
 /// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
 const MOST_TRAVEL_M: f64 = 8e-6;
@@ -172,7 +176,7 @@ const MOST_TRAVEL_M: f64 = 8e-6;
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
 fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
     let bar = Progress::start("flat sample", console.quiet);
-    let run = RunOptions { warm_start: true, sliding_m: FLAT_TRAVEL_M, ..scene.run };
+    let run = RunOptions { warm_start: true, sliding_m: WARM_TRAVEL_M, ..scene.run };
     let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
     bar.finish();
     Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
@@ -187,12 +191,16 @@ impl Rounds {
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<Self, CliError> {
-        let confirming = RunOptions {
+        let from_rest = RunOptions {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
             seed: design.seed,
             ..RunOptions::default()
         };
+        // Nobody asked for static friction: start where sliding is about to begin.
+        let warm =
+            RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
+        let confirming = if design.from_rest { from_rest } else { warm };
         let scene = Scene {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
@@ -311,7 +319,7 @@ impl Rounds {
     ) -> Result<(), CliError> {
         let refuse = |error: SceneError| design.refuse(error.to_string());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.confirming.sliding_m = RunOptions::default().sliding_m;
+        self.confirming.sliding_m = self.scene.run.sliding_m;
         let bar = Progress::start("confirmation", console.quiet);
         let confirmed = loop {
             let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
