@@ -40,7 +40,7 @@ fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
         excess
     };
     let default = row("defaults: 4 ns, gamma = 0.01 sqrt(k/m), mu_s/mu_d = 1.11, 2 mm/s", excess_and_ratio(|_| {}));
-    for step_ns in [1.0, 2.0, 8.0, 11.0] {
+    for step_ns in [1.0, 2.0, 6.0, 8.0, 10.0, 11.0] {
         let found =
             row(&format!("step {step_ns} ns"), excess_and_ratio(|scene| scene.run.step_s = Some(step_ns * 1e-9)));
         // Steps up to the default one change friction by less than 0.1 %.

@@ -251,7 +251,7 @@ pub struct ValidateArgs {
     `reference` on the same scene: wall time, site updates, error and its standard error. Damping,\n\
     speed and layer height are choices of the model, not errors, and stand apart. Writes accuracy.md,\n\
     accuracy.csv, accuracy.svg and result.json.\n\n\
-    Reported times are those of runs alone on one thread. Not modelled: recast rims, plasticity,\n\
+    Reported times are those of runs on one thread with a core to itself. Not modelled: recast rims, plasticity,\n\
     viscoelasticity, heating, wear.")]
 pub struct AccuracyArgs {
     /// Scene file; the source paper's specimen by default

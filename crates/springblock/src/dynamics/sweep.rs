@@ -6,11 +6,14 @@
 //! u_after = u + kept w + kick F/m
 //! ```
 //!
-//! Count for an inside block, per step: 17 additions (two of them fused with an exact multiplication by
-//! 1/4), 6 multiplications, 8 values loaded and 2 stored where the sums along a row are kept from row to
-//! row, which is why inside rows are swept upwards in columns as wide as a vector. On a core with two
-//! vector adders of four doubles that is 1.9 cycles a block; memory traffic is 48 bytes a block and step
-//! (u read, u_before replaced), from the second-level cache 1.5 cycles and overlapped.
+//! Count for an inside block and step: 17 additions, two of them fused with an exact multiplication by 1/4,
+//! 6 multiplications, 8 values loaded and 2 stored, where the sums along a row are kept from row to row,
+//! which is why inside rows are swept upwards in columns as wide as a vector. A core that does eight
+//! additions and eight multiplications a cycle needs 1.9 cycles a block for them. Memory traffic is 48
+//! bytes a block and step (u read, u_before replaced): a cell of 50 x 20 blocks just leaves the first-level
+//! cache, a strip of 250 columns lies in the second, and at 32 bytes a cycle that is 1.5 cycles beside the
+//! arithmetic. Measured on a Zen 4 core at 3.65 GHz: 2.35 cycles a block, 1.55e9 a second in inside rows;
+//! the contact row and what a step does once take the rest, a third of the time on a cell.
 
 use pulp::{Simd, WithSimd};
 

@@ -105,25 +105,34 @@ pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
 
 /// Runs every row for all its seeds: a list a row, in the order of the seeds.
 ///
-/// The first seed of every row runs alone on one thread, and that is the run whose time is reported. The
-/// others then share all threads.
-pub fn measure_all(rows: &[Row], base: &Scene, progress: &Progress) -> Vec<Vec<Run>> {
+/// The first seed of every row runs on one thread, and that is the run whose time is reported: alone, or
+/// with `side_by_side` as many at once as there are threads, each with a core to itself, longest first.
+/// The others then share all threads.
+pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Progress) -> Vec<Vec<Run>> {
     let scenes: Vec<Vec<Scene>> =
         rows.iter().map(|row| (0..row.seeds).map(|seed| scene_of(row, base, seed)).collect()).collect();
     let expected_s = |scene: &Scene| 1e-3 + site_evaluations(scene) * seconds_per_site(scene);
     let all_s: f64 = scenes.iter().flatten().map(expected_s).sum();
     let part = |scene: &Scene| Part { progress, share: expected_s(scene) / all_s };
 
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-    let mut runs: Vec<Vec<Run>> = Vec::new();
-    for (row, scenes) in rows.iter().zip(&scenes) {
-        progress.say(&row.label);
-        let timed = scenes.first().map(|scene| {
-            let timed = || timed(scene, &part(scene));
-            // Where the system gives no further thread, the current pool is what there is.
-            alone.as_ref().map_or_else(|_| timed(), |pool| pool.install(timed))
-        });
-        runs.push(timed.into_iter().collect());
+    let on_one_thread = |row: usize, scene: &Scene| {
+        progress.say(&rows[row].label);
+        let timed = || timed(scene, &part(scene));
+        // Where the system gives no further thread, the current pool is what there is.
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        (row, alone.map_or_else(|_| timed(), |pool| pool.install(timed)))
+    };
+    let mut first: Vec<(usize, &Scene)> =
+        scenes.iter().enumerate().filter_map(|(row, scenes)| Some((row, scenes.first()?))).collect();
+    first.sort_by(|a, b| expected_s(b.1).total_cmp(&expected_s(a.1)));
+    let measured: Vec<(usize, Run)> = if side_by_side {
+        first.into_par_iter().with_max_len(1).map(|(row, scene)| on_one_thread(row, scene)).collect()
+    } else {
+        first.into_iter().map(|(row, scene)| on_one_thread(row, scene)).collect()
+    };
+    let mut runs: Vec<Vec<Run>> = vec![Vec::new(); rows.len()];
+    for (row, run) in measured {
+        runs[row].push(run);
     }
     progress.say("more seeds");
     let mut others: Vec<(usize, &Scene)> =
@@ -176,7 +185,7 @@ fn site_evaluations(scene: &Scene) -> f64 {
 fn seconds_per_site(scene: &Scene) -> f64 {
     match (scene.run.fidelity, scene.run.springs) {
         (Fidelity::Reference, _) | (_, Some(Springs::Exact)) => 35e-9,
-        _ => 3e-9,
+        _ => 1e-9,
     }
 }
 

@@ -95,7 +95,7 @@ const REFERENCE_STEP_S: f64 = 1e-9;
 fn compare(size: Size, base: &Scene, source: &str, seeds: u64, console: &Console<'_>) -> AccuracyReport {
     let rows = rows(size, base, seeds);
     let progress = Progress::start("accuracy", console.quiet);
-    let runs = measure::measure_all(&rows, base, &progress);
+    let runs = measure::measure_all(&rows, base, size == Size::Full, &progress);
     let wall_s = progress.finish();
     let size_name = match size {
         Size::Quick => "quick",

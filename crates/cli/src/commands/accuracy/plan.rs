@@ -153,8 +153,8 @@ pub enum Size {
 pub const SCATTER_SEEDS: u64 = 10;
 /// Step near the stability limit, over the limit.
 const NEAR_LIMIT: f64 = 0.97;
-/// Standard error over mu at which the shortened runs stop.
-const STOP_STDERR: f64 = 0.003;
+/// Standard error over mu at which the shortened runs stop: that of the confirming runs of optimize.
+const STOP_STDERR: f64 = 0.001;
 /// Share of the travel from which they may.
 const STOP_TRAVEL_SHARE: f64 = 0.2;
 
@@ -232,7 +232,7 @@ fn leapfrog() -> Vec<Row> {
         Row {
             name: "dynamic as it comes, sample".to_owned(),
             label: "dynamic sample".to_owned(),
-            default_of: Some("the confirming runs of optimize"),
+            default_of: Some("simulate --fidelity dynamic, and optimize with from_rest = true"),
             ..step("", "linear", &[])
         },
         step("4 ns", "linear", &[Change::StepNs(4.0)]),
@@ -265,15 +265,18 @@ fn shortcuts() -> Vec<Row> {
     };
     vec![
         Row {
-            default_of: Some("simulate --fidelity dynamic"),
+            default_of: Some("simulate --fidelity dynamic with extent = cell"),
             ..shortcut("dynamic, cell".to_owned(), "dynamic cell", &[CELL])
         },
         shortcut("dynamic, sample, warm start".to_owned(), "warm", &[Change::WarmStart]),
-        shortcut(
-            format!("dynamic, sample, warm start, stop at a standard error of {percent} %"),
-            "warm stop",
-            &[Change::WarmStart, stop],
-        ),
+        Row {
+            default_of: Some("the confirming runs of optimize"),
+            ..shortcut(
+                format!("dynamic, sample, warm start, stop at a standard error of {percent} %"),
+                "warm stop",
+                &[Change::WarmStart, stop],
+            )
+        },
         shortcut(
             format!("dynamic, cell, warm start, stop at a standard error of {percent} %"),
             "cell warm stop",

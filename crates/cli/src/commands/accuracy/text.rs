@@ -38,7 +38,8 @@ pub fn markdown(report: &AccuracyReport) -> String {
     let header =
         ["method", "step ns", "site updates", "dynamic mu", "static mu", "ratio", "status", "wall s", "updates/s"];
     text += &markdown_table(&header, [reference].into_iter().chain(&report.methods).map(method_cells));
-    text += "\nWall time: one draw, both surfaces, alone on one thread. Bold: a default of the program.\n";
+    text +=
+        "\nWall time: one draw, both surfaces, on one thread with a core to itself. Bold: a default of the program.\n";
 
     if let Some(finest) = report.discretization.last() {
         text += &format!("\n## Blocks: change from `{}`, per cent\n\n", finest.name);
