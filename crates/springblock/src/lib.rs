@@ -48,6 +48,7 @@ mod outcome;
 mod scene;
 mod section;
 mod simulate;
+mod solid;
 mod steady;
 
 pub use dynamics::MOST_STEPS;

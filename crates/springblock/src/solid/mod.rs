@@ -1,0 +1,4 @@
+//! The three-dimensional periodic cell.
+
+mod lattice;
+mod springs;
