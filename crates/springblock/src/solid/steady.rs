@@ -96,6 +96,12 @@ impl SolidSteadyModel {
         &self.lattice
     }
 
+    /// Distance of neighbouring rows, in metres.
+    #[must_use]
+    pub const fn block_m(&self) -> f64 {
+        self.block_m
+    }
+
     /// Steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SolidLoad) -> SolidOutcome {
@@ -108,6 +114,30 @@ impl SolidSteadyModel {
     pub fn solve_all(&self, loads: &[SolidLoad]) -> Vec<SolidOutcome> {
         let mut solver = Solver::new(self);
         loads.iter().map(|load| solver.outcome(load)).collect()
+    }
+
+    /// Displacements over l of steady sliding under `load` by block number (k ny + j) nx + i, the bulk last as row
+    /// `rows`, at x = y = 0; those of removed blocks mean nothing.
+    #[must_use]
+    pub fn displacements(&self, load: &SolidLoad) -> Vec<[f64; 3]> {
+        let [nx, ny] = self.lattice.columns();
+        let plane = nx * ny;
+        let mut solver = Solver::new(self);
+        if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
+            return vec![[0.0; 3]; plane * (self.lattice.rows() + 1)];
+        }
+        solver.equilibrate(load);
+        let whole = Interface::uncondensed(&self.lattice);
+        let (mut rest, mut moved) = (whole.response(), whole.response());
+        whole.compress(&mut rest);
+        whole.respond(&solver.state.unknowns, solver.along, true, &mut moved);
+        let unit = self.displacement_unit(load.pressure_pa);
+        (0..plane * (self.lattice.rows() + 1))
+            .map(|number| {
+                let place = 3 * plane * (number / plane) + number % plane;
+                [0, 1, 2].map(|c| (rest.fields[place + c * plane] + moved.fields[place + c * plane]) * unit)
+            })
+            .collect()
     }
 
     /// Unit of displacement over l: P l^2 / (k l) = P / (2/5 E).
