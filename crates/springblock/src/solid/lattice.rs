@@ -58,6 +58,14 @@ fn divide(blocks: f64) -> (usize, usize, f64) {
 }
 
 impl SolidLattice {
+    /// Columns along x and y of a cell of `pattern` in blocks of `block_m`.
+    #[must_use]
+    pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
+        let cell_m = pattern.cell_m();
+        let along_y = pattern.length_m().map_or(1.0, |_| divide(cell_m[1] / block_m).1 as f64);
+        [divide(cell_m[0] / block_m).1 as f64, along_y]
+    }
+
     /// A flat layer.
     #[must_use]
     pub fn flat(columns: [usize; 2], rows: usize) -> Self {
@@ -88,7 +96,15 @@ impl SolidLattice {
                 pattern.coverage(edge_m(0, i), edge_m(0, i + 1), edge_m(1, j), edge_m(1, j + 1))
             })
             // A millionth of a block is no block: nothing would hold it.
-            .map(|share| if share > 1.0 - 1e-6 { 1.0 } else if share < 1e-6 { 0.0 } else { share })
+            .map(|share| {
+                if share > 1.0 - 1e-6 {
+                    1.0
+                } else if share < 1e-6 {
+                    0.0
+                } else {
+                    share
+                }
+            })
             .collect();
         let depth = pattern.depth_m() / block_m;
         let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
@@ -226,8 +242,7 @@ mod tests {
     use slipgrid_pattern::Planform;
 
     fn squares(width_um: f64, spacing_um: f64, depth_um: f64) -> SolidLattice {
-        let pattern =
-            Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+        let pattern = Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
         SolidLattice::cell(&pattern, 10e-6, 20)
     }
 

@@ -345,9 +345,8 @@ impl<'a> Solver<'a> {
             .map(|(surface, (normal, friction))| {
                 // p = F_n / (a l^2), forces in units of P l^2
                 let scale = load.pressure_pa / (surface.contact_share * area);
-                let centre = |axis: usize| {
-                    (surface.column[axis] as f64 + 0.5) * model.lattice.spacing()[axis] * block_m
-                };
+                let centre =
+                    |axis: usize| (surface.column[axis] as f64 + 0.5) * model.lattice.spacing()[axis] * block_m;
                 let (pressure_pa, friction_pa) = if unloaded { (0.0, 0.0) } else { (normal * scale, friction * scale) };
                 let area_share = surface.contact_share;
                 SolidPoint { x_m: centre(0), y_m: centre(1), area_share, pressure_pa, friction_pa }

@@ -34,7 +34,6 @@ fn ratio(pattern: &Pattern, block_um: f64) -> f64 {
     outcome.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
 }
 
-
 /// Values of f(x) on x0, x0 + 1, ..., x0 + n.
 fn sweep(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
     (0..=n).map(|step| f(step as f64)).collect()
@@ -47,7 +46,6 @@ fn roughness(values: &[f64]) -> (f64, bool) {
     let worst = steps.iter().map(|step| (step - mean).abs()).fold(0.0, f64::max);
     (worst, steps.iter().any(|step| step * mean < 0.0))
 }
-
 
 /// Largest force left on a block, in units of P l^2: every spring by itself, its displacements as solved.
 fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f64 {
@@ -74,8 +72,8 @@ fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f64 {
         let block = number([column(point.x_m, a), column(point.y_m, b), 0]);
         let area = point.area_share * a * b / load.pressure_pa;
         force[block][2] += point.pressure_pa * area;
-        for c in 0..2 {
-            force[block][c] -= load.direction[c] * point.friction_pa * area;
+        for (force, along) in force[block].iter_mut().zip(load.direction) {
+            *force -= along * point.friction_pa * area;
         }
     }
     // The bulk: its vertical balance is the load, its horizontal one the drive's.
@@ -158,7 +156,8 @@ fn directly(lattice: &SolidLattice, mu: f64, direction: [f64; 2]) -> Vec<f64> {
         let place = |end: [usize; 3], c: usize| {
             if end[2] < rows { Some(3 * number(end) + c) } else { (c == 2).then_some(bulk) }
         };
-        for (p, q, sign) in [(bond.a, bond.a, 1.0), (bond.b, bond.b, 1.0), (bond.a, bond.b, -1.0), (bond.b, bond.a, -1.0)]
+        for (p, q, sign) in
+            [(bond.a, bond.a, 1.0), (bond.b, bond.b, 1.0), (bond.a, bond.b, -1.0), (bond.b, bond.a, -1.0)]
         {
             for (c, d) in (0..3).flat_map(|c| (0..3).map(move |d| (c, d))) {
                 if let (Some(r), Some(s)) = (place(p, c), place(q, d)) {
@@ -310,8 +309,7 @@ fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
         let pattern = pattern(Planform::Groove, width, spacing, depth);
         let section = SteadyModel::new(Lattice::new(columns::cell(&pattern, 10e-6), 20, true), 10e-6, E_PA, false);
         let dynamic_mu = vec![0.27; section.lattice().nx()];
-        let section =
-            section.solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) });
+        let section = section.solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) });
         let section = section.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6));
         let solid = ratio(&pattern, 10.0);
         assert!((section - solid).abs() < 1e-9, "{width}: {section} {solid}");

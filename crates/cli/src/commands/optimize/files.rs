@@ -56,6 +56,7 @@ impl DesignScene<'_> {
                 extent: Some(unplaced(self.run.extent.name().to_owned())),
                 seed: Some(self.run.seed),
                 sliding_um: Some(micrometres(self.run.sliding_m)),
+                dimensions: self.run.dimensions.map(|dimensions| unplaced(u64::from(dimensions))),
                 ..RunFile::default()
             },
         };

@@ -191,6 +191,7 @@ impl Rounds {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
             seed: design.seed,
+            dimensions: Some(2),
             ..RunOptions::default()
         };
         let scene = Scene {
