@@ -63,8 +63,39 @@ fn a_flat_scene_has_no_ratio() {
 }
 
 #[test]
-fn square_cavities_are_a_section_model() {
-    let place = Place::with(&[("scene.toml", &SCENE.replace("\"groove\"", "\"square\"")), ("groove.toml", SCENE)]);
+fn square_cavities_are_solved_in_space() {
+    let square = SCENE.replace("\"groove\"", "\"square\"");
+    let disc = SCENE.replace("\"groove\"", "\"disc\"\narrangement = \"staggered\"\nsliding_angle_deg = 30.0");
+    let groove = format!("{SCENE}dimensions = 3\n");
+    let place = Place::with(&[
+        ("square.toml", &square),
+        ("disc.toml", &disc),
+        ("groove.toml", SCENE),
+        ("groove3.toml", &groove),
+    ]);
+    let solve = |scene: &str| json(&place.succeed(&["simulate", scene, "--json", "-o", "out"]));
+    let (plane, space, square, disc) =
+        (solve("groove.toml"), solve("groove3.toml"), solve("square.toml"), solve("disc.toml"));
+    for solid in [&space, &square, &disc] {
+        assert_eq!((&solid["dimensions"], &solid["section_model"]), (&Value::from(3), &Value::from(false)));
+        assert!(solid["model"].to_string().contains("three dimensions"));
+        assert!(!solid["model"].to_string().contains("section model"));
+        let load = &solid["results"][1];
+        assert_eq!((&load["status"], &load["status_flat"]), (&Value::from("converged"), &Value::from("converged")));
+        assert!((load["mu_flat"].as_f64().unwrap() - 0.27 * 0.9).abs() < 1e-9);
+        assert!(load.get("ratio_strip_estimate").is_none() && load["ratio_discretization_error"].as_f64().is_some());
+    }
+    let ratio = |result: &Value| result["results"][1]["ratio"].as_f64().unwrap();
+    assert!((ratio(&plane) - ratio(&space)).abs() < 1e-9);
+    assert!(ratio(&square) > ratio(&plane) && ratio(&square) < 1.0 && ratio(&disc) < 1.0);
+    let interface = fs::read_to_string(place.path("out").join("interface.csv")).unwrap();
+    assert_eq!(interface.lines().next().unwrap(), "load_mpa,surface,x_um,y_um,pressure_mpa,friction_mpa");
+}
+
+#[test]
+fn square_cavities_in_two_dimensions_are_a_section_model() {
+    let square = format!("{}dimensions = 2\n", SCENE.replace("\"groove\"", "\"square\""));
+    let place = Place::with(&[("scene.toml", &square), ("groove.toml", SCENE)]);
     let square = json(&place.succeed(&["simulate", "scene.toml", "--json"]));
     let groove = json(&place.succeed(&["simulate", "groove.toml", "--json"]));
     assert_eq!(square["section_model"], true);

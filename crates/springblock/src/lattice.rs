@@ -33,7 +33,7 @@ const CEILING_COMPLIANCE: f64 = 3.0;
 /// Stiffness of the springs of a block of which the share `presence` is there: 0 and 1 at the ends, so
 /// that whole rows are plain, and c y / (1 + c - y) between them, because a strip of stiffness s moves
 /// its surroundings of compliance 1/c by s / (s + c), which is to be linear in y.
-fn stiffness_share(presence: f64) -> f64 {
+pub fn stiffness_share(presence: f64) -> f64 {
     CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence)
 }
 

@@ -1,7 +1,8 @@
-//! The spring-block model of sliding friction, in the vertical plane along the sliding direction.
+//! The spring-block model of sliding friction, in the vertical plane along the sliding direction or in space.
 //!
 //! A square mesh of blocks with springs to their eight neighbours is an elastic layer between a rigid
-//! counterface and a rigid bulk (Balestra et al., J. Tribol. 144, 031704). A block on the counterface
+//! counterface and a rigid bulk (Balestra et al., J. Tribol. 144, 031704); so is a cubic mesh with springs to
+//! eighteen, for patterns that are no grooves across the sliding direction. A block on the counterface
 //! that slides resists with
 //!
 //! ```text
@@ -16,6 +17,8 @@
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
 //! | [`SectionModel`] | the steady ratio of many patterns: what a search calls |
+//! | [`SolidModel`] | the same of a three-dimensional cell |
+//! | [`SolidLattice`], [`SolidSteadyModel`] | one such cell: its geometry, its pressures and displacements |
 //! | [`Monitor`] | clock, progress, cancellation |
 //!
 //! This crate does not know that anyone optimizes it. It opens no files, reads no clock, prints nothing.
@@ -48,6 +51,7 @@ mod outcome;
 mod scene;
 mod section;
 mod simulate;
+mod solid;
 mod steady;
 
 pub use dynamics::MOST_STEPS;
@@ -57,3 +61,6 @@ pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, 
 pub use scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
 pub use simulate::simulate;
+pub use solid::{
+    SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
+};

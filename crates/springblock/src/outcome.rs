@@ -47,8 +47,11 @@ impl Status {
 /// One contact block on the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfacePoint {
-    /// Position along the sliding direction, from the left side, in metres.
+    /// Position along the sliding direction, from the left side, in metres; in three dimensions along the
+    /// pattern's own x axis, from the cell's corner.
     pub x_m: f64,
+    /// Position along the pattern's y axis, from the cell's corner, in metres; 0 in the vertical plane.
+    pub y_m: f64,
     /// Normal pressure, positive in compression, in pascals. Dynamic runs: mean over the averaging window.
     pub pressure_pa: f64,
     /// Friction traction, positive against sliding, in pascals. Dynamic runs: mean over the window.
@@ -128,7 +131,7 @@ impl SurfaceOutcome {
             residual: None,
             iterations: 0,
             cost: None,
-            interface: x_m.map(|x_m| InterfacePoint { x_m, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
+            interface: x_m.map(|x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
             trace: Vec::new(),
         }
     }

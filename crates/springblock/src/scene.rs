@@ -121,6 +121,9 @@ pub struct RunOptions {
     pub warm_start: bool,
     /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
     pub springs: Option<Springs>,
+    /// 2: the vertical plane along the sliding direction, 3: the three-dimensional cell, which steady cells have.
+    /// What the pattern needs when absent, where there is a choice.
+    pub dimensions: Option<u8>,
 }
 
 impl Default for RunOptions {
@@ -136,6 +139,7 @@ impl Default for RunOptions {
             damping: 0.01,
             warm_start: false,
             springs: None,
+            dimensions: None,
         }
     }
 }
@@ -188,6 +192,20 @@ const LEAST_PITCH: f64 = 1.2;
 const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
+    /// Dimensions in which the scene is solved: those asked for, otherwise those that its pattern needs if it is
+    /// a steady cell; anything else is solved in the vertical plane. A flat layer is uniform in either.
+    #[must_use]
+    pub fn dimensions(&self) -> u8 {
+        let Some(pattern) = &self.pattern else { return 2 };
+        let needed = if self.has_solid_cell() { pattern.dimensions() } else { 2 };
+        self.run.dimensions.unwrap_or(needed)
+    }
+
+    /// Whether a three-dimensional cell can solve it.
+    fn has_solid_cell(&self) -> bool {
+        self.run.fidelity == Fidelity::Steady && self.run.extent == Extent::Cell
+    }
+
     /// Checks every number for a meaning.
     ///
     /// # Errors
@@ -236,6 +254,22 @@ impl Scene {
         }
         if let Some(mu_stderr) = self.run.mu_stderr {
             positive("mu_stderr", mu_stderr)?;
+        }
+        if self.run.dimensions.is_some_and(|dimensions| !(2..=3).contains(&dimensions)) {
+            let value = f64::from(self.run.dimensions.unwrap_or_default());
+            return Err(SceneError::OutOfRange { quantity: "dimensions", value, expected: "2 or 3" });
+        }
+        if self.run.dimensions == Some(3) && !self.has_solid_cell() {
+            return Err(SceneError::Unsupported {
+                what: "the three-dimensional cell in dynamic runs and whole samples",
+                instead: "ask for a steady cell, or for dimensions = 2",
+            });
+        }
+        if self.dimensions() == 3 && self.run.liftoff {
+            return Err(SceneError::Unsupported {
+                what: "lift-off in three dimensions",
+                instead: "ask for dimensions = 2, or leave blocks under tension pinned",
+            });
         }
         if let Some(pattern) = &self.pattern {
             if pattern.depth_m() >= self.layer.height_m {

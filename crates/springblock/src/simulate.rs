@@ -12,6 +12,7 @@ use crate::monitor::Monitor;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
 use crate::section::SectionModel;
+use crate::solid::SolidModel;
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
@@ -33,6 +34,9 @@ const UNIFORM_COLUMNS: usize = 3;
 /// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     scene.validate()?;
+    if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
+        return solid(scene, pattern, monitor);
+    }
     let mut simulation = match scene.run.fidelity {
         Fidelity::Steady => steady(scene, monitor)?,
         Fidelity::Dynamic | Fidelity::Reference => dynamic(scene, monitor)?,
@@ -129,6 +133,76 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     }
     describe_law(scene, &mut model);
     Ok(Simulation { model, loads })
+}
+
+/// Steady sliding of the three-dimensional cell of `pattern`.
+fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let model = SolidModel::new(scene);
+    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
+    if bytes > most_bytes {
+        return Err(SceneError::TooLarge { bytes, most_bytes });
+    }
+    let (outcomes, coarse) =
+        rayon::join(|| model.solve(pattern), || coarse_ratios(scene, SolidModel::new, |model| model.ratios(pattern)));
+    monitor.advance(1.0);
+    let loads = scene
+        .loads
+        .iter()
+        .zip(outcomes)
+        .zip(coarse)
+        .map(|((load, outcome), coarse)| {
+            // A flat layer is uniform: it needs no solve.
+            let flat = SurfaceOutcome {
+                mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
+                peak_pressure_pa: load.pressure_pa,
+                area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(load.pressure_pa)),
+                residual: outcome.mu_flat.map(|_| 0.0),
+                ..SurfaceOutcome::unsolved(
+                    match outcome.mu_flat {
+                        Some(_) => Status::Converged,
+                        None if load.pressure_pa > 0.0 => Status::NoFriction,
+                        None => Status::NoLoad,
+                    },
+                    std::iter::empty(),
+                )
+            };
+            let mut compared = compare(load, outcome.surface, Some(flat));
+            compared.ratio_discretization_error = compared.ratio.zip(coarse).map(|(own, coarse)| (own - coarse).abs());
+            compared
+        })
+        .collect();
+    let [nx, ny] = model.columns(pattern);
+    let why = if scene.run.dimensions == Some(3) {
+        "as asked for".to_owned()
+    } else {
+        format!(
+            "as {} cavities{} need",
+            pattern.planform(),
+            if pattern.length_m().is_none() { " along or aslant the sliding direction" } else { "" }
+        )
+    };
+    let mut statements = vec![
+        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction"
+            .to_owned(),
+        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
+        format!(
+            "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
+            scene.layer.rows()
+        ),
+        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)"
+            .to_owned(),
+    ];
+    if scene.speed_m_s == 0.0 {
+        statements.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
+    }
+    if !model.is_plain(pattern) {
+        statements.push(
+            "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
+                .to_owned(),
+        );
+    }
+    describe_law(scene, &mut statements);
+    Ok(Simulation { model: statements, loads })
 }
 
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
@@ -246,14 +320,23 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
 /// Change of the steady cell's ratio `own` from blocks twice as large, or the next size that divides the
 /// layer: with an order of convergence of one or more, a bound on what vanishing blocks would add.
 fn discretization_errors(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Vec<Option<f64>> {
+    let coarse = coarse_ratios(scene, SectionModel::new, |model| model.ratios(pattern));
+    own.iter().zip(&coarse).map(|(own, coarse)| Some((own.as_ref()? - coarse.as_ref()?).abs())).collect()
+}
+
+/// Ratios of the model made by `model` of `scene` with the next larger blocks that divide its layer.
+fn coarse_ratios<M>(
+    scene: &Scene,
+    model: impl Fn(&Scene) -> M,
+    ratios: impl Fn(&M) -> Vec<Option<f64>>,
+) -> Vec<Option<f64>> {
     let rows = scene.layer.rows();
     let Some(factor) = [2, 3, 5].into_iter().find(|&factor| rows.is_multiple_of(factor) && rows > factor) else {
         return vec![None; scene.loads.len()];
     };
     let mut coarse_scene = scene.clone();
     coarse_scene.layer.block_m *= factor as f64;
-    let coarse = SectionModel::new(&coarse_scene).ratios(pattern);
-    own.iter().zip(&coarse).map(|(own, coarse)| Some((own.as_ref()? - coarse.as_ref()?).abs())).collect()
+    ratios(&model(&coarse_scene))
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {
@@ -277,7 +360,12 @@ fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
         Extent::Sample => "sample: the whole specimen with free sides",
     };
     model.push(what.to_owned());
-    model.push("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3".to_owned());
+    let asked = match &scene.pattern {
+        Some(pattern) if pattern.dimensions() == 3 && scene.run.dimensions == Some(2) => ", as asked for",
+        _ => "",
+    };
+    model
+        .push(format!("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"));
 }
 
 fn describe_law(scene: &Scene, model: &mut Vec<String>) {

@@ -60,6 +60,10 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
             let chart = FrictionTraceChart { title: &title, traces: &traces };
             outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
         }
+        if scene.dimensions() == 3 {
+            // A line along x says nothing of an interface that has two directions.
+            continue;
+        }
         let pressures: Vec<Vec<[f64; 2]>> = surfaces
             .iter()
             .map(|(_, surface)| {

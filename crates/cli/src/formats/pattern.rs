@@ -170,8 +170,8 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
 /// # Errors
 /// [`Diagnostic`] at the first key that asks for more.
 pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
-    const WHY: &str = "needs a three-dimensional cell: this version models the vertical section along the sliding \
-                       direction, which says little of it";
+    const WHY: &str = "needs a three-dimensional cell, which scenes with fidelity = \"steady\" and extent = \"cell\" \
+                       have: the vertical section along the sliding direction says little of it";
     if texture.dimensions() == 2 {
         return Ok(());
     }

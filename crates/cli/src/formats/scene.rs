@@ -166,9 +166,6 @@ impl SceneInput {
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
         let layer = read_layer(&document, &file.sample)?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
-        if let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref()) {
-            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
-        }
         let run = read_run(&document, &file.run, overrides)?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
@@ -197,6 +194,11 @@ impl SceneInput {
             speed_m_s,
             run,
         };
+        if scene.dimensions() == 2
+            && let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref())
+        {
+            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
+        }
         let input = Self { scene, material, friction_extrapolated, document, places };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
@@ -259,8 +261,11 @@ impl SceneInput {
                     format!("and the spacing make a pitch of {} um", um(*value)),
                 )
                 .expected(*expected),
+            SceneError::Unsupported { what, instead } => {
+                Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
+            }
             // Numbers out of range and empty lists are refused where they are read.
-            SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Unsupported { .. } => {
+            SceneError::OutOfRange { .. } | SceneError::NoLoads => {
                 Diagnostic::file(self.document.path(), error.to_string())
             }
         }
@@ -281,7 +286,7 @@ impl SceneInput {
     /// The vertical plane models a section of this planform, not the planform itself.
     #[must_use]
     pub fn is_section_model(&self) -> bool {
-        self.scene.pattern.is_some_and(|pattern| pattern.dimensions() > 2)
+        self.scene.dimensions() == 2 && self.scene.pattern.is_some_and(|pattern| pattern.dimensions() > 2)
     }
 }
 
@@ -392,20 +397,23 @@ fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result
         file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
     let extent = file.extent.as_ref().map(|name| document.choice(name, &Extent::ALL, Extent::name)).transpose()?;
     let springs = file.springs.as_ref().map(|name| document.choice(name, &Springs::ALL, Springs::name)).transpose()?;
+    let fidelity = overrides.fidelity.or(fidelity).unwrap_or(default.fidelity);
+    let extent = overrides.extent.or(extent).unwrap_or(default.extent);
     if let Some(dimensions) = &file.dimensions {
         match dimensions.get_ref() {
             2 => {}
+            3 if fidelity == Fidelity::Steady && extent == Extent::Cell => {}
             3 => {
                 return Err(document
-                    .refuse(dimensions.span(), "is not available: this version has no three-dimensional cell")
+                    .refuse(dimensions.span(), "is solved for fidelity = \"steady\" and extent = \"cell\" alone")
                     .expected("2, which models the vertical section along the sliding direction"));
             }
-            _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2")),
+            _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
         }
     }
     Ok(RunOptions {
-        fidelity: overrides.fidelity.or(fidelity).unwrap_or(default.fidelity),
-        extent: overrides.extent.or(extent).unwrap_or(default.extent),
+        fidelity,
+        extent,
         seed: file.seed.unwrap_or(default.seed),
         sliding_m: document.optional(file.sliding_um.as_ref(), LENGTH_UM)?.unwrap_or(default.sliding_m),
         liftoff: file.liftoff.unwrap_or(default.liftoff),
@@ -414,5 +422,6 @@ fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result
         damping: document.optional(file.damping.as_ref(), DAMPING)?.unwrap_or(default.damping),
         warm_start: file.warm_start.unwrap_or(default.warm_start),
         springs,
+        dimensions: file.dimensions.as_ref().map(|dimensions| if *dimensions.get_ref() == 3 { 3 } else { 2 }),
     })
 }

@@ -28,15 +28,18 @@ pub fn friction_trace(simulation: &Simulation) -> Option<String> {
     (text.len() > header).then_some(text)
 }
 
-/// Pressure and friction along the interface, one row a contact block.
+/// Pressure and friction along the interface, one row a contact block; with y where the model has it.
 #[must_use]
 pub fn interface(simulation: &Simulation) -> String {
-    let mut text = String::from("load_mpa,surface,x_um,pressure_mpa,friction_mpa\n");
+    let in_space = surfaces(simulation).any(|(_, _, surface)| surface.interface.iter().any(|point| point.y_m != 0.0));
+    let y_title = if in_space { "y_um," } else { "" };
+    let mut text = format!("load_mpa,surface,x_um,{y_title}pressure_mpa,friction_mpa\n");
     for (load_mpa, name, surface) in surfaces(simulation) {
         for point in &surface.interface {
             let (x_um, pressure_mpa) = (LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa));
             let friction_mpa = PRESSURE_MPA.from_si(point.friction_pa);
-            let _ = writeln!(text, "{load_mpa},{name},{x_um},{pressure_mpa},{friction_mpa}");
+            let y_um = if in_space { format!("{},", LENGTH_UM.from_si(point.y_m)) } else { String::new() };
+            let _ = writeln!(text, "{load_mpa},{name},{x_um},{y_um}{pressure_mpa},{friction_mpa}");
         }
     }
     text

@@ -197,7 +197,7 @@ pub struct LoadReport {
 }
 
 impl LoadReport {
-    /// The report on `load` of a surface with `pattern`.
+    /// The report on `load` of a surface of whose `pattern` the vertical plane took a section, if it did.
     #[must_use]
     pub fn new(load: &LoadOutcome, pattern: Option<&Pattern>, friction_extrapolated: bool) -> Self {
         let surface = &load.surface;
@@ -237,14 +237,15 @@ impl LoadReport {
     }
 }
 
-/// Reports on every load of `simulation`.
+/// Reports on every load of `simulation`; `pattern` where the vertical plane took a section of it.
 #[must_use]
 pub fn load_reports(simulation: &Simulation, pattern: Option<&Pattern>, outside: &[bool]) -> Vec<LoadReport> {
     let flags = outside.iter().copied().chain(std::iter::repeat(false));
     simulation.loads.iter().zip(flags).map(|(load, outside)| LoadReport::new(load, pattern, outside)).collect()
 }
 
-/// What else than the solver's own statements a reader must know about the model.
+/// What else than the solver's own statements a reader must know about the model; `pattern` where the vertical
+/// plane took a section of it.
 #[must_use]
 pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<String> {
     let mut notes = Vec::new();
@@ -276,16 +277,18 @@ impl SimulationReport {
         threads: usize,
     ) -> Self {
         let pattern = scene.pattern.as_ref();
+        // What the vertical plane leaves out needs saying, and only of patterns that have it.
+        let sectioned = pattern.filter(|_| scene.dimensions() == 2);
         Self {
             program: "slipgrid",
             version: super::VERSION,
             fidelity: scene.run.fidelity.name(),
             extent: scene.run.extent.name(),
-            dimensions: 2,
-            model: simulation.model.iter().cloned().chain(model_notes(pattern, provenance)).collect(),
+            dimensions: scene.dimensions(),
+            model: simulation.model.iter().cloned().chain(model_notes(sectioned, provenance)).collect(),
             material: provenance.into(),
             pattern: pattern.map(PatternReport::from),
-            section_model: pattern.is_some_and(|pattern| pattern.dimensions() > 2),
+            section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
             areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
             section_density: pattern.map(|pattern| tidy(pattern.section_density())),
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
@@ -293,7 +296,7 @@ impl SimulationReport {
             seed: scene.run.seed,
             wall_s,
             threads,
-            results: load_reports(simulation, pattern, outside),
+            results: load_reports(simulation, sectioned, outside),
         }
     }
 

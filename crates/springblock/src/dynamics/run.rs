@@ -300,6 +300,7 @@ impl DynamicRun<'_> {
             .zip(recorder.interface(&last))
             .map(|(column, mean)| InterfacePoint {
                 x_m: (column as f64 + 0.5) * scales.length_m,
+                y_m: 0.0,
                 pressure_pa: mean.normal * scales.pressure_pa,
                 friction_pa: mean.friction * scales.pressure_pa,
             })

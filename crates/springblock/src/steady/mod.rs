@@ -164,7 +164,7 @@ impl SteadyModel {
     }
 
     fn point(&self, centre: f64, pressure_pa: f64, friction_pa: f64) -> InterfacePoint {
-        InterfacePoint { x_m: centre * self.block_m, pressure_pa, friction_pa }
+        InterfacePoint { x_m: centre * self.block_m, y_m: 0.0, pressure_pa, friction_pa }
     }
 
     fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {

@@ -58,6 +58,7 @@ impl DesignScene<'_> {
                 sliding_um: Some(micrometres(self.run.sliding_m)),
                 mu_stderr: self.run.mu_stderr.map(number),
                 warm_start: self.run.warm_start.then_some(true),
+                dimensions: self.run.dimensions.map(|dimensions| unplaced(u64::from(dimensions))),
                 ..RunFile::default()
             },
         };

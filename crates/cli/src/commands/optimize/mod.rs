@@ -195,6 +195,7 @@ impl Rounds {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
             seed: design.seed,
+            dimensions: Some(2),
             ..RunOptions::default()
         };
         // Nobody asked for static friction: start where sliding is about to begin.

@@ -22,7 +22,12 @@ impl SteadyCell {
     /// the flat sample at each load, it gives dynamic friction, without it the ratio.
     #[must_use]
     pub fn new(scene: &Scene, flat_mu: Option<Vec<f64>>) -> Self {
-        let run = RunOptions { fidelity: Fidelity::Steady, extent: Extent::Cell, ..RunOptions::default() };
+        let run = RunOptions {
+            fidelity: Fidelity::Steady,
+            extent: Extent::Cell,
+            dimensions: Some(2),
+            ..RunOptions::default()
+        };
         let scene = Scene { pattern: None, run, ..scene.clone() };
         Self { section: SectionModel::new(&scene), flat_mu, correction: vec![0.0; scene.loads.len()], scene }
     }

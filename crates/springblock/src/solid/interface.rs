@@ -1,0 +1,307 @@
+//! What the cavities change of a flat layer: springs that are weaker or gone, blocks that do not touch.
+//!
+//! Displacements are those of the flat layer under forces that stand for what is missing:
+//!
+//! ```text
+//! u = u_0 + G (g, w, t),     g = R u,     w: N(u) + kappa w = 0,     t = mu f(p) N
+//! ```
+//!
+//! u_0 is uniform compression under the load, G the flat layer's response ([`super::layer`]), R the stiffness
+//! of the missing springs, w the vertical displacement of blocks of row 0 that the counterface does not hold, or
+//! holds in part as a spring kappa, and t the friction on those that it touches. So the unknowns are few:
+//! forces on the blocks about the cavities, and one on each contact.
+
+use super::lattice::SolidLattice;
+use super::layer::{FlatLayer, Workspace};
+use super::springs::{LEVEL, springs};
+
+/// Stiffness over k of the tie of a block half of which touches the counterface: kappa = TIE a / (1 - a) for the
+/// share a, so that a block is free at 0 and pinned at 1. Friction then follows width almost evenly where cavities
+/// are shallower than a block: steps of 1 um of squares 115 to 145 um wide and 5 um deep depart from their mean by at
+/// most 2.3e-4 of the ratio, with 1 by 4.9e-4, with 8 by 8.2e-4.
+const TIE: f64 = 2.0;
+
+/// A spring between two places of the explicit fields.
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    /// Number of block a and of block b in the support, of a spring upward from a contact that of the contact.
+    ends: [usize; 2],
+    /// Places of their x components.
+    places: [usize; 2],
+    direction: [f64; 3],
+    stiffness: f64,
+}
+
+/// A block of row 0 that is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Columns along x and y.
+    pub column: [usize; 2],
+    /// Share of its area that touches the counterface.
+    pub contact_share: f64,
+    /// Its number among the blocks with an unknown height, and the tie's stiffness.
+    free: Option<(usize, f64)>,
+    /// Its number among the contacts.
+    pub contact: Option<usize>,
+    /// Stiffness of its springs upward, and of its tie.
+    pivot: f64,
+}
+
+/// The patterned interface of a lattice.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    columns: [usize; 2],
+    area: f64,
+    explicit: usize,
+    layer: FlatLayer,
+    weakened: Vec<Link>,
+    /// Places of the x components of the blocks with a missing spring.
+    support: Vec<usize>,
+    surface: Vec<Surface>,
+    /// Springs upward from the surface blocks.
+    upward: Vec<Link>,
+    free: usize,
+    contacts: usize,
+    wanted: Vec<bool>,
+    /// Force per block column over 3/2 of a spring: compression of one row under unit pressure.
+    compression: f64,
+}
+
+/// The unknowns' image under the elastic response, and the displacements it came from.
+pub struct Response {
+    /// Displacements of the explicit rows.
+    pub fields: Vec<f64>,
+    /// R u, then the imbalance of free blocks over their stiffness.
+    pub linear: Vec<f64>,
+    /// Normal force by contact.
+    pub normal: Vec<f64>,
+    workspace: Workspace,
+}
+
+impl Interface {
+    /// The interface of `lattice`; condenses the flat layer above it.
+    #[must_use]
+    pub fn new(lattice: &SolidLattice) -> Self {
+        // A missing spring reaches from the cavities' last row to the next at most, a contact's from row 0 to 1.
+        Self::with_rows(lattice, (lattice.cavity_rows() + 1).max(2))
+    }
+
+    /// The same with the displacements of all rows and of the bulk.
+    #[must_use]
+    pub fn uncondensed(lattice: &SolidLattice) -> Self {
+        Self::with_rows(lattice, lattice.rows() + 1)
+    }
+
+    fn with_rows(lattice: &SolidLattice, explicit: usize) -> Self {
+        let [nx, ny] = lattice.columns();
+        let plane = nx * ny;
+        let rows = lattice.rows();
+        let place = |[i, j, k]: [usize; 3]| 3 * k * plane + j * nx + i;
+        let mut number = vec![usize::MAX; (explicit * plane).max(1)];
+        let mut support = Vec::new();
+        let mut weakened = Vec::new();
+        lattice.for_each_weakened_bond(|bond| {
+            let ends = [bond.a, bond.b].map(|[i, j, k]| {
+                let slot = &mut number[k * plane + j * nx + i];
+                if *slot == usize::MAX {
+                    *slot = support.len();
+                    support.push(place([i, j, k]));
+                }
+                *slot
+            });
+            let stiffness = bond.spring.stiffness * (1.0 - bond.share);
+            let places = [place(bond.a), place(bond.b)];
+            weakened.push(Link { ends, places, direction: bond.spring.direction(), stiffness });
+        });
+        let (mut surface, mut upward) = (Vec::new(), Vec::new());
+        let (mut free, mut contacts) = (0, 0);
+        for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {
+            if lattice.presence(i, j, 0) <= 0.0 {
+                continue;
+            }
+            let share = lattice.contact_share(i, j);
+            let own = surface.len();
+            let mut pivot = 0.0;
+            for bond in lattice.upward(i, j) {
+                let direction = bond.spring.direction();
+                let stiffness = bond.spring.stiffness * bond.share;
+                pivot += stiffness * direction[2] * direction[2];
+                let places = [place(bond.a), place(bond.b)];
+                upward.push(Link { ends: [own, own], places, direction, stiffness });
+            }
+            if pivot == 0.0 {
+                continue;
+            }
+            let tie = TIE * share / (1.0 - share);
+            let free = (share < 1.0).then(|| {
+                free += 1;
+                (free - 1, tie)
+            });
+            let contact = (share > 0.0).then(|| {
+                contacts += 1;
+                contacts - 1
+            });
+            let pivot = pivot + free.map_or(0.0, |(_, tie)| tie);
+            surface.push(Surface { column: [i, j], contact_share: share, free, contact, pivot });
+        }
+        let [a, b] = lattice.spacing();
+        // sum k e_z^2 of the springs upward
+        let rise: f64 = springs([a, b])[LEVEL..].iter().map(|s| s.stiffness * s.direction()[2].powi(2)).sum();
+        let mut wanted = vec![false; 3 * explicit * ny];
+        wanted[..6 * ny].fill(true);
+        for place in &support {
+            for component in 0..3 {
+                wanted[(place + component * plane) / nx] = true;
+            }
+        }
+        Self {
+            columns: [nx, ny],
+            area: a * b,
+            explicit,
+            layer: FlatLayer::new([nx, ny], [a, b], rows, explicit),
+            weakened,
+            support,
+            surface,
+            upward,
+            free,
+            contacts,
+            wanted,
+            compression: a * b / rise,
+        }
+    }
+
+    /// Blocks of row 0 that are there.
+    #[must_use]
+    pub fn surface(&self) -> &[Surface] {
+        &self.surface
+    }
+
+    /// Number of contacts.
+    #[must_use]
+    pub const fn contacts(&self) -> usize {
+        self.contacts
+    }
+
+    /// Number of unknowns before the friction forces: forces about the cavities, heights of free blocks.
+    #[must_use]
+    pub fn elastic_unknowns(&self) -> usize {
+        3 * self.support.len() + self.free
+    }
+
+    /// Number of blocks with an unknown height: the last of those unknowns.
+    #[must_use]
+    pub const fn free(&self) -> usize {
+        self.free
+    }
+
+    /// The load of the cell in units of P l^2, which is its area over l^2.
+    #[must_use]
+    pub fn load(&self) -> f64 {
+        (self.columns[0] * self.columns[1]) as f64 * self.area
+    }
+
+    /// Nominal area of a column over l^2.
+    #[must_use]
+    pub const fn column_area(&self) -> f64 {
+        self.area
+    }
+
+    /// Work space and results of [`Self::respond`].
+    #[must_use]
+    pub fn response(&self) -> Response {
+        Response {
+            fields: vec![0.0; 3 * self.explicit * self.columns[0] * self.columns[1]],
+            linear: vec![0.0; self.elastic_unknowns()],
+            normal: vec![0.0; self.contacts],
+            workspace: self.layer.workspace(),
+        }
+    }
+
+    /// The response to no unknowns at all: uniform compression, u_z = -k P l^2 / (3 k) on row k.
+    pub fn compress(&self, response: &mut Response) {
+        let plane = self.columns[0] * self.columns[1];
+        for (row, fields) in response.fields.chunks_exact_mut(3 * plane).enumerate() {
+            fields[..2 * plane].fill(0.0);
+            fields[2 * plane..].fill(-(row as f64) * self.compression);
+        }
+        self.observe(response);
+    }
+
+    /// The linear response to `unknowns`, friction acting along `direction`; with `everywhere` displacements are
+    /// complete, otherwise only those that matter are computed.
+    pub fn respond(&self, unknowns: &[f64], direction: [f64; 2], everywhere: bool, response: &mut Response) {
+        let [nx, ny] = self.columns;
+        let plane = nx * ny;
+        let fields = &mut response.fields;
+        fields.fill(0.0);
+        let (forces, rest) = unknowns.split_at(3 * self.support.len());
+        let (heights, friction) = rest.split_at(self.free);
+        for (place, force) in self.support.iter().zip(forces.chunks_exact(3)) {
+            for (component, force) in force.iter().enumerate() {
+                // Row 0 is held vertically: its displacement is the unknown there, not a force.
+                if component < 2 || *place >= plane {
+                    fields[place + component * plane] = *force;
+                }
+            }
+        }
+        for surface in &self.surface {
+            let place = surface.column[1] * nx + surface.column[0];
+            if let Some((number, _)) = surface.free {
+                fields[2 * plane + place] = heights[number];
+            }
+            if let Some(number) = surface.contact {
+                fields[place] += direction[0] * friction[number];
+                fields[plane + place] += direction[1] * friction[number];
+            }
+        }
+        if everywhere {
+            self.layer.respond(fields, &vec![true; 3 * self.explicit * ny], &mut response.workspace);
+        } else {
+            self.layer.respond(fields, &self.wanted, &mut response.workspace);
+        }
+        self.observe(response);
+    }
+
+    /// R u, normal forces and imbalances from the displacements in `response`.
+    fn observe(&self, response: &mut Response) {
+        let plane = self.columns[0] * self.columns[1];
+        let Response { fields, linear, normal, .. } = response;
+        let (forces, imbalances) = linear.split_at_mut(3 * self.support.len());
+        forces.fill(0.0);
+        let along = |link: &Link| -> f64 {
+            let [a, b] = link.places;
+            (0..3).map(|c| link.direction[c] * (fields[a + c * plane] - fields[b + c * plane])).sum()
+        };
+        for link in &self.weakened {
+            // R = sum (1 - share) k e e^T
+            let force = link.stiffness * along(link);
+            let [a, b] = link.ends;
+            for (c, e) in link.direction.iter().enumerate() {
+                forces[3 * a + c] += force * e;
+                forces[3 * b + c] -= force * e;
+            }
+        }
+        for (place, force) in self.support.iter().zip(forces.chunks_exact_mut(3)) {
+            if *place < plane {
+                force[2] = 0.0;
+            }
+        }
+        // The counterface bears what the springs press down: N = sum k e_z e.(u_a - u_b).
+        let mut links = self.upward.iter().peekable();
+        for (own, surface) in self.surface.iter().enumerate() {
+            let mut pressed = 0.0;
+            while let Some(link) = links.next_if(|link| link.ends[0] <= own) {
+                if link.ends[0] == own {
+                    pressed += link.stiffness * link.direction[2] * along(link);
+                }
+            }
+            if let Some((number, tie)) = surface.free {
+                let place = surface.column[1] * self.columns[0] + surface.column[0];
+                imbalances[number] = (pressed + tie * fields[2 * plane + place]) / surface.pivot;
+            }
+            if let Some(number) = surface.contact {
+                normal[number] = pressed;
+            }
+        }
+    }
+}

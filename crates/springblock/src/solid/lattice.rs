@@ -1,0 +1,317 @@
+//! Geometry of the three-dimensional lattice: where blocks are, which springs join them, what they weigh.
+//!
+//! Columns i along x and j along y, both periodic, rows k from the counterface up; the rigid bulk is the
+//! row above the top one. Lengths in lattice spacings l, stiffness in k = 2/5 E l, mass in m = rho l^3.
+//!
+//! Cells that are whole blocks are the plain lattice. Other cells have the nearest whole number of columns,
+//! stretched to fit, with springs that keep the solid isotropic ([`super::springs`]); the lower left edges of
+//! the first cavity lie between two columns, the others where the pattern puts them. A column that
+//! a cavity covers in part is there in part: its blocks' springs are weaker, and it carries on less area.
+
+use slipgrid_pattern::Pattern;
+
+use super::springs::{LEVEL, Spring, springs};
+use crate::lattice::stiffness_share;
+
+/// A periodic cell with or without cavities.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidLattice {
+    columns: [usize; 2],
+    rows: usize,
+    spacing: [f64; 2],
+    /// Share of every column that is cavity, i fastest.
+    coverage: Vec<f64>,
+    /// Depth of the cavities in rows.
+    depth: f64,
+}
+
+/// A spring between block `a` and block `b`, or the bulk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidBond {
+    /// Columns along x and y, and row, of the lower end.
+    pub a: [usize; 3],
+    /// The same of the other end; its row is that above the top one for the bulk.
+    pub b: [usize; 3],
+    /// What it would be in a flat layer.
+    pub spring: Spring,
+    /// Share of that stiffness it has, in [0, 1].
+    pub share: f64,
+}
+
+/// Cells of fewer columns that are no whole blocks are repeated: stretching takes at most 1/2 column, and a
+/// quarter on one axis still leaves every spring pulling.
+const LEAST_STRETCHED_COLUMNS: f64 = 8.0;
+/// Rounding left by division counts as a whole number of blocks.
+const WHOLE: f64 = 1e-9;
+/// Springs of a smaller share are left out: what they would do to the ratio is as small.
+const LEAST_SHARE: f64 = 1e-4;
+
+/// Periods, columns and spacing along one axis of a cell `blocks` lattice spacings long.
+fn divide(blocks: f64) -> (usize, usize, f64) {
+    let is_whole = (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) && blocks > 0.5;
+    if is_whole {
+        return (1, blocks.round() as usize, 1.0);
+    }
+    let periods = (LEAST_STRETCHED_COLUMNS / blocks).ceil().max(1.0);
+    let columns = (periods * blocks).round();
+    (periods as usize, columns as usize, periods * blocks / columns)
+}
+
+impl SolidLattice {
+    /// Columns along x and y of a cell of `pattern` in blocks of `block_m`.
+    #[must_use]
+    pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
+        let cell_m = pattern.cell_m();
+        let along_y = pattern.length_m().map_or(1.0, |_| divide(cell_m[1] / block_m).1 as f64);
+        [divide(cell_m[0] / block_m).1 as f64, along_y]
+    }
+
+    /// A flat layer.
+    #[must_use]
+    pub fn flat(columns: [usize; 2], rows: usize) -> Self {
+        Self { columns, rows, spacing: [1.0; 2], coverage: vec![0.0; columns[0] * columns[1]], depth: 0.0 }
+    }
+
+    /// One period of `pattern` in blocks of `block_m`, `rows` high. Grooves take one column along y.
+    #[must_use]
+    pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
+        let cell_m = pattern.cell_m();
+        let extent_m = [Some(pattern.width_m()), pattern.length_m()];
+        let axes = [0, 1].map(|axis| match extent_m[axis] {
+            None => (1, 1, 1.0, 0.0),
+            Some(extent_m) => {
+                let (_, columns, spacing) = divide(cell_m[axis] / block_m);
+                let pitch_m = spacing * block_m;
+                // A cavity of c in m columns leaves floor((m - c)/2) before it.
+                let covered = (extent_m / pitch_m).round().max(1.0) as usize;
+                let before = columns.saturating_sub(covered) / 2;
+                (columns, before, spacing, before as f64 * pitch_m + extent_m / 2.0)
+            }
+        });
+        let (columns, spacing) = (axes.map(|axis| axis.0), axes.map(|axis| axis.2));
+        let edge_m = |axis: usize, column: usize| column as f64 * spacing[axis] * block_m - axes[axis].3;
+        let coverage = (0..columns[0] * columns[1])
+            .map(|column| {
+                let (i, j) = (column % columns[0], column / columns[0]);
+                pattern.coverage(edge_m(0, i), edge_m(0, i + 1), edge_m(1, j), edge_m(1, j + 1))
+            })
+            // A millionth of a block is no block: nothing would hold it.
+            .map(|share| {
+                if share > 1.0 - 1e-6 {
+                    1.0
+                } else if share < 1e-6 {
+                    0.0
+                } else {
+                    share
+                }
+            })
+            .collect();
+        let depth = pattern.depth_m() / block_m;
+        let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
+        Self { columns, rows, spacing, coverage, depth }
+    }
+
+    /// Columns along x and along y.
+    #[must_use]
+    pub const fn columns(&self) -> [usize; 2] {
+        self.columns
+    }
+
+    /// Rows of blocks.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Distance of columns along x and y, in lattice spacings.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// Depth of the cavities, in rows.
+    #[must_use]
+    pub const fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    /// Whether every block is whole and a cube.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        let whole = self.depth.fract() == 0.0 || self.coverage.iter().all(|share| *share == 0.0);
+        whole && self.spacing == [1.0; 2] && self.coverage.iter().all(|share| *share == 0.0 || *share == 1.0)
+    }
+
+    /// Share of the area of column (i, j) that touches the counterface.
+    #[must_use]
+    pub fn contact_share(&self, i: usize, j: usize) -> f64 {
+        1.0 - self.coverage[j * self.columns[0] + i]
+    }
+
+    /// Rows that a cavity reaches into, wholly or in part.
+    #[must_use]
+    pub fn cavity_rows(&self) -> usize {
+        // Depth is validated to be below the height of the layer.
+        (self.depth.ceil() as usize).min(self.rows)
+    }
+
+    /// Share of block (i, j, k) that is there.
+    #[must_use]
+    pub fn presence(&self, i: usize, j: usize, k: usize) -> f64 {
+        // A cavity of depth d covering c of a column takes c (d - k) of row k, held to [0, c].
+        1.0 - self.coverage[j * self.columns[0] + i] * (self.depth - k as f64).clamp(0.0, 1.0)
+    }
+
+    /// Every spring once, those to the bulk included: row by row, column by column. With `weakened` only those
+    /// that have less than the stiffness they have in a flat layer, springs of removed blocks among them.
+    fn visit_bonds(&self, weakened: bool, mut visit: impl FnMut(SolidBond)) {
+        let kinds = springs(self.spacing);
+        let rows = if weakened { self.cavity_rows() } else { self.rows };
+        let [nx, ny] = self.columns;
+        let there = |[i, j, k]: [usize; 3]| if k < self.rows { self.presence(i, j, k) } else { 1.0 };
+        for (k, j, i) in (0..rows).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
+            let a = [i, j, k];
+            let here = there(a);
+            for spring in kinds {
+                let b = self.neighbour(a, &spring);
+                let share = stiffness_share(here.min(there(b)));
+                let share = if share < LEAST_SHARE { 0.0 } else { share };
+                if (weakened && share < 1.0) || (!weakened && share > 0.0) {
+                    visit(SolidBond { a, b, spring, share });
+                }
+            }
+        }
+    }
+
+    /// Every spring once, those to the bulk included: row by row, column by column.
+    pub fn for_each_bond(&self, visit: impl FnMut(SolidBond)) {
+        self.visit_bonds(false, visit);
+    }
+
+    /// Every spring of the flat layer that is missing here or weaker.
+    pub fn for_each_weakened_bond(&self, visit: impl FnMut(SolidBond)) {
+        self.visit_bonds(true, visit);
+    }
+
+    /// The springs from block (i, j, 0) upward that are there.
+    pub fn upward(&self, i: usize, j: usize) -> impl Iterator<Item = SolidBond> + '_ {
+        let a = [i, j, 0];
+        springs(self.spacing).into_iter().skip(LEVEL).filter_map(move |spring| {
+            let b = self.neighbour(a, &spring);
+            let there = if b[2] < self.rows { self.presence(b[0], b[1], b[2]) } else { 1.0 };
+            let share = stiffness_share(self.presence(i, j, 0).min(there));
+            (share >= LEAST_SHARE).then_some(SolidBond { a, b, spring, share })
+        })
+    }
+
+    /// The other end of the spring of kind `spring` at `a`.
+    fn neighbour(&self, a: [usize; 3], spring: &Spring) -> [usize; 3] {
+        let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
+        [
+            wrap(a[0], spring.step[0], self.columns[0]),
+            wrap(a[1], spring.step[1], self.columns[1]),
+            a[2] + spring.step[2].unsigned_abs(),
+        ]
+    }
+
+    /// Mass of block (i, j, k) over m: its adjoining eighth cells over 8, at least 1/8; 0 where there is no
+    /// block. A cell is there if its eight corners are; the bulk above counts as present.
+    #[must_use]
+    pub fn mass(&self, i: usize, j: usize, k: usize) -> f64 {
+        let there = |i: usize, j: usize, k: usize| k >= self.rows || self.presence(i, j, k) > 0.0;
+        if !there(i, j, k) {
+            return 0.0;
+        }
+        let [nx, ny] = self.columns;
+        let mut eighths = 0;
+        for x in [(i + 1) % nx, (i + nx - 1) % nx] {
+            for y in [(j + 1) % ny, (j + ny - 1) % ny] {
+                for z in [k.checked_sub(1), Some(k + 1)].into_iter().flatten() {
+                    let corners = [k, z].map(|k| there(x, j, k) && there(i, y, k) && there(x, y, k) && there(i, j, k));
+                    eighths += usize::from(corners == [true; 2]);
+                }
+            }
+        }
+        eighths.max(1) as f64 / 8.0 * self.spacing[0] * self.spacing[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    fn squares(width_um: f64, spacing_um: f64, depth_um: f64) -> SolidLattice {
+        let pattern = Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+        SolidLattice::cell(&pattern, 10e-6, 20)
+    }
+
+    #[test]
+    fn whole_blocks_are_the_plain_lattice() {
+        let lattice = squares(130.0, 370.0, 20.0);
+        assert_eq!((lattice.columns(), lattice.spacing(), lattice.is_plain()), ([50; 2], [1.0; 2], true));
+        for (i, j) in (0..50).flat_map(|j| (0..50).map(move |i| (i, j))) {
+            // floor(37 / 2) = 18 columns of land before the cavity of 13.
+            let covered = (18..31).contains(&i) && (18..31).contains(&j);
+            assert_eq!(lattice.contact_share(i, j), if covered { 0.0 } else { 1.0 });
+            assert_eq!(lattice.presence(i, j, 1), if covered { 0.0 } else { 1.0 });
+            assert_eq!(lattice.presence(i, j, 2), 1.0);
+        }
+    }
+
+    #[test]
+    fn springs_are_counted() {
+        let lattice = squares(20.0, 30.0, 20.0);
+        let mut kinds = [0; 2];
+        lattice.for_each_bond(|bond| {
+            assert_eq!((bond.share, bond.spring.stiffness), (1.0, 1.0));
+            kinds[usize::from(bond.spring.step.iter().filter(|s| **s != 0).count() == 2)] += 1;
+        });
+        // 25 columns of 20 rows; in each of the two lowest rows 2 x 2 blocks are gone: 2 x 3 springs along x,
+        // as many along y, 4 upward; diagonals: 4 blocks of 4 less those between two of them, 16 - 2 in the
+        // row, and to the rows above.
+        assert_eq!(kinds[0], 3 * 500 - 2 * (6 + 6 + 4));
+        let mut weakened = 0;
+        lattice.for_each_weakened_bond(|bond| {
+            assert_eq!(bond.share, 0.0);
+            weakened += 1;
+        });
+        assert_eq!(kinds[0] + kinds[1] + weakened, 9 * 500);
+    }
+
+    #[test]
+    fn masses_follow_the_eighth_cells() {
+        let lattice = squares(130.0, 370.0, 20.0);
+        assert_eq!(lattice.mass(5, 5, 10), 1.0); // inside
+        assert_eq!(lattice.mass(5, 5, 0), 0.5); // on the counterface
+        assert_eq!(lattice.mass(5, 5, 19), 1.0); // under the bulk
+        assert_eq!(lattice.mass(17, 25, 0), 0.25); // edge of the land
+        assert_eq!(lattice.mass(17, 17, 0), 0.375); // its corner: three quarters of it
+        assert_eq!(lattice.mass(17, 25, 1), 0.5); // wall
+        assert_eq!(lattice.mass(17, 25, 2), 0.75); // edge of the ceiling
+        assert_eq!(lattice.mass(25, 25, 1), 0.0); // removed
+        assert_eq!(lattice.mass(25, 25, 2), 0.5); // ceiling
+        let flat = SolidLattice::flat([5, 4], 3);
+        let total: f64 = (0..60).map(|n| flat.mass(n % 5, n / 5 % 4, n / 20)).sum();
+        assert!((total - 20.0 * 2.5).abs() < 1e-12);
+        // A post of one column weighs no less than an eighth.
+        assert_eq!(squares(20.0, 10.0, 20.0).mass(2, 2, 0), 0.125);
+    }
+
+    #[test]
+    fn other_dimensions_keep_their_areas() {
+        for (width, spacing) in [(133.3, 371.9), (17.0, 18.0), (7.0, 6.0)] {
+            let lattice = squares(width, spacing, 14.0);
+            let [nx, ny] = lattice.columns();
+            let [a, b] = lattice.spacing();
+            assert!(a > 0.93 && a < 1.07 && a == b, "{a}");
+            let land: f64 = (0..nx * ny).map(|n| lattice.contact_share(n % nx, n / nx)).sum::<f64>() / (nx * ny) as f64;
+            let expected = 1.0 - (width / (width + spacing)).powi(2);
+            assert!((land - expected).abs() < 1e-5, "{width}: {land} {expected}");
+        }
+        let lattice = squares(133.0, 370.0, 14.0);
+        // The lower left edge is that of a column; the other cuts one.
+        assert_eq!((lattice.contact_share(17, 20), lattice.contact_share(18, 20)), (1.0, 0.0));
+        assert!((lattice.presence(20, 20, 1) - 0.6).abs() < 1e-9 && lattice.presence(20, 20, 0) == 0.0);
+    }
+}

@@ -1,0 +1,32 @@
+//! The three-dimensional periodic cell: a cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
+//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`SolidLattice`] | where blocks are, which springs join them, what they weigh |
+//! | [`SolidSteadyModel`] | steady sliding of one cell under many loads |
+//! | [`SolidModel`] | the steady ratio of many patterns |
+//! | [`layer::FlatLayer`] | the flat layer's exact response, by Fourier transforms |
+//! | [`interface::Interface`] | what cavities change of it: springs missing, blocks that do not touch |
+//! | [`directions::Directions`] | search directions that serve one load after the other |
+//!
+//! Cost, four pressures on one core, cavities a quarter wide and a tenth deep (blocks: condensing and solving):
+//! 16 x 16 x 10: 2 ms, 50 x 50 x 20: 35 ms, 100 x 100 x 40: 0.4 s, 200 x 200 x 80: 2.9 s and 0.2 GB.
+
+mod cell;
+mod directions;
+mod interface;
+mod lattice;
+mod layer;
+mod outcome;
+mod springs;
+mod steady;
+
+pub use cell::SolidModel;
+pub use lattice::{SolidBond, SolidLattice};
+pub use outcome::{SolidOutcome, SolidPoint};
+pub use springs::Spring as SolidSpring;
+pub use steady::{SolidLoad, SolidSteadyModel};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,58 @@
+//! What steady sliding of the three-dimensional cell found.
+
+use crate::outcome::Status;
+
+/// One contact block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidPoint {
+    /// Centre along x, from the cell's corner, in metres.
+    pub x_m: f64,
+    /// Centre along y, in metres.
+    pub y_m: f64,
+    /// Share of the block's area that touches the counterface.
+    pub area_share: f64,
+    /// Normal pressure on that area, positive in compression, in pascals.
+    pub pressure_pa: f64,
+    /// Friction traction on it, positive against the drive, in pascals.
+    pub friction_pa: f64,
+}
+
+/// Steady sliding under one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidOutcome {
+    /// How the solve ended.
+    pub status: Status,
+    /// Friction along the drive over normal force, compressive blocks only; absent where there is no load.
+    pub mu_dynamic: Option<f64>,
+    /// Largest pressure on a contact block, in pascals. It grows as blocks shrink.
+    pub peak_pressure_pa: f64,
+    /// Contact blocks under tension.
+    pub tension_blocks: usize,
+    /// The ceiling of a cavity sags to the counterface.
+    pub cavity_closed: bool,
+    /// A contact pressure lies past the last pressure of the area law.
+    pub area_law_extrapolated: bool,
+    /// Sum of the forces out of balance over the load.
+    pub residual: f64,
+    /// Responses of the flat layer that were computed.
+    pub iterations: usize,
+    /// The contact blocks, x fastest.
+    pub interface: Vec<SolidPoint>,
+}
+
+impl SolidOutcome {
+    /// What is said without a load or without contact.
+    pub(super) fn unloaded(interface: Vec<SolidPoint>) -> Self {
+        Self {
+            status: Status::NoLoad,
+            mu_dynamic: None,
+            peak_pressure_pa: 0.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            residual: 0.0,
+            iterations: 0,
+            interface,
+        }
+    }
+}

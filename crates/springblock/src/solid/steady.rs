@@ -1,0 +1,377 @@
+//! Steady sliding of the three-dimensional cell.
+//!
+//! The equations of [`super::interface`] are linear but for friction, t = mu f(p) max(N, 0), which bends
+//! little. They are solved by chords: the slope of friction at the nominal pressure makes a linear operator
+//! that stays the same over iterations and loads, and the directions searched for one serve the others
+//! ([`super::directions`]). Where chords do not contract (lands that tip, steep laws) they are
+//! replaced by tangents.
+
+use slipgrid_material::AreaLaw;
+
+use super::directions::{Direction, Directions, dot, norm, subtract};
+use super::interface::{Interface, Response};
+use super::lattice::SolidLattice;
+use super::outcome::{SolidOutcome, SolidPoint};
+use crate::outcome::Status;
+
+/// Sum of the forces out of balance over the load below which the solve has converged.
+const TOLERANCE: f64 = 1e-10;
+/// Linear residual, over that at its start, at which friction is evaluated anew. Chords gain about as much.
+const LINEAR_TOLERANCE: f64 = 0.03;
+/// Reduction of the residual below which a chord is replaced by a tangent.
+const CONTRACTION: f64 = 0.5;
+/// Directions of one load after which the solve gives up.
+const MOST_DIRECTIONS: usize = 600;
+/// Evaluations of friction after which it does.
+const MOST_EVALUATIONS: usize = 100;
+/// Directions kept: more cost memory and time, fewer lose what was learnt.
+const MOST_KEPT: usize = 160;
+/// Relative step of the slope of friction.
+const SLOPE_STEP: f64 = 1e-6;
+
+/// One load on a [`SolidSteadyModel`].
+#[derive(Clone, Copy, Debug)]
+pub struct SolidLoad<'a> {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Local dynamic coefficient.
+    pub dynamic_mu: f64,
+    /// Area law; `None` is Amontons-Coulomb.
+    pub area_law: Option<&'a AreaLaw>,
+    /// Unit vector of the sliding direction, which friction opposes.
+    pub direction: [f64; 2],
+}
+
+/// What steady sliding needs to know of a cell, for all loads.
+#[derive(Clone, Debug)]
+pub struct SolidSteadyModel {
+    lattice: SolidLattice,
+    block_m: f64,
+    youngs_modulus_pa: f64,
+    interface: Interface,
+}
+
+/// The unknowns and what is linear in them. Forces in units of P l^2, displacements in P l^2 / k.
+#[derive(Clone, Debug)]
+struct State {
+    unknowns: Vec<f64>,
+    /// Residual of the elastic equations.
+    elastic: Vec<f64>,
+    /// Normal forces.
+    normal: Vec<f64>,
+}
+
+/// A sequence of loads on one cell.
+struct Solver<'a> {
+    model: &'a SolidSteadyModel,
+    response: Response,
+    directions: Directions,
+    state: State,
+    /// Slope of friction in the linear operator, by contact.
+    slope: Vec<f64>,
+    /// Direction of the friction that the operator holds.
+    along: [f64; 2],
+    /// Whether slopes are tangents of the present load.
+    tangent: bool,
+}
+
+/// How the iteration for one load ended.
+struct End {
+    status: Status,
+    residual: f64,
+    directions: usize,
+}
+
+impl SolidSteadyModel {
+    /// Condenses `lattice`, whose blocks are `block_m` apart.
+    #[must_use]
+    pub fn new(lattice: SolidLattice, block_m: f64, youngs_modulus_pa: f64) -> Self {
+        let interface = Interface::new(&lattice);
+        Self { lattice, block_m, youngs_modulus_pa, interface }
+    }
+
+    /// The lattice.
+    #[must_use]
+    pub const fn lattice(&self) -> &SolidLattice {
+        &self.lattice
+    }
+
+    /// Distance of neighbouring rows, in metres.
+    #[must_use]
+    pub const fn block_m(&self) -> f64 {
+        self.block_m
+    }
+
+    /// Steady sliding under `load`.
+    #[must_use]
+    pub fn solve(&self, load: &SolidLoad) -> SolidOutcome {
+        let mut solver = Solver::new(self);
+        solver.outcome(load)
+    }
+
+    /// Steady sliding under each of `loads`, one helping the next.
+    #[must_use]
+    pub fn solve_all(&self, loads: &[SolidLoad]) -> Vec<SolidOutcome> {
+        let mut solver = Solver::new(self);
+        loads.iter().map(|load| solver.outcome(load)).collect()
+    }
+
+    /// Displacements over l of steady sliding under `load` by block number (k ny + j) nx + i, the bulk last as row
+    /// `rows`, at x = y = 0; those of removed blocks mean nothing.
+    #[must_use]
+    pub fn displacements(&self, load: &SolidLoad) -> Vec<[f64; 3]> {
+        let [nx, ny] = self.lattice.columns();
+        let plane = nx * ny;
+        let mut solver = Solver::new(self);
+        if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
+            return vec![[0.0; 3]; plane * (self.lattice.rows() + 1)];
+        }
+        solver.equilibrate(load);
+        let whole = Interface::uncondensed(&self.lattice);
+        let (mut rest, mut moved) = (whole.response(), whole.response());
+        whole.compress(&mut rest);
+        whole.respond(&solver.state.unknowns, solver.along, true, &mut moved);
+        let unit = self.displacement_unit(load.pressure_pa);
+        (0..plane * (self.lattice.rows() + 1))
+            .map(|number| {
+                let place = 3 * plane * (number / plane) + number % plane;
+                [0, 1, 2].map(|c| (rest.fields[place + c * plane] + moved.fields[place + c * plane]) * unit)
+            })
+            .collect()
+    }
+
+    /// Unit of displacement over l: P l^2 / (k l) = P / (2/5 E).
+    fn displacement_unit(&self, pressure_pa: f64) -> f64 {
+        pressure_pa / (0.4 * self.youngs_modulus_pa)
+    }
+
+    /// Friction on contact number `contact` of the share `share` at the normal force `normal`.
+    fn friction(&self, load: &SolidLoad, share: f64, normal: f64) -> f64 {
+        let normal = normal.max(0.0);
+        // p = F_n / (a l^2), forces in units of P l^2
+        let pressure_pa = normal / (share * self.interface.column_area()) * load.pressure_pa;
+        let factor = load.area_law.map_or(1.0, |law| law.factor(pressure_pa));
+        load.dynamic_mu * factor * normal
+    }
+
+    /// Shares of the contacts, in their order.
+    fn shares(&self) -> impl Iterator<Item = f64> + '_ {
+        self.interface.surface().iter().filter(|s| s.contact.is_some()).map(|s| s.contact_share)
+    }
+
+    /// Whether a ceiling sags to the counterface.
+    fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
+        let unit = self.displacement_unit(pressure_pa);
+        let [nx, ny] = self.lattice.columns();
+        // Depth is below the height: the ceiling is a row of blocks, wholly or in part.
+        let row = (self.lattice.depth().floor() as usize).min(self.lattice.rows() - 1);
+        let ceiling = &displacement[(3 * row + 2) * nx * ny..][..nx * ny];
+        (0..nx * ny).any(|column| {
+            let (i, j) = (column % nx, column / nx);
+            self.lattice.contact_share(i, j) == 0.0 && self.lattice.depth() + ceiling[column] * unit <= 0.0
+        })
+    }
+}
+
+impl<'a> Solver<'a> {
+    fn new(model: &'a SolidSteadyModel) -> Self {
+        let interface = &model.interface;
+        let elastic = interface.elastic_unknowns();
+        let mut solver = Self {
+            model,
+            response: interface.response(),
+            directions: Directions::default(),
+            state: State {
+                unknowns: vec![0.0; elastic + interface.contacts()],
+                elastic: vec![0.0; elastic],
+                normal: vec![0.0; interface.contacts()],
+            },
+            slope: Vec::new(),
+            along: [0.0; 2],
+            tangent: false,
+        };
+        solver.observe();
+        solver
+    }
+
+    /// Residual and normal forces of the present unknowns, from scratch; displacements are complete after it.
+    fn observe(&mut self) {
+        let interface = &self.model.interface;
+        let heights = interface.elastic_unknowns() - interface.free();
+        interface.compress(&mut self.response);
+        let (linear, normal) = (self.response.linear.clone(), self.response.normal.clone());
+        let compressed = self.response.fields.clone();
+        interface.respond(&self.state.unknowns, self.along, true, &mut self.response);
+        for (field, at_rest) in self.response.fields.iter_mut().zip(&compressed) {
+            *field += at_rest;
+        }
+        for (number, residual) in self.state.elastic.iter_mut().enumerate() {
+            let image = linear[number] + self.response.linear[number];
+            // g - R u, and the imbalance
+            *residual = if number < heights { self.state.unknowns[number] - image } else { image };
+        }
+        for (number, total) in self.state.normal.iter_mut().enumerate() {
+            *total = normal[number] + self.response.normal[number];
+        }
+    }
+
+    /// Negative residual of all equations under `load`, and the sum of its magnitudes over the load.
+    fn residual(&self, load: &SolidLoad) -> (Vec<f64>, f64) {
+        let elastic = self.state.elastic.len();
+        let mut residual: Vec<f64> = self.state.elastic.iter().map(|value| -value).collect();
+        let friction = &self.state.unknowns[elastic..];
+        for ((share, normal), friction) in self.model.shares().zip(&self.state.normal).zip(friction) {
+            residual.push(self.model.friction(load, share, *normal) - friction);
+        }
+        let sum: f64 = residual.iter().map(|value| value.abs()).sum();
+        let size = sum / self.model.interface.load();
+        (residual, size)
+    }
+
+    /// Linear operator on `step`: its image, and the normal forces it makes.
+    fn apply(&mut self, step: Vec<f64>) -> Direction {
+        let interface = &self.model.interface;
+        let elastic = interface.elastic_unknowns();
+        let heights = elastic - interface.free();
+        interface.respond(&step, self.along, false, &mut self.response);
+        let mut image = step.clone();
+        for (number, image) in image[..elastic].iter_mut().enumerate() {
+            let linear = self.response.linear[number];
+            *image = if number < heights { *image - linear } else { linear };
+        }
+        for (image, (slope, normal)) in image[elastic..].iter_mut().zip(self.slope.iter().zip(&self.response.normal)) {
+            *image -= slope * normal;
+        }
+        Direction { step, image, normal: self.response.normal.clone() }
+    }
+
+    /// Moves the state by `share` of `direction`, and the residual with it.
+    fn advance(state: &mut State, residual: &mut [f64], direction: &Direction) {
+        let share = dot(&direction.image, residual);
+        subtract(&mut state.unknowns, -share, &direction.step);
+        let elastic = state.elastic.len();
+        subtract(&mut state.elastic, -share, &direction.image[..elastic]);
+        subtract(&mut state.normal, -share, &direction.normal);
+        subtract(residual, share, &direction.image);
+    }
+
+    /// Slopes of friction: at the nominal pressure, or at the present normal forces.
+    fn set_slopes(&mut self, load: &SolidLoad, tangent: bool) {
+        let (model, area) = (self.model, self.model.interface.column_area());
+        let slope_at = |share: f64, normal: f64| {
+            let step = SLOPE_STEP * (share * area);
+            let [ahead, behind] = [normal + step, normal - step].map(|n| model.friction(load, share, n));
+            (ahead - behind) / (2.0 * step)
+        };
+        self.slope = if tangent {
+            model.shares().zip(&self.state.normal).map(|(share, normal)| slope_at(share, *normal)).collect()
+        } else {
+            vec![slope_at(1.0, area); self.state.normal.len()]
+        };
+        self.tangent = tangent;
+        self.directions.clear();
+    }
+
+    /// Iterates to the equilibrium under `load` from where the last one ended.
+    fn equilibrate(&mut self, load: &SolidLoad) -> End {
+        if self.along != load.direction.map(|component| -component) {
+            self.along = load.direction.map(|component| -component);
+            self.observe();
+            self.slope.clear();
+        }
+        if self.slope.is_empty() || self.tangent {
+            self.set_slopes(load, false);
+        }
+        let mut applied = 0;
+        let mut last = f64::INFINITY;
+        let mut best: Option<(f64, State)> = None;
+        let mut verified = false;
+        for _ in 0..MOST_EVALUATIONS {
+            let (mut residual, size) = self.residual(load);
+            if size <= TOLERANCE {
+                if verified {
+                    return End { status: Status::Converged, residual: size, directions: applied };
+                }
+                // Sums of many directions drift: the residual counts that is computed from the unknowns.
+                self.observe();
+                verified = true;
+                continue;
+            }
+            verified = false;
+            if !size.is_finite() || applied >= MOST_DIRECTIONS {
+                break;
+            }
+            if best.as_ref().is_none_or(|(least, _)| size < *least) {
+                best = Some((size, self.state.clone()));
+            }
+            if size > CONTRACTION * last {
+                self.set_slopes(load, true);
+            }
+            last = size;
+            let target = LINEAR_TOLERANCE * norm(&residual);
+            for direction in self.directions.all() {
+                Self::advance(&mut self.state, &mut residual, direction);
+            }
+            while norm(&residual) > target && applied < MOST_DIRECTIONS {
+                if self.directions.all().len() >= MOST_KEPT {
+                    self.directions.clear();
+                }
+                let direction = self.apply(residual.clone());
+                applied += 1;
+                match self.directions.add(direction) {
+                    Some(direction) => Self::advance(&mut self.state, &mut residual, direction),
+                    None => break,
+                }
+            }
+        }
+        if let Some((_, state)) = best {
+            self.state = state;
+        }
+        self.observe();
+        let (_, residual) = self.residual(load);
+        let status = if residual <= TOLERANCE { Status::Converged } else { Status::NotConverged };
+        End { status, residual, directions: applied }
+    }
+
+    fn outcome(&mut self, load: &SolidLoad) -> SolidOutcome {
+        let model = self.model;
+        let unloaded = load.pressure_pa == 0.0 || model.interface.contacts() == 0;
+        let end = if unloaded { None } else { Some(self.equilibrate(load)) };
+        let (block_m, area) = (model.block_m, model.interface.column_area());
+        let friction = &self.state.unknowns[self.state.elastic.len()..];
+        let contacts = model.interface.surface().iter().filter(|surface| surface.contact.is_some());
+        let interface: Vec<SolidPoint> = contacts
+            .zip(self.state.normal.iter().zip(friction))
+            .map(|(surface, (normal, friction))| {
+                // p = F_n / (a l^2), forces in units of P l^2
+                let scale = load.pressure_pa / (surface.contact_share * area);
+                let centre =
+                    |axis: usize| (surface.column[axis] as f64 + 0.5) * model.lattice.spacing()[axis] * block_m;
+                let (pressure_pa, friction_pa) = if unloaded { (0.0, 0.0) } else { (normal * scale, friction * scale) };
+                let area_share = surface.contact_share;
+                SolidPoint { x_m: centre(0), y_m: centre(1), area_share, pressure_pa, friction_pa }
+            })
+            .collect();
+        let Some(end) = end else { return SolidOutcome::unloaded(interface) };
+        let compressive: f64 = self.state.normal.iter().filter(|normal| **normal > 0.0).sum();
+        let total: f64 = friction.iter().sum();
+        let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
+        SolidOutcome {
+            status: match mu {
+                Some(0.0) if end.status == Status::Converged => Status::NoFriction,
+                Some(_) => end.status,
+                None => Status::NoLoad,
+            },
+            mu_dynamic: mu,
+            peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
+            tension_blocks: self.state.normal.iter().filter(|normal| **normal < 0.0).count(),
+            cavity_closed: model.is_closed(load.pressure_pa, &self.response.fields),
+            area_law_extrapolated: load
+                .area_law
+                .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
+            residual: end.residual,
+            iterations: end.directions,
+            interface,
+        }
+    }
+}
