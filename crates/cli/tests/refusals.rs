@@ -82,13 +82,6 @@ fn scenes() {
                 ":16: pattern.arrangement: \"staggered\" has no meaning",
                 "\"square\", or planform",
             ),
-            case("\"groove\"", "\"disc\"", ":15: pattern.planform: \"disc\" needs a three-dimensional", "\"square\""),
-            case(
-                "\"groove\"",
-                "\"groove\"\nangle_deg = 45.0",
-                ":16: pattern.angle_deg: 45.0 needs a three-dimensional",
-                "expected 0",
-            ),
             case("layer_um = 200.0", "layer_um = 205.0", ":18: sample.layer_um: 205.0 ", "layer_um = 200"),
             case("length_um = 9960.0", "length_um = 3.0", ":17: sample.length_um: 3.0 ", "length_um = 10"),
             case("block_um = 10.0", "block_um = 0", ":19: sample.block_um: 0 ", "above 0"),
@@ -141,6 +134,26 @@ fn scenes() {
             case("[material]", "[other]\n[material]", ":1: other: ", "is not a known key"),
         ],
     );
+}
+
+#[test]
+fn scenes_in_the_vertical_plane() {
+    let asked = format!("{SCENE}dimensions = 2\n");
+    let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"");
+    for scene in [&asked, &dynamic] {
+        let cases = [
+            case("\"groove\"", "\"disc\"", ":15: pattern.planform: \"disc\" needs a three-dimensional", "\"square\""),
+            case(
+                "\"groove\"",
+                "\"groove\"\nangle_deg = 45.0",
+                ":16: pattern.angle_deg: 45.0 needs a three-dimensional",
+                "expected 0",
+            ),
+        ];
+        refuse_all("scene.toml", scene, &[], "simulate", &cases);
+    }
+    let lifting = [case("\"groove\"\n", "\"square\"\n", ": lift-off in three dimensions", "dimensions = 2")];
+    refuse_all("scene.toml", &format!("{SCENE}liftoff = true\n"), &[], "simulate", &lifting);
 }
 
 #[test]
