@@ -1,5 +1,7 @@
 //! Running the rows: one function measures one run, the rest decides which runs there are and when.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use slipgrid_springblock::{
     Extent, Fidelity, Monitor, Scene, SceneError, Simulation, Springs, SurfaceOutcome, Unwatched, simulate,
@@ -115,21 +117,27 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Pr
     let all_s: f64 = scenes.iter().flatten().map(expected_s).sum();
     let part = |scene: &Scene| Part { progress, share: expected_s(scene) / all_s };
 
-    let on_one_thread = |row: usize, scene: &Scene| {
-        progress.say(&rows[row].label);
-        let timed = || timed(scene, &part(scene));
-        // Where the system gives no further thread, the current pool is what there is.
-        let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
-        (row, alone.map_or_else(|_| timed(), |pool| pool.install(timed)))
-    };
     let mut first: Vec<(usize, &Scene)> =
         scenes.iter().enumerate().filter_map(|(row, scenes)| Some((row, scenes.first()?))).collect();
     first.sort_by(|a, b| expected_s(b.1).total_cmp(&expected_s(a.1)));
-    let measured: Vec<(usize, Run)> = if side_by_side {
-        first.into_par_iter().with_max_len(1).map(|(row, scene)| on_one_thread(row, scene)).collect()
-    } else {
-        first.into_iter().map(|(row, scene)| on_one_thread(row, scene)).collect()
+    let next = AtomicUsize::new(0);
+    // A thread of a rayon pool would begin another row while it waits for one: these are threads of their own.
+    let work = || {
+        let mut measured = Vec::new();
+        while let Some((row, scene)) = first.get(next.fetch_add(1, Ordering::Relaxed)) {
+            progress.say(&rows[*row].label);
+            let timed = || timed(scene, &part(scene));
+            // Where the system gives no further thread, the current pool is what there is.
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            measured.push((*row, alone.map_or_else(|_| timed(), |pool| pool.install(timed))));
+        }
+        measured
     };
+    let workers = if side_by_side { rayon::current_num_threads() } else { 1 };
+    let measured: Vec<(usize, Run)> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_default()).collect()
+    });
     let mut runs: Vec<Vec<Run>> = vec![Vec::new(); rows.len()];
     for (row, run) in measured {
         runs[row].push(run);
