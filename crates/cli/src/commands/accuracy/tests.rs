@@ -55,7 +55,7 @@ fn the_full_plan_has_every_row_asked_for() {
     }
     assert_eq!(of(Role::Seeds).map(|row| row.seeds).collect::<Vec<_>>(), [10]);
     assert!(of(Role::Method).all(|row| row.seeds == 4 && Family::METHODS.contains(&row.family)));
-    assert_eq!(of(Role::Method).filter(|row| row.default_of.is_some()).count(), 3);
+    assert_eq!(of(Role::Method).filter(|row| row.default_of.is_some()).count(), 4);
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn a_tiny_page_from_end_to_end() {
     );
     assert_eq!(report.scatter.seeds, 10);
     // Some method is on each front, and no default is left unjudged.
-    assert!(report.fronts.iter().all(|front| !front.methods.is_empty() && front.defaults.len() == 3));
+    assert!(report.fronts.iter().all(|front| !front.methods.is_empty() && front.defaults.len() == 4));
     assert!(text::picture(&report).unwrap().unwrap().starts_with("<svg"));
     assert_eq!(text::csv(&report).lines().count(), 1 + 4 - 1 + report.methods.len() + report.choices.len());
     let page = text::markdown(&report);
