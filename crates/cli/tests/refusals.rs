@@ -152,8 +152,6 @@ fn scenes_in_the_vertical_plane() {
         ];
         refuse_all("scene.toml", scene, &[], "simulate", &cases);
     }
-    let lifting = [case("\"groove\"\n", "\"square\"\n", ": lift-off in three dimensions", "dimensions = 2")];
-    refuse_all("scene.toml", &format!("{SCENE}liftoff = true\n"), &[], "simulate", &lifting);
 }
 
 #[test]

@@ -265,12 +265,6 @@ impl Scene {
                 instead: "ask for a steady cell, or for dimensions = 2",
             });
         }
-        if self.dimensions() == 3 && self.run.liftoff {
-            return Err(SceneError::Unsupported {
-                what: "lift-off in three dimensions",
-                instead: "ask for dimensions = 2, or leave blocks under tension pinned",
-            });
-        }
         if let Some(pattern) = &self.pattern {
             if pattern.depth_m() >= self.layer.height_m {
                 return Err(SceneError::CavityThroughLayer {

@@ -23,10 +23,11 @@ pub struct SolidModel {
     area_law: Option<AreaLaw>,
     layer: Layer,
     loads: Vec<Load>,
+    liftoff: bool,
 }
 
 impl SolidModel {
-    /// The model behind `scene`, whose pattern is ignored, as are options of time integration and lift-off.
+    /// The model behind `scene`, whose pattern is ignored, as are options of time integration.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
         Self {
@@ -34,6 +35,7 @@ impl SolidModel {
             area_law: scene.area_law.clone(),
             layer: scene.layer,
             loads: scene.loads.clone(),
+            liftoff: scene.run.liftoff,
         }
     }
 
@@ -60,7 +62,8 @@ impl SolidModel {
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
         let lattice = SolidLattice::cell(pattern, self.layer.block_m, self.layer.rows());
-        let model = SolidSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa());
+        let stiffness = self.elastic.youngs_modulus_pa();
+        let model = SolidSteadyModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
         let loads: Vec<SolidLoad<'_>> = self
             .loads
             .iter()

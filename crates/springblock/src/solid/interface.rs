@@ -43,6 +43,8 @@ pub struct Surface {
     free: Option<(usize, f64)>,
     /// Its number among the contacts.
     pub contact: Option<usize>,
+    /// Whether it is a contact that has left the counterface.
+    lifted: bool,
     /// Stiffness of its springs upward, and of its tie.
     pivot: f64,
 }
@@ -142,7 +144,7 @@ impl Interface {
                 contacts - 1
             });
             let pivot = pivot + free.map_or(0.0, |(_, tie)| tie);
-            surface.push(Surface { column: [i, j], contact_share: share, free, contact, pivot });
+            surface.push(Surface { column: [i, j], contact_share: share, free, contact, lifted: false, pivot });
         }
         let [a, b] = lattice.spacing();
         // sum k e_z^2 of the springs upward
@@ -168,6 +170,30 @@ impl Interface {
             wanted,
             compression: a * b / rise,
         }
+    }
+
+    /// The same with the contacts that `lifted` names by their number off the counterface: free, without friction.
+    #[must_use]
+    pub fn with_lifted(&self, lifted: &[bool]) -> Self {
+        let mut interface = self.clone();
+        interface.free = 0;
+        for surface in &mut interface.surface {
+            let tie = surface.free.map_or(0.0, |(_, tie)| tie);
+            let lifts = surface.contact.is_some_and(|number| lifted[number]);
+            let kept = if lifts { 0.0 } else { tie };
+            surface.lifted = lifts;
+            surface.pivot += kept - tie;
+            surface.free = (lifts || surface.free.is_some()).then_some((interface.free, kept));
+            interface.free += usize::from(surface.free.is_some());
+        }
+        interface
+    }
+
+    /// Whether each contact is off the counterface, and its height in `unknowns` where it is.
+    pub fn lifted<'a>(&'a self, unknowns: &'a [f64]) -> impl Iterator<Item = Option<f64>> + 'a {
+        let heights = &unknowns[3 * self.support.len()..];
+        let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
+        contacts.map(|surface| surface.free.filter(|_| surface.lifted).map(|(number, _)| heights[number]))
     }
 
     /// Blocks of row 0 that are there.
@@ -300,7 +326,7 @@ impl Interface {
                 imbalances[number] = (pressed + tie * fields[2 * plane + place]) / surface.pivot;
             }
             if let Some(number) = surface.contact {
-                normal[number] = pressed;
+                normal[number] = if surface.lifted { 0.0 } else { pressed };
             }
         }
     }

@@ -69,7 +69,13 @@ impl SolidLattice {
     /// A flat layer.
     #[must_use]
     pub fn flat(columns: [usize; 2], rows: usize) -> Self {
-        Self { columns, rows, spacing: [1.0; 2], coverage: vec![0.0; columns[0] * columns[1]], depth: 0.0 }
+        Self::of_cubes(columns, rows, vec![0.0; columns[0] * columns[1]], 0.0)
+    }
+
+    /// A cell of cubes of whose columns, i fastest, cavities `depth` rows deep cover `coverage`. At depth 0 what is
+    /// covered is whole, and does not touch.
+    pub(super) const fn of_cubes(columns: [usize; 2], rows: usize, coverage: Vec<f64>, depth: f64) -> Self {
+        Self { columns, rows, spacing: [1.0; 2], coverage, depth }
     }
 
     /// One period of `pattern` in blocks of `block_m`, `rows` high. Grooves take one column along y.

@@ -6,6 +6,8 @@
 //! ([`super::directions`]). Where chords do not contract (lands that tip, steep laws) they are
 //! replaced by tangents.
 
+use std::borrow::Cow;
+
 use slipgrid_material::AreaLaw;
 
 use super::directions::{Direction, Directions, dot, norm, subtract};
@@ -28,6 +30,8 @@ const MOST_EVALUATIONS: usize = 100;
 const MOST_KEPT: usize = 160;
 /// Relative step of the slope of friction.
 const SLOPE_STEP: f64 = 1e-6;
+/// Rounds of lifting and landing blocks after which unilateral contact gives up.
+const MOST_CONTACT_ROUNDS: usize = 60;
 
 /// One load on a [`SolidSteadyModel`].
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +52,7 @@ pub struct SolidSteadyModel {
     lattice: SolidLattice,
     block_m: f64,
     youngs_modulus_pa: f64,
+    liftoff: bool,
     interface: Interface,
 }
 
@@ -64,6 +69,7 @@ struct State {
 /// A sequence of loads on one cell.
 struct Solver<'a> {
     model: &'a SolidSteadyModel,
+    interface: Cow<'a, Interface>,
     response: Response,
     directions: Directions,
     state: State,
@@ -84,10 +90,12 @@ struct End {
 
 impl SolidSteadyModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart.
+    ///
+    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
     #[must_use]
-    pub fn new(lattice: SolidLattice, block_m: f64, youngs_modulus_pa: f64) -> Self {
+    pub fn new(lattice: SolidLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let interface = Interface::new(&lattice);
-        Self { lattice, block_m, youngs_modulus_pa, interface }
+        Self { lattice, block_m, youngs_modulus_pa, liftoff, interface }
     }
 
     /// The lattice.
@@ -105,8 +113,7 @@ impl SolidSteadyModel {
     /// Steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SolidLoad) -> SolidOutcome {
-        let mut solver = Solver::new(self);
-        solver.outcome(load)
+        Solver::new(self).outcome(load)
     }
 
     /// Steady sliding under each of `loads`, one helping the next.
@@ -122,12 +129,13 @@ impl SolidSteadyModel {
     pub fn displacements(&self, load: &SolidLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
         let plane = nx * ny;
-        let mut solver = Solver::new(self);
         if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
             return vec![[0.0; 3]; plane * (self.lattice.rows() + 1)];
         }
-        solver.equilibrate(load);
-        let whole = Interface::uncondensed(&self.lattice);
+        let mut solver = Solver::new(self);
+        let (_, lifted) = solver.equilibrate(load);
+        let solver = lifted.as_ref().unwrap_or(&solver);
+        let whole = Interface::uncondensed(&self.lattice).with_lifted(&solver.lifted());
         let (mut rest, mut moved) = (whole.response(), whole.response());
         whole.compress(&mut rest);
         whole.respond(&solver.state.unknowns, solver.along, true, &mut moved);
@@ -145,9 +153,10 @@ impl SolidSteadyModel {
         pressure_pa / (0.4 * self.youngs_modulus_pa)
     }
 
-    /// Friction on contact number `contact` of the share `share` at the normal force `normal`.
+    /// Friction on a contact of the share `share` at the normal force `normal`. Where contact may open, tension lasts
+    /// only until the block is lifted, and friction goes on below zero without a kink.
     fn friction(&self, load: &SolidLoad, share: f64, normal: f64) -> f64 {
-        let normal = normal.max(0.0);
+        let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
         let pressure_pa = normal / (share * self.interface.column_area()) * load.pressure_pa;
         let factor = load.area_law.map_or(1.0, |law| law.factor(pressure_pa));
@@ -175,7 +184,10 @@ impl SolidSteadyModel {
 
 impl<'a> Solver<'a> {
     fn new(model: &'a SolidSteadyModel) -> Self {
-        let interface = &model.interface;
+        Self::on(model, Cow::Borrowed(&model.interface))
+    }
+
+    fn on(model: &'a SolidSteadyModel, interface: Cow<'a, Interface>) -> Self {
         let elastic = interface.elastic_unknowns();
         let mut solver = Self {
             model,
@@ -186,6 +198,7 @@ impl<'a> Solver<'a> {
                 elastic: vec![0.0; elastic],
                 normal: vec![0.0; interface.contacts()],
             },
+            interface,
             slope: Vec::new(),
             along: [0.0; 2],
             tangent: false,
@@ -196,7 +209,7 @@ impl<'a> Solver<'a> {
 
     /// Residual and normal forces of the present unknowns, from scratch; displacements are complete after it.
     fn observe(&mut self) {
-        let interface = &self.model.interface;
+        let interface = &self.interface;
         let heights = interface.elastic_unknowns() - interface.free();
         interface.compress(&mut self.response);
         let (linear, normal) = (self.response.linear.clone(), self.response.normal.clone());
@@ -224,13 +237,13 @@ impl<'a> Solver<'a> {
             residual.push(self.model.friction(load, share, *normal) - friction);
         }
         let sum: f64 = residual.iter().map(|value| value.abs()).sum();
-        let size = sum / self.model.interface.load();
+        let size = sum / self.interface.load();
         (residual, size)
     }
 
     /// Linear operator on `step`: its image, and the normal forces it makes.
     fn apply(&mut self, step: Vec<f64>) -> Direction {
-        let interface = &self.model.interface;
+        let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
         let heights = elastic - interface.free();
         interface.respond(&step, self.along, false, &mut self.response);
@@ -272,8 +285,45 @@ impl<'a> Solver<'a> {
         self.directions.clear();
     }
 
+    /// Whether each contact is off the counterface.
+    fn lifted(&self) -> Vec<bool> {
+        self.interface.lifted(&self.state.unknowns).map(|height| height.is_some()).collect()
+    }
+
+    /// The equilibrium under `load`, and the solver that holds it where blocks have left the counterface: lifts
+    /// those under tension and lands those that sink below it until none does.
+    fn equilibrate(&mut self, load: &SolidLoad) -> (End, Option<Self>) {
+        let mut end = self.iterate(load);
+        if !self.model.liftoff {
+            return (end, None);
+        }
+        let mut lifted = vec![false; self.interface.contacts()];
+        let mut latest: Option<Self> = None;
+        for _ in 0..MOST_CONTACT_ROUNDS {
+            let solver = latest.as_ref().unwrap_or(self);
+            let heights = solver.interface.lifted(&solver.state.unknowns);
+            let next: Vec<bool> = heights
+                .zip(&solver.state.normal)
+                .map(|(height, normal)| height.map_or(*normal < 0.0, |height| height >= 0.0))
+                .collect();
+            if next == lifted {
+                return (end, latest);
+            }
+            if next.iter().all(|lifted| *lifted) {
+                break;
+            }
+            lifted = next;
+            let mut solver = Self::on(self.model, Cow::Owned(self.model.interface.with_lifted(&lifted)));
+            let latest_end = solver.iterate(load);
+            end = End { directions: end.directions + latest_end.directions, ..latest_end };
+            latest = Some(solver);
+        }
+        end.status = Status::NotConverged;
+        (end, latest)
+    }
+
     /// Iterates to the equilibrium under `load` from where the last one ended.
-    fn equilibrate(&mut self, load: &SolidLoad) -> End {
+    fn iterate(&mut self, load: &SolidLoad) -> End {
         if self.along != load.direction.map(|component| -component) {
             self.along = load.direction.map(|component| -component);
             self.observe();
@@ -334,25 +384,39 @@ impl<'a> Solver<'a> {
     }
 
     fn outcome(&mut self, load: &SolidLoad) -> SolidOutcome {
-        let model = self.model;
-        let unloaded = load.pressure_pa == 0.0 || model.interface.contacts() == 0;
-        let end = if unloaded { None } else { Some(self.equilibrate(load)) };
-        let (block_m, area) = (model.block_m, model.interface.column_area());
-        let friction = &self.state.unknowns[self.state.elastic.len()..];
-        let contacts = model.interface.surface().iter().filter(|surface| surface.contact.is_some());
-        let interface: Vec<SolidPoint> = contacts
-            .zip(self.state.normal.iter().zip(friction))
-            .map(|(surface, (normal, friction))| {
+        if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
+            return SolidOutcome::unloaded(self.points(load, |_| (0.0, 0.0)));
+        }
+        let (end, lifted) = self.equilibrate(load);
+        lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
+    }
+
+    /// The contact blocks, with the normal and the friction force that `forces` gives for their number.
+    fn points(&self, load: &SolidLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<SolidPoint> {
+        let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
+        let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
+        contacts
+            .enumerate()
+            .map(|(number, surface)| {
                 // p = F_n / (a l^2), forces in units of P l^2
                 let scale = load.pressure_pa / (surface.contact_share * area);
-                let centre =
-                    |axis: usize| (surface.column[axis] as f64 + 0.5) * model.lattice.spacing()[axis] * block_m;
-                let (pressure_pa, friction_pa) = if unloaded { (0.0, 0.0) } else { (normal * scale, friction * scale) };
-                let area_share = surface.contact_share;
-                SolidPoint { x_m: centre(0), y_m: centre(1), area_share, pressure_pa, friction_pa }
+                let centre = |axis: usize| (surface.column[axis] as f64 + 0.5) * spacing[axis] * block_m;
+                let (normal, friction) = forces(number);
+                SolidPoint {
+                    x_m: centre(0),
+                    y_m: centre(1),
+                    area_share: surface.contact_share,
+                    pressure_pa: normal * scale,
+                    friction_pa: friction * scale,
+                }
             })
-            .collect();
-        let Some(end) = end else { return SolidOutcome::unloaded(interface) };
+            .collect()
+    }
+
+    /// What the present state says of `load`.
+    fn outcome_of(&self, load: &SolidLoad, end: &End) -> SolidOutcome {
+        let friction = &self.state.unknowns[self.state.elastic.len()..];
+        let interface = self.points(load, |number| (self.state.normal[number], friction[number]));
         let compressive: f64 = self.state.normal.iter().filter(|normal| **normal > 0.0).sum();
         let total: f64 = friction.iter().sum();
         let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
@@ -365,7 +429,7 @@ impl<'a> Solver<'a> {
             mu_dynamic: mu,
             peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
             tension_blocks: self.state.normal.iter().filter(|normal| **normal < 0.0).count(),
-            cavity_closed: model.is_closed(load.pressure_pa, &self.response.fields),
+            cavity_closed: self.model.is_closed(load.pressure_pa, &self.response.fields),
             area_law_extrapolated: load
                 .area_law
                 .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),

@@ -5,25 +5,25 @@ use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
 use super::*;
 use crate::outcome::Status;
 
-const E_PA: f64 = 0.38e9;
+pub(super) const E_PA: f64 = 0.38e9;
 
 /// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
-fn law() -> AreaLaw {
+pub(super) fn law() -> AreaLaw {
     let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
     let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
     AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
 }
 
-fn pattern(planform: Planform, width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
+pub(super) fn pattern(planform: Planform, width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
     Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
 }
 
 fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SolidSteadyModel {
     let rows = (layer_um / block_um).round() as usize;
-    SolidSteadyModel::new(SolidLattice::cell(pattern, block_um * 1e-6, rows), block_um * 1e-6, E_PA)
+    SolidSteadyModel::new(SolidLattice::cell(pattern, block_um * 1e-6, rows), block_um * 1e-6, E_PA, false)
 }
 
-fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SolidLoad<'a> {
+pub(super) fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SolidLoad<'a> {
     SolidLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: 0.27, area_law: law, direction: [1.0, 0.0] }
 }
 
@@ -48,7 +48,7 @@ fn roughness(values: &[f64]) -> (f64, bool) {
 }
 
 /// Largest force left on a block, in units of P l^2: every spring by itself, its displacements as solved.
-fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f64 {
+pub(super) fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f64 {
     let lattice = model.lattice();
     let [nx, ny] = lattice.columns();
     let unit = load.pressure_pa / (0.4 * E_PA);
@@ -126,7 +126,7 @@ fn amontons_coulomb_gives_mu_d_for_any_pattern() {
 
 #[test]
 fn a_flat_layer_is_uniform_and_shears_by_its_shear_modulus() {
-    let model = SolidSteadyModel::new(SolidLattice::flat([4, 3], 20), 10e-6, E_PA);
+    let model = SolidSteadyModel::new(SolidLattice::flat([4, 3], 20), 10e-6, E_PA, false);
     let law = law();
     let load = load(2.6, Some(&law));
     let outcome = model.solve(&load);
@@ -200,7 +200,7 @@ fn pressures_are_those_of_elimination_on_all_blocks() {
         assert_eq!(lattice.columns(), [6, 5]);
         let expected = directly(&lattice, 0.27, direction);
         assert!(expected.iter().all(|normal| *normal > 0.0));
-        let model = SolidSteadyModel::new(lattice, 10e-6, E_PA);
+        let model = SolidSteadyModel::new(lattice, 10e-6, E_PA, false);
         let outcome = model.solve(&SolidLoad { direction, ..load(1.0, None) });
         assert_eq!(outcome.interface.len(), expected.len());
         for (point, expected) in outcome.interface.iter().zip(&expected) {
@@ -351,6 +351,6 @@ fn tipping_lands_and_strong_friction_end_in_an_equilibrium_or_say_so() {
 fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
     let pattern = pattern(Planform::Square, 300.0, 100.0, 3.0);
     let lattice = SolidLattice::cell(&pattern, 10e-6, 20);
-    assert!(SolidSteadyModel::new(lattice.clone(), 10e-6, 1e6).solve(&load(2.6, None)).cavity_closed);
-    assert!(!SolidSteadyModel::new(lattice, 10e-6, 1e9).solve(&load(2.6, None)).cavity_closed);
+    assert!(SolidSteadyModel::new(lattice.clone(), 10e-6, 1e6, false).solve(&load(2.6, None)).cavity_closed);
+    assert!(!SolidSteadyModel::new(lattice, 10e-6, 1e9, false).solve(&load(2.6, None)).cavity_closed);
 }
