@@ -5,7 +5,7 @@
 //! | `scales` | units: l, k, m |
 //! | `protocol` | ramp, rest, drive |
 //! | `contact` | the friction law on the contact row |
-//! | `bonds` | forces bond by bond, linear or exact |
+//! | `bonds`, `bond_rows` | forces of linear or exact springs, row by row |
 //! | `rows` | coefficients and state of a strip of columns |
 //! | `stencil` | a lattice cut into strips, with the coefficients of its linear springs |
 //! | `sweep` | one step for the rows of a strip, in vectors |
@@ -17,6 +17,7 @@
 //! | `recorder` | history and averages |
 //! | `run` | one run from start to end |
 
+mod bond_rows;
 mod bonds;
 mod contact;
 mod contact_strip;

@@ -7,10 +7,13 @@
 #[cfg(test)]
 mod balance;
 
+use pulp::{Simd, WithSimd};
+
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums, Motion, slip_direction};
 use super::engine::{Engine, Setup};
 use super::protocol::Protocol;
+use super::sweep::vectorized;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
@@ -27,7 +30,7 @@ impl State {
         Self { u: zero(), v: zero() }
     }
 
-    /// self = base + h * slope
+    /// self = base + h * slope, as far as `slope` reaches
     fn set_to(&mut self, base: &Self, h: f64, slope: &Self) {
         for c in 0..2 {
             for ((s, b), k) in self.u[c].iter_mut().zip(&base.u[c]).zip(&slope.u[c]) {
@@ -39,7 +42,7 @@ impl State {
         }
     }
 
-    /// self += h * slope
+    /// self += h * slope, as far as `slope` reaches
     fn add(&mut self, h: f64, slope: &Self) {
         for c in 0..2 {
             for (s, k) in self.u[c].iter_mut().zip(&slope.u[c]) {
@@ -59,6 +62,7 @@ pub struct RungeKutta<'a> {
     nx: usize,
     state: State,
     stage: State,
+    /// Of the contact row.
     slope: State,
     next: State,
     contact: ContactRow<'a>,
@@ -88,7 +92,7 @@ impl<'a> RungeKutta<'a> {
             nx: lattice.nx(),
             state: State::at_rest(blocks),
             stage: State::at_rest(blocks),
-            slope: State::at_rest(blocks),
+            slope: State::at_rest(lattice.nx()),
             next: State::at_rest(blocks),
             direction: vec![0.0; contact.blocks.len()],
             contact,
@@ -103,12 +107,12 @@ impl<'a> RungeKutta<'a> {
         }
     }
 
-    /// Slope of `stage` from the forces just evaluated.
+    /// Slope of the contact row of `stage` from the forces just evaluated.
     fn find_slope(&mut self) {
         let Self { bonds, stage, slope, contact, direction, inverse_mass, damping, .. } = self;
         let [force_x, force_y] = bonds.forces();
         for (c, force) in [force_x, force_y].into_iter().enumerate() {
-            slope.u[c].copy_from_slice(&stage.v[c]);
+            slope.u[c].copy_from_slice(&stage.v[c][..slope.v[c].len()]);
             for (((a, f), inverse), v) in slope.v[c].iter_mut().zip(force).zip(inverse_mass.iter()).zip(&stage.v[c]) {
                 // m a = F - gamma m v
                 *a = f * inverse - *damping * v;
@@ -132,6 +136,60 @@ impl<'a> RungeKutta<'a> {
         for block in contact.blocks.iter().filter(|block| block.motion != Motion::Lifted) {
             slope.u[1][block.column] = 0.0;
             slope.v[1][block.column] = 0.0;
+        }
+    }
+}
+
+impl RungeKutta<'_> {
+    /// Adds `weight` times the slope of the rows above the contact row to `next`, and moves `stage` there `ahead`.
+    fn advance_above(&mut self, weight: f64, ahead: f64) {
+        let Self { bonds, nx, state, stage, next, inverse_mass, damping, .. } = self;
+        for c in 0..2 {
+            vectorized(Advance {
+                weight,
+                ahead,
+                damping: *damping,
+                force: &bonds.forces()[c][*nx..],
+                inverse_mass: &inverse_mass[*nx..],
+                state: [&state.u[c][*nx..], &state.v[c][*nx..]],
+                stage: [&mut stage.u[c][*nx..], &mut stage.v[c][*nx..]],
+                next: [&mut next.u[c][*nx..], &mut next.v[c][*nx..]],
+            });
+        }
+    }
+}
+
+/// One stage for the displacements and velocities of free blocks, in one pass.
+struct Advance<'a> {
+    weight: f64,
+    ahead: f64,
+    damping: f64,
+    force: &'a [f64],
+    inverse_mass: &'a [f64],
+    state: [&'a [f64]; 2],
+    stage: [&'a mut [f64]; 2],
+    next: [&'a mut [f64]; 2],
+}
+
+impl WithSimd for Advance<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { weight, ahead, damping, force, inverse_mass, state, stage, next } = self;
+        let ([u, v], [stage_u, stage_v], [next_u, next_v]) = (state, stage, next);
+        let count = force.len();
+        let (inverse_mass, u, v) = (&inverse_mass[..count], &u[..count], &v[..count]);
+        let (stage_u, stage_v) = (&mut stage_u[..count], &mut stage_v[..count]);
+        let (next_u, next_v) = (&mut next_u[..count], &mut next_v[..count]);
+        for n in 0..count {
+            let velocity = stage_v[n];
+            // m a = F - gamma m v
+            let acceleration = force[n] * inverse_mass[n] - damping * velocity;
+            next_u[n] += weight * velocity;
+            next_v[n] += weight * acceleration;
+            stage_u[n] = u[n] + ahead * velocity;
+            stage_v[n] = v[n] + ahead * acceleration;
         }
     }
 }
@@ -185,6 +243,7 @@ impl Engine for RungeKutta<'_> {
             if number < 3 {
                 self.stage.set_to(&self.state, ahead * h, &self.slope);
             }
+            self.advance_above(weight * h, ahead * h);
         }
         std::mem::swap(&mut self.state, &mut self.next);
         for (block, direction) in self.contact.blocks.iter_mut().zip(&self.direction) {
