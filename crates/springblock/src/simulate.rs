@@ -308,12 +308,7 @@ fn stderr_share(scene: &Scene) -> Option<f64> {
 }
 
 /// One record per load from runs by load, draw and surface, the patterned one first; `corrections` of the ratio by load.
-fn collect(
-    scene: &Scene,
-    surfaces: usize,
-    corrections: &[f64],
-    outcomes: Vec<SurfaceOutcome>,
-) -> Vec<LoadOutcome> {
+fn collect(scene: &Scene, surfaces: usize, corrections: &[f64], outcomes: Vec<SurfaceOutcome>) -> Vec<LoadOutcome> {
     let mut outcomes = outcomes.into_iter();
     let mut loads = Vec::with_capacity(scene.loads.len());
     for (load, correction) in scene.loads.iter().zip(corrections) {

@@ -26,11 +26,8 @@ impl Protocol {
     /// start is warm.
     #[must_use]
     pub fn of(scene: &Scene, scales: &Scales, load: f64) -> Self {
-        let (ramp, start) = if scene.run.warm_start {
-            (0.0, 0.0)
-        } else {
-            (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s)
-        };
+        let (ramp, start) =
+            if scene.run.warm_start { (0.0, 0.0) } else { (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s) };
         Self { ramp, start, load, speed: scene.speed_m_s * scales.time_s / scales.length_m }
     }
 

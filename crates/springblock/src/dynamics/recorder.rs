@@ -226,7 +226,11 @@ mod tests {
         for _ in 0..n {
             bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            recorder.record(ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() }, &mut contact, 0);
+            recorder.record(
+                ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() },
+                &mut contact,
+                0,
+            );
         }
         let mean = recorder.window_mean(0).unwrap();
         let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();

@@ -114,8 +114,9 @@ fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn PlaneEngine>, time_s
 
 #[test]
 fn leapfrog_is_of_second_and_runge_kutta_of_fourth_order_without_friction() {
-    let leapfrog =
-        |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> { Box::new(StripLeapfrog::new(lattice, setup)) };
+    let leapfrog = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
+        Box::new(StripLeapfrog::new(lattice, setup))
+    };
     let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
         Box::new(RungeKutta::new(lattice, Springs::Linear, setup))
     };

@@ -330,11 +330,7 @@ mod tests {
         let post = squares(46.0, 4.0, 20.0).nearest_whole();
         assert!((0..25).any(|n| post.contact_share(n % 5, n / 5) == 1.0));
         assert!(squares(100.0, 100.0, 199.0).nearest_whole().depth() == 19.0);
-        let groove = SolidLattice::cell(
-            &Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(),
-            10e-6,
-            5,
-        );
+        let groove = SolidLattice::cell(&Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(), 10e-6, 5);
         let long = groove.repeated_along_y(4);
         assert!((0..20).all(|n| long.contact_share(n % 5, n / 5) == groove.contact_share(n % 5, 0)));
     }

@@ -134,19 +134,6 @@ impl<'a> ContactLayer<'a> {
         self.holding == 0
     }
 
-    /// Sets every block in motion.
-    #[cfg(test)]
-    pub fn all_slip(&mut self, velocity: [f64; 2]) {
-        for block in &mut self.blocks {
-            block.motion = Motion::Slip;
-            block.has_slipped = true;
-            for (own, v) in self.velocity.iter_mut().zip(velocity) {
-                own[block.place] = v;
-            }
-        }
-        self.holding = 0;
-    }
-
     /// Normal force, negative under tension, and friction along x and y of every block at the last force evaluation.
     pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; 2])> + '_ {
         self.blocks.iter().map(|block| {
@@ -189,11 +176,7 @@ impl<'a> ContactLayer<'a> {
             }
         }
         let ([x, y], [sum_x, sum_y]) = (self.direction, [0, 1].map(|c: usize| fixed_sum(&self.friction[c])));
-        ContactSums {
-            friction: x * sum_x + y * sum_y,
-            across: x * sum_y - y * sum_x,
-            normal: fixed_sum(&self.normal),
-        }
+        ContactSums { friction: x * sum_x + y * sum_y, across: x * sum_y - y * sum_x, normal: fixed_sum(&self.normal) }
     }
 
     fn kick_block(&mut self, place: usize, force: [f64; 3], kept: f64) {
@@ -281,10 +264,8 @@ impl WithSimd for Pass<'_> {
             let per_length = simd.div_f64s(mul(dynamic_mu[i], grip), simd.sqrt_f64s(dot(along, along)));
             let resistance = along.map(|along| mul(per_length, along));
             let slowed = [0, 1].map(|c: usize| sub(free[c], mul(kick[i], resistance[c])));
-            let slides_on = simd.and_m64s(
-                simd.less_than_f64s(zero, dot(free, v)),
-                simd.less_than_f64s(zero, dot(slowed, v)),
-            );
+            let slides_on =
+                simd.and_m64s(simd.less_than_f64s(zero, dot(free, v)), simd.less_than_f64s(zero, dot(slowed, v)));
             // At rest v is 0 and it cannot slide on.
             let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
             let moves = simd.and_m64s(goes_on, slides_on);

@@ -102,15 +102,10 @@ impl<'a> SolidLeapfrog<'a> {
     }
 
     /// The contact layer.
+    #[cfg(test)]
     #[must_use]
     pub const fn contact(&self) -> &ContactLayer<'a> {
         &self.contact
-    }
-
-    /// The same, to be set in motion.
-    #[cfg(test)]
-    pub fn contact_mut(&mut self) -> &mut ContactLayer<'a> {
-        &mut self.contact
     }
 
     /// Displacements of the bulk at `time` that balance the load.

@@ -177,6 +177,36 @@ mod tests {
     use slipgrid_pattern::{Pattern, Planform};
 
     #[test]
+    fn the_largest_frequency_is_that_of_the_dense_matrix() {
+        let pattern = Pattern::new(Planform::Square, 20e-6, 30e-6, 10e-6).unwrap();
+        for lattice in [SolidLattice::cell(&pattern, 10e-6, 3), SolidLattice::flat([4, 4], 3)] {
+            let bonds = SolidBonds::new(&lattice);
+            let blocks = bonds.mass().len();
+            let unknowns: Vec<(usize, usize)> = (0..3 * blocks)
+                .map(|n| (n / 3, n % 3))
+                .filter(|(n, c)| {
+                    bonds.mass()[*n] > 0.0 && (*c < 2 || *n >= lattice.columns()[0] * lattice.columns()[1])
+                })
+                .collect();
+            let mut matrix = nalgebra::DMatrix::<f64>::zeros(unknowns.len(), unknowns.len());
+            let mut force = vec![[0.0; 3]; blocks + 1];
+            for (column, (n, c)) in unknowns.iter().enumerate() {
+                let mut u = vec![[0.0; 3]; blocks + 1];
+                u[*n][*c] = 1.0;
+                bonds.balance(&mut u, 0.0);
+                bonds.forces(&u, &mut force);
+                for (row, (m, d)) in unknowns.iter().enumerate() {
+                    matrix[(row, column)] = -force[*m][*d] / (bonds.mass()[*n] * bonds.mass()[*m]).sqrt();
+                }
+            }
+            assert!((&matrix - matrix.transpose()).abs().max() < 1e-12);
+            let expected = matrix.symmetric_eigenvalues().max().sqrt();
+            let found = largest_frequency(&lattice, false);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+    }
+
+    #[test]
     fn the_stability_limit_leaves_the_default_step_room() {
         // Inside: [100] waves of the shortest length, m w^2 = 12 k.
         let flat = largest_frequency(&SolidLattice::flat([8, 8], 20), false);

@@ -111,8 +111,7 @@ impl SlipBlock {
 mod tests {
     use super::*;
 
-    const UNIT: GripPiece =
-        GripPiece { from: 0.0, to: f64::INFINITY, constant: 0.0, linear: 1.0, quadratic: 0.0 };
+    const UNIT: GripPiece = GripPiece { from: 0.0, to: f64::INFINITY, constant: 0.0, linear: 1.0, quadratic: 0.0 };
 
     fn block(static_mu: f64, dynamic_mu: f64) -> SlipBlock {
         SlipBlock::new(0, Coefficients { static_mu, dynamic_mu })
