@@ -8,7 +8,7 @@ use crate::lattice::{Bond, Lattice};
 pub struct Contact {
     /// Its column.
     pub column: usize,
-    /// Width of the column, in lattice spacings.
+    /// Width on which it touches, in lattice spacings.
     pub width: f64,
     /// Distance of its centre from the left side, in lattice spacings.
     pub centre: f64,
@@ -16,7 +16,13 @@ pub struct Contact {
     pub dof: usize,
     /// It has left the counterface.
     pub lifted: bool,
+    /// Stiffness over k of what holds it vertically where it touches in part; absent where it is pinned.
+    pub tie: Option<f64>,
 }
+
+/// Stiffness over k of the tie of a block half of which touches the counterface: kappa = TIE a / (1 - a) for the
+/// share a, so that a block is free at 0 and pinned at 1.
+pub const TIE: f64 = 1.0;
 
 /// One spring's share of the normal force on a contact: N += coefficients . (u_contact - u_other).
 #[derive(Clone, Copy, Debug)]
@@ -93,9 +99,13 @@ impl System {
             }
         }
         for contact in &system.contacts {
-            if !contact.lifted {
-                stiffness.pin(contact.dof + 1);
-                system.coupling[contact.dof + 1] = 0.0;
+            match contact.tie {
+                _ if contact.lifted => {}
+                Some(tie) => stiffness.add(contact.dof + 1, contact.dof + 1, tie),
+                None => {
+                    stiffness.pin(contact.dof + 1);
+                    system.coupling[contact.dof + 1] = 0.0;
+                }
             }
         }
         system.factor = stiffness.factor();
@@ -107,18 +117,9 @@ impl System {
     }
 
     fn list_contacts(&mut self, lattice: &Lattice, lifted: &[usize]) {
-        let mut left = 0.0;
-        for (i, column) in lattice.columns().iter().enumerate() {
-            if column.is_land() {
-                self.contacts.push(Contact {
-                    column: i,
-                    width: column.width,
-                    centre: left + 0.5 * column.width,
-                    dof: self.dof(i, 0),
-                    lifted: lifted.contains(&i),
-                });
-            }
-            left += column.width;
+        self.contacts = contacts(lattice, |i| self.dof(i, 0));
+        for contact in &mut self.contacts {
+            contact.lifted = lifted.contains(&contact.column);
         }
     }
 
@@ -235,6 +236,27 @@ impl System {
         });
         force
     }
+}
+
+/// The contact blocks of `lattice` on the counterface, left to right, their unknowns numbered by `dof` of the column.
+pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    let mut left = 0.0;
+    for (i, column) in lattice.columns().iter().enumerate() {
+        let share = lattice.contact_share(i);
+        if share > 0.0 {
+            contacts.push(Contact {
+                column: i,
+                width: share * column.width,
+                centre: left + 0.5 * column.width,
+                dof: dof(i),
+                lifted: false,
+                tie: (share < 1.0).then(|| TIE * share / (1.0 - share)),
+            });
+        }
+        left += column.width;
+    }
+    contacts
 }
 
 /// Position of every column in the order of elimination. A ring is folded, 0, n-1, 1, n-2, ...,
