@@ -175,25 +175,31 @@ impl Lattice {
         }
     }
 
-    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
-    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
-    pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
+    /// Rows that a cavity reaches into, wholly or in part.
+    #[must_use]
+    pub fn cavity_rows(&self) -> usize {
+        let deepest = self.columns.iter().map(|column| column.cavity_rows).fold(0.0, f64::max);
+        (deepest.ceil() as usize).min(self.rows)
+    }
+
+    /// Every spring of the flat layer with the share of it that is there, those to the bulk included, in a fixed
+    /// order: column by column, row by row. With `cavities` only those that start in a row and a column, or next to
+    /// a column, that a cavity reaches into.
+    fn visit_bonds(&self, cavities: bool, mut visit: impl FnMut(Bond, f64)) {
+        let rows = if cavities { self.cavity_rows() } else { self.rows };
         for i in 0..self.nx() {
             let (left, right) = (self.left_of(i), self.right_of(i));
+            if cavities && [left, Some(i), right].into_iter().flatten().all(|i| self.columns[i].coverage == 0.0) {
+                continue;
+            }
             let vertical = self.vertical_stiffness(i);
-            for j in 0..self.ny() {
+            for j in 0..rows {
                 let here = self.presence(i, j);
-                if here == 0.0 {
-                    continue;
-                }
                 let above = j + 1;
                 let mut join = |column: usize, row: usize, rest: [f64; 2], stiffness: f64| {
                     let b = (row < self.rows).then_some((column, row));
                     let there = b.map_or(1.0, |(column, row)| self.presence(column, row));
-                    let share = stiffness_share(here.min(there));
-                    if share > 0.0 {
-                        visit(Bond { a: (i, j), b, rest, stiffness: stiffness * share });
-                    }
+                    visit(Bond { a: (i, j), b, rest, stiffness }, stiffness_share(here.min(there)));
                 };
                 if let Some(right) = right.filter(|&right| right != i) {
                     let w = self.interval(i, right);
@@ -208,6 +214,26 @@ impl Lattice {
                 }
             }
         }
+    }
+
+    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
+    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
+    pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
+        self.visit_bonds(false, |bond, share| {
+            if share > 0.0 {
+                visit(Bond { stiffness: bond.stiffness * share, ..bond });
+            }
+        });
+    }
+
+    /// What every spring that is weaker than in a flat layer lacks of its stiffness there, those of removed blocks
+    /// included, in a fixed order.
+    pub fn for_each_missing_bond(&self, mut visit: impl FnMut(Bond)) {
+        self.visit_bonds(true, |bond, share| {
+            if share < 1.0 {
+                visit(Bond { stiffness: bond.stiffness * (1.0 - share), ..bond });
+            }
+        });
     }
 
     /// Mass of block (i, j) over m: its adjoining quarter cells over 4, at least 1/4; 0 where there is

@@ -1,5 +1,6 @@
 //! The linear part of steady sliding: stiffness, its factor, the response to friction and to the bulk.
 
+use super::LinearResponse;
 use super::band::{BandFactor, BandMatrix};
 use crate::lattice::{Bond, Lattice};
 
@@ -62,6 +63,12 @@ fn half_bandwidth(columns: usize, rows: usize, periodic: bool) -> usize {
 pub fn factor_bytes(columns: usize, rows: usize, periodic: bool) -> f64 {
     let row = half_bandwidth(columns, rows, periodic) + 1;
     8.0 * (2 * columns * rows) as f64 * row as f64
+}
+
+/// Multiplications and additions that factoring a ring of `columns` takes.
+pub fn band_products(columns: usize, rows: usize) -> f64 {
+    let half_bandwidth = half_bandwidth(columns, rows, true) as f64;
+    (2 * columns * rows) as f64 * half_bandwidth * half_bandwidth
 }
 
 impl System {
@@ -166,29 +173,42 @@ impl System {
         }
     }
 
-    /// Number of unknowns.
-    pub fn order(&self) -> usize {
-        self.coupling.len()
-    }
-
-    /// Load over P l^2.
-    pub const fn load(&self) -> f64 {
-        self.load
-    }
-
-    /// The contact blocks, left to right.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts
-    }
-
     /// Number of the horizontal unknown of block (i, j); the vertical one follows.
     pub fn dof(&self, i: usize, j: usize) -> usize {
         2 * (self.position[i] * self.rows + j)
     }
 
-    /// Displacements and normal forces (positive in compression) under the nominal load and the
-    /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
-    pub fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
+    #[cfg(test)]
+    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
+        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
+        let height = (pull - self.load) / self.bulk_stiffness;
+        let mut force = 0.0;
+        lattice.for_each_bond(|bond| {
+            if bond.b.is_none() {
+                let [kxx, kxy, _] = bond.linear();
+                let a = self.dof(bond.a.0, bond.a.1);
+                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
+            }
+        });
+        force
+    }
+}
+
+impl LinearResponse for System {
+    fn order(&self) -> usize {
+        self.coupling.len()
+    }
+
+    fn load(&self) -> f64 {
+        self.load
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
         for (contact, force) in self.contacts.iter().zip(friction) {
             displacement[contact.dof] = -force;
@@ -219,22 +239,6 @@ impl System {
                 *normal = 0.0; // in equilibrium off the counterface: what is left is rounding
             }
         }
-    }
-
-    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
-    #[cfg(test)]
-    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
-        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
-        let height = (pull - self.load) / self.bulk_stiffness;
-        let mut force = 0.0;
-        lattice.for_each_bond(|bond| {
-            if bond.b.is_none() {
-                let [kxx, kxy, _] = bond.linear();
-                let a = self.dof(bond.a.0, bond.a.1);
-                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
-            }
-        });
-        force
     }
 }
 
