@@ -1,10 +1,11 @@
 //! How a section of the pattern is divided into columns of blocks.
 //!
-//! Widths that are whole blocks give the plain lattice. Others are resolved, not rounded: each land
-//! and each cavity is divided into the nearest whole number of columns, whose common width departs
-//! from l by at most l/2 over that number of columns. The edges of cavities lie where the pattern
-//! puts them, so mu is continuous in width and spacing but for the small step (measured: below
-//! 1e-4 in the ratio) where the number of columns changes. Depth is kept in fractions of a row.
+//! Widths that are whole blocks give the plain lattice. Others are resolved, not rounded. A cell is
+//! divided into the nearest whole number of equal columns, stretched to fit; the left edge of its first
+//! cavity lies between two columns, the others where the pattern puts them, so that a column may be covered in
+//! part. A sample, whose length is whole blocks, has columns fitted to the edges: each land and each cavity is
+//! divided into the nearest whole number of columns, whose common width departs from l by at most l/2 over
+//! that number. Depth is kept in fractions of a row.
 
 use slipgrid_pattern::Pattern;
 
@@ -13,19 +14,21 @@ use slipgrid_pattern::Pattern;
 pub struct Column {
     /// Width over the lattice spacing l.
     pub width: f64,
+    /// Share of the column that is cavity: 0 on land, 1 in a cavity, between them at its edge.
+    pub coverage: f64,
     /// Depth of the cavity above the counterface in rows, 0 on land.
     pub cavity_rows: f64,
 }
 
 impl Column {
     const fn land(width: f64) -> Self {
-        Self { width, cavity_rows: 0.0 }
+        Self { width, coverage: 0.0, cavity_rows: 0.0 }
     }
 
-    /// Whether the column's lowest block touches the counterface.
+    /// Whether the column's lowest block touches the counterface, wholly or in part.
     #[must_use]
     pub fn is_land(&self) -> bool {
-        self.cavity_rows == 0.0
+        self.coverage < 1.0
     }
 }
 
@@ -74,7 +77,7 @@ impl Section {
     }
 
     fn cavity(&self) -> Column {
-        Column { width: self.width / self.cavity_columns() as f64, cavity_rows: self.depth }
+        Column { width: self.width / self.cavity_columns() as f64, coverage: 1.0, cavity_rows: self.depth }
     }
 }
 
@@ -84,14 +87,54 @@ pub fn flat(count: usize) -> Vec<Column> {
     vec![Column::land(1.0); count]
 }
 
-/// One period: land of floor(land columns / 2), the cavity, the rest of the land.
+/// Cells of fewer columns that are no whole blocks are repeated: stretching takes at most 1/2 column, and a
+/// quarter in each direction still leaves every spring pulling.
+const LEAST_STRETCHED_COLUMNS: f64 = 8.0;
+/// A smaller share of a column is none: nothing would hold it.
+const LEAST_COVERAGE: f64 = 1e-6;
+
+/// Periods, columns and their width of a cell `blocks` lattice spacings long.
+pub fn divide(blocks: f64) -> (usize, usize, f64) {
+    let is_whole = (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) && blocks > 0.5;
+    if is_whole {
+        return (1, blocks.round() as usize, 1.0);
+    }
+    let periods = (LEAST_STRETCHED_COLUMNS / blocks).ceil().max(1.0);
+    let columns = (periods * blocks).round();
+    (periods as usize, columns as usize, periods * blocks / columns)
+}
+
+/// A share of a column, 0 or 1 where it is so to rounding.
+pub fn settled(share: f64) -> f64 {
+    if share > 1.0 - LEAST_COVERAGE {
+        1.0
+    } else if share < LEAST_COVERAGE {
+        0.0
+    } else {
+        share
+    }
+}
+
+/// One period, or as many as make 8 columns where it is no whole blocks. A first cavity of c in m columns leaves
+/// floor((m - c)/2) before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     let section = Section::new(pattern, block_m);
-    let (land, cavity) = (section.land_columns(), section.cavity_columns());
-    let before = land / 2;
-    (0..land + cavity)
-        .map(|i| if (before..before + cavity).contains(&i) { section.cavity() } else { section.land() })
+    let pitch = section.width + section.spacing;
+    let (_, columns, width) = divide(pitch);
+    let covered = columns_in(section.width / width);
+    let before = columns.saturating_sub(covered) / 2;
+    let edge = before as f64 * width;
+    (0..columns)
+        .map(|i| {
+            let (left, right) = (i as f64 * width - edge, (i + 1) as f64 * width - edge);
+            // Cavities m pitches from the first one, on both sides of the cell's ends.
+            let overlap = |m: f64| (right.min(m * pitch + section.width) - left.max(m * pitch)).max(0.0);
+            let first = (left / pitch).floor();
+            let coverage = settled((overlap(first) + overlap(first + 1.0)) / width);
+            let cavity_rows = if coverage > 0.0 { section.depth } else { 0.0 };
+            Column { width, coverage, cavity_rows }
+        })
         .collect()
 }
 
@@ -194,10 +237,23 @@ mod tests {
     }
 
     #[test]
-    fn fitted_columns_keep_every_edge_and_the_total_length() {
-        let columns = cell(&pattern(133.7, 361.2, 14.0), 10e-6);
-        let width = |land: bool| columns.iter().filter(|c| c.is_land() == land).map(|c| c.width).sum::<f64>();
-        assert!((width(false) - 13.37).abs() < 1e-12 && (width(true) - 36.12).abs() < 1e-12);
+    fn stretched_columns_keep_every_area_and_the_first_edge() {
+        for (width_um, spacing_um, periods) in [(133.7, 361.2, 1.0), (17.0, 18.0, 3.0), (7.0, 6.0, 7.0)] {
+            let columns = cell(&pattern(width_um, spacing_um, 14.0), 10e-6);
+            let width = columns[0].width;
+            assert!(columns.iter().all(|c| c.width == width) && width > 0.93 && width < 1.07, "{width}");
+            assert!((width * columns.len() as f64 - 0.1 * periods * (width_um + spacing_um)).abs() < 1e-12);
+            let covered: f64 = columns.iter().map(|c| c.coverage * c.width).sum();
+            assert!((covered - 0.1 * periods * width_um).abs() < 1e-5, "{covered}");
+        }
+        let columns = cell(&pattern(133.0, 367.0, 14.0), 10e-6);
+        // 13 columns of 50 are covered, and 0.3 of the one after them.
+        assert_eq!((columns[17].coverage, columns[18].coverage, columns[30].coverage), (0.0, 1.0, 1.0));
+        assert!((columns[31].coverage - 0.3).abs() < 1e-9 && columns[32].is_land());
+    }
+
+    #[test]
+    fn fitted_columns_keep_the_total_length() {
         for length in [990, 991, 996, 1000] {
             let total: f64 = sample(&pattern(133.7, 361.2, 14.0), 10e-6, length).iter().map(|c| c.width).sum();
             assert!((total - length as f64).abs() < 1e-9, "{length}: {total}");

@@ -30,11 +30,21 @@ pub struct Lattice {
 /// (an infinite constant) by 6.8e-4.
 const CEILING_COMPLIANCE: f64 = 3.0;
 
+/// Springs of a smaller share are left out: what they would do to the ratio is as small.
+const LEAST_SHARE: f64 = 1e-4;
+
 /// Stiffness of the springs of a block of which the share `presence` is there: 0 and 1 at the ends, so
 /// that whole rows are plain, and c y / (1 + c - y) between them, because a strip of stiffness s moves
 /// its surroundings of compliance 1/c by s / (s + c), which is to be linear in y.
 pub fn stiffness_share(presence: f64) -> f64 {
-    CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence)
+    let share = CEILING_COMPLIANCE * presence / (1.0 + CEILING_COMPLIANCE - presence);
+    if share < LEAST_SHARE { 0.0 } else { share }
+}
+
+/// Stiffness of the horizontal, the diagonal and the vertical springs over k between columns `w` apart.
+pub fn springs(w: f64) -> [f64; 3] {
+    // k_x = (k/2) (3 - w^2) / w, k_d = (k/2) (w^2 + 1) / (2 w), k_y = (k/2) (3 - 1/w^2) w
+    [0.5 * (3.0 / w - w), 0.25 * (w + 1.0 / w), 0.5 * (3.0 * w - 1.0 / w)]
 }
 
 /// A spring between block `a` and block `b` or, with `b` absent, the bulk.
@@ -97,30 +107,46 @@ impl Lattice {
         self.columns.iter().map(|column| column.width).sum()
     }
 
-    /// Column numbers of the blocks that touch the counterface.
+    /// Column numbers of the blocks that touch the counterface, wholly or in part.
     pub fn contacts(&self) -> impl Iterator<Item = usize> + '_ {
-        self.columns.iter().enumerate().filter(|(_, column)| column.is_land()).map(|(i, _)| i)
+        (0..self.nx()).filter(|&i| self.contact_share(i) > 0.0)
+    }
+
+    /// Share of the width of column `i` that touches the counterface: 0 in a cavity and where no spring is left.
+    #[must_use]
+    pub fn contact_share(&self, i: usize) -> f64 {
+        if self.is_attached(i, 0) { 1.0 - self.columns[i].coverage } else { 0.0 }
     }
 
     /// Share of block (i, j) that is there: 1 for a whole block, 0 for a removed one; in between for
-    /// the ceiling row of a cavity whose depth is no whole number of rows.
+    /// the ceiling row of a cavity whose depth is no whole number of rows and for columns at a cavity's edge.
     #[must_use]
     pub fn presence(&self, i: usize, j: usize) -> f64 {
-        // A cavity of depth d rows leaves 1 - (d - j) of row j, held to [0, 1].
-        (1.0 - (self.columns[i].cavity_rows - j as f64)).clamp(0.0, 1.0)
+        let column = &self.columns[i];
+        // A cavity of depth d rows covering c of a column takes c (d - j) of row j, held to [0, c].
+        1.0 - column.coverage * (column.cavity_rows - j as f64).clamp(0.0, 1.0)
+    }
+
+    /// Whether springs join block (i, j) to others.
+    #[must_use]
+    pub fn is_attached(&self, i: usize, j: usize) -> bool {
+        stiffness_share(self.presence(i, j)) > 0.0
     }
 
     /// Row of the lowest block of column `i` that is there, wholly or in part: the ceiling of a
     /// cavity or, on land, row 0.
     #[must_use]
     pub fn lowest_row(&self, i: usize) -> usize {
-        self.columns[i].cavity_rows.floor() as usize
+        let column = &self.columns[i];
+        let row = if column.is_land() { 0 } else { column.cavity_rows.floor() as usize };
+        if row < self.rows && !self.is_attached(i, row) { row + 1 } else { row }
     }
 
     /// Whether every block is whole and every column one lattice spacing wide: the plain lattice.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        self.columns.iter().all(|column| column.width == 1.0 && column.cavity_rows.fract() == 0.0)
+        let whole = |column: &Column| column.coverage.fract() == 0.0 && column.cavity_rows.fract() == 0.0;
+        self.columns.iter().all(|column| column.width == 1.0 && whole(column))
     }
 
     /// The column to the right of `i`, if there is one.
@@ -139,8 +165,7 @@ impl Lattice {
     }
 
     fn vertical_stiffness(&self, i: usize) -> f64 {
-        // k_y = (k/2) (3 - 1/w^2) w
-        let of_interval = |w: f64| 0.5 * (3.0 * w - 1.0 / w);
+        let of_interval = |w: f64| springs(w)[2];
         match (self.left_of(i), self.right_of(i)) {
             (Some(left), Some(right)) => {
                 0.5 * (of_interval(self.interval(left, i)) + of_interval(self.interval(i, right)))
@@ -150,41 +175,65 @@ impl Lattice {
         }
     }
 
-    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
-    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
-    pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
+    /// Rows that a cavity reaches into, wholly or in part.
+    #[must_use]
+    pub fn cavity_rows(&self) -> usize {
+        let deepest = self.columns.iter().map(|column| column.cavity_rows).fold(0.0, f64::max);
+        (deepest.ceil() as usize).min(self.rows)
+    }
+
+    /// Every spring of the flat layer with the share of it that is there, those to the bulk included, in a fixed
+    /// order: column by column, row by row. With `cavities` only those that start in a row and a column, or next to
+    /// a column, that a cavity reaches into.
+    fn visit_bonds(&self, cavities: bool, mut visit: impl FnMut(Bond, f64)) {
+        let rows = if cavities { self.cavity_rows() } else { self.rows };
         for i in 0..self.nx() {
             let (left, right) = (self.left_of(i), self.right_of(i));
+            if cavities && [left, Some(i), right].into_iter().flatten().all(|i| self.columns[i].coverage == 0.0) {
+                continue;
+            }
             let vertical = self.vertical_stiffness(i);
-            for j in 0..self.ny() {
+            for j in 0..rows {
                 let here = self.presence(i, j);
-                if here == 0.0 {
-                    continue;
-                }
                 let above = j + 1;
                 let mut join = |column: usize, row: usize, rest: [f64; 2], stiffness: f64| {
                     let b = (row < self.rows).then_some((column, row));
                     let there = b.map_or(1.0, |(column, row)| self.presence(column, row));
-                    let share = stiffness_share(here.min(there));
-                    if share > 0.0 {
-                        visit(Bond { a: (i, j), b, rest, stiffness: stiffness * share });
-                    }
+                    visit(Bond { a: (i, j), b, rest, stiffness }, stiffness_share(here.min(there)));
                 };
                 if let Some(right) = right.filter(|&right| right != i) {
                     let w = self.interval(i, right);
-                    // k_x = (k/2) (3 - w^2) / w
-                    join(right, j, [w, 0.0], 0.5 * (3.0 / w - w));
+                    join(right, j, [w, 0.0], springs(w)[0]);
                 }
                 join(i, above, [0.0, 1.0], vertical);
                 for (side, sign) in [(right, 1.0), (left, -1.0)] {
                     if let Some(side) = side {
                         let w = self.interval(i, side);
-                        // k_d = (k/2) (w^2 + 1) / (2 w)
-                        join(side, above, [sign * w, 1.0], 0.25 * (w + 1.0 / w));
+                        join(side, above, [sign * w, 1.0], springs(w)[1]);
                     }
                 }
             }
         }
+    }
+
+    /// Every spring once, those to the bulk included, in a fixed order: column by column, row by row.
+    /// Springs of a block that is there in part are scaled by [`stiffness_share`] of it.
+    pub fn for_each_bond(&self, mut visit: impl FnMut(Bond)) {
+        self.visit_bonds(false, |bond, share| {
+            if share > 0.0 {
+                visit(Bond { stiffness: bond.stiffness * share, ..bond });
+            }
+        });
+    }
+
+    /// What every spring that is weaker than in a flat layer lacks of its stiffness there, those of removed blocks
+    /// included, in a fixed order.
+    pub fn for_each_missing_bond(&self, mut visit: impl FnMut(Bond)) {
+        self.visit_bonds(true, |bond, share| {
+            if share < 1.0 {
+                visit(Bond { stiffness: bond.stiffness * (1.0 - share), ..bond });
+            }
+        });
     }
 
     /// Mass of block (i, j) over m: its adjoining quarter cells over 4, at least 1/4; 0 where there is
@@ -253,7 +302,8 @@ mod tests {
     /// Energy density of a uniform strain (exx, eyy, gxy) over k, by summing the springs of a periodic
     /// block of fitted columns away from its lower and upper edge rows.
     fn energy_density(widths: &[f64], strain: [f64; 3]) -> f64 {
-        let columns: Vec<Column> = widths.iter().map(|&width| Column { width, cavity_rows: 0.0 }).collect();
+        let columns: Vec<Column> =
+            widths.iter().map(|&width| Column { width, coverage: 0.0, cavity_rows: 0.0 }).collect();
         let lattice = Lattice::new(columns, 6, true);
         let [exx, eyy, gxy] = strain;
         let mut energy = 0.0;

@@ -1,5 +1,7 @@
 //! The steady ratio of many patterns of one material under the same loads: what a search calls.
 
+use std::cell::OnceCell;
+
 use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_pattern::Pattern;
 
@@ -7,7 +9,7 @@ use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
-use crate::steady::{SteadyLoad, SteadyModel};
+use crate::steady::{CondensedModel, SteadyLoad, SteadyModel};
 
 /// Steady sliding of one periodic cell with mean coefficients, for any pattern.
 ///
@@ -46,21 +48,46 @@ impl SectionModel {
         }
     }
 
-    /// Steady sliding on `pattern`, one answer per load. One factorization serves all loads.
+    /// Steady sliding on `pattern`, one answer per load: by the few forces about the cavity where that is possible and
+    /// cheaper, otherwise as [`Self::solve_all_blocks`] does. Both give the same to rounding.
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
-        let columns = columns::cell(pattern, self.layer.block_m);
-        let lattice = Lattice::new(columns, self.layer.rows(), true);
+        let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
-        let model = SteadyModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
+        let condensed = CondensedModel::new(&lattice, self.layer.block_m, stiffness, self.liftoff);
+        let all_blocks = OnceCell::new();
+        self.answers(lattice.nx(), |load| {
+            condensed
+                .as_ref()
+                .and_then(|model| model.solve(load))
+                .unwrap_or_else(|| all_blocks.get_or_init(|| self.steady_model(lattice.clone())).solve(load))
+        })
+    }
+
+    /// Steady sliding on `pattern` by a factorization of the equations of all blocks: slower, and the judge of
+    /// [`Self::solve`].
+    #[must_use]
+    pub fn solve_all_blocks(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
+        let model = self.steady_model(self.lattice(pattern));
+        self.answers(model.lattice().nx(), |load| model.solve(load))
+    }
+
+    fn lattice(&self, pattern: &Pattern) -> Lattice {
+        Lattice::new(columns::cell(pattern, self.layer.block_m), self.layer.rows(), true)
+    }
+
+    fn steady_model(&self, lattice: Lattice) -> SteadyModel {
+        SteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
+    }
+
+    fn answers(&self, columns: usize, solve: impl Fn(&SteadyLoad) -> SurfaceOutcome) -> Vec<SectionOutcome> {
         self.loads
             .iter()
             .map(|load| {
                 let mean = load.friction.dynamic_mean();
-                let dynamic_mu = vec![mean; model.lattice().nx()];
+                let dynamic_mu = vec![mean; columns];
                 let area_law = self.area_law.as_ref();
-                let surface =
-                    model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
+                let surface = solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
                 // mu_flat = mu_d f(P)
                 let mu_flat = Some(mean * area_law.map_or(1.0, |law| law.factor(load.pressure_pa)))
                     .filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);

@@ -37,7 +37,10 @@ fn slide(
     speed: f64,
     runge_kutta: bool,
 ) -> Vec<ContactSums> {
-    let columns = depths.iter().map(|&rows| Column { width: 1.0, cavity_rows: rows as f64 }).collect();
+    let columns = depths
+        .iter()
+        .map(|&rows| Column { width: 1.0, coverage: f64::from(u8::from(rows > 0)), cavity_rows: rows as f64 })
+        .collect();
     let lattice = Lattice::new(columns, ROWS, periodic);
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), coefficients, LocalLaw::new(None, 1.0)),

@@ -11,6 +11,7 @@
 use slipgrid_pattern::Pattern;
 
 use super::springs::{LEVEL, Spring, springs};
+use crate::columns::{divide, settled};
 use crate::lattice::stiffness_share;
 
 /// A periodic cell with or without cavities.
@@ -38,25 +39,8 @@ pub struct SolidBond {
     pub share: f64,
 }
 
-/// Cells of fewer columns that are no whole blocks are repeated: stretching takes at most 1/2 column, and a
-/// quarter on one axis still leaves every spring pulling.
-const LEAST_STRETCHED_COLUMNS: f64 = 8.0;
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
-/// Springs of a smaller share are left out: what they would do to the ratio is as small.
-const LEAST_SHARE: f64 = 1e-4;
-
-/// Periods, columns and spacing along one axis of a cell `blocks` lattice spacings long.
-fn divide(blocks: f64) -> (usize, usize, f64) {
-    let is_whole = (blocks - blocks.round()).abs() < WHOLE * blocks.max(1.0) && blocks > 0.5;
-    if is_whole {
-        return (1, blocks.round() as usize, 1.0);
-    }
-    let periods = (LEAST_STRETCHED_COLUMNS / blocks).ceil().max(1.0);
-    let columns = (periods * blocks).round();
-    (periods as usize, columns as usize, periods * blocks / columns)
-}
-
 impl SolidLattice {
     /// Columns along x and y of a cell of `pattern` in blocks of `block_m`.
     #[must_use]
@@ -101,16 +85,7 @@ impl SolidLattice {
                 let (i, j) = (column % columns[0], column / columns[0]);
                 pattern.coverage(edge_m(0, i), edge_m(0, i + 1), edge_m(1, j), edge_m(1, j + 1))
             })
-            // A millionth of a block is no block: nothing would hold it.
-            .map(|share| {
-                if share > 1.0 - 1e-6 {
-                    1.0
-                } else if share < 1e-6 {
-                    0.0
-                } else {
-                    share
-                }
-            })
+            .map(settled)
             .collect();
         let depth = pattern.depth_m() / block_m;
         let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
@@ -201,7 +176,6 @@ impl SolidLattice {
             for spring in kinds {
                 let b = self.neighbour(a, &spring);
                 let share = stiffness_share(here.min(there(b)));
-                let share = if share < LEAST_SHARE { 0.0 } else { share };
                 if (weakened && share < 1.0) || (!weakened && share > 0.0) {
                     visit(SolidBond { a, b, spring, share });
                 }
@@ -226,7 +200,7 @@ impl SolidLattice {
             let b = self.neighbour(a, &spring);
             let there = if b[2] < self.rows { self.presence(b[0], b[1], b[2]) } else { 1.0 };
             let share = stiffness_share(self.presence(i, j, 0).min(there));
-            (share >= LEAST_SHARE).then_some(SolidBond { a, b, spring, share })
+            (share > 0.0).then_some(SolidBond { a, b, spring, share })
         })
     }
 

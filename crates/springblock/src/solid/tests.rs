@@ -305,7 +305,14 @@ fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
     use crate::lattice::Lattice;
     use crate::steady::{SteadyLoad, SteadyModel};
     let law = law();
-    for (width, spacing, depth) in [(130.0, 370.0, 20.0), (100.0, 100.0, 30.0), (200.0, 400.0, 14.0)] {
+    for (width, spacing, depth) in [
+        (130.0, 370.0, 20.0),
+        (100.0, 100.0, 30.0),
+        (200.0, 400.0, 14.0),
+        (133.3, 372.9, 17.0),
+        (58.0, 47.1, 4.0),
+        (21.0, 23.0, 8.0),
+    ] {
         let pattern = pattern(Planform::Groove, width, spacing, depth);
         let section = SteadyModel::new(Lattice::new(columns::cell(&pattern, 10e-6), 20, true), 10e-6, E_PA, false);
         let dynamic_mu = vec![0.27; section.lattice().nx()];

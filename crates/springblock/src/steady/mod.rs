@@ -16,9 +16,16 @@
 //! plain one is mu times a coupling of order 0.3, so that 6 to 12 iterations reach rounding for
 //! mu < 1. Where lands tip or the law falls steeply it may wander: Newton's method ([`newton`]) takes over
 //! from the best state. If that fails too, the best state is returned as not converged.
+//!
+//! N(T) comes from a band factorization of all blocks ([`system`]) or, for cells of equal columns, from the flat
+//! layer's response in closed form and the few forces about the cavity ([`condensed`]): the same to rounding, in a
+//! twentieth of the time.
 
 mod anderson;
 mod band;
+mod condensed;
+mod dense;
+mod flat_layer;
 mod newton;
 mod system;
 
@@ -27,8 +34,9 @@ use slipgrid_material::AreaLaw;
 use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
-use system::System;
+pub use condensed::CondensedModel;
 pub use system::factor_bytes;
+use system::{Contact, System};
 
 /// Change of the friction forces, relative to the load, below which the solve has converged; the
 /// error of mu is about as large. The requirement on mu is 1e-8.
@@ -57,6 +65,19 @@ pub struct SteadyModel {
     youngs_modulus_pa: f64,
     liftoff: bool,
     system: System,
+}
+
+/// What friction on the contact blocks does to an elastic lattice under the nominal load.
+trait LinearResponse {
+    /// The contact blocks, left to right.
+    fn contacts(&self) -> &[Contact];
+    /// Load over P l^2: the length over l.
+    fn load(&self) -> f64;
+    /// Number of displacements that [`Self::respond`] gives.
+    fn order(&self) -> usize;
+    /// Displacements and normal forces (positive in compression) under the nominal load and the
+    /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
+    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]);
 }
 
 /// Forces on the contact blocks in units of P l^2, and displacements in units of P l^2 / k.
@@ -140,7 +161,7 @@ impl SteadyModel {
             return vec![[0.0; 2]; nx * ny];
         }
         let state = self.equilibrium(load);
-        let unit = self.displacement_unit(load.pressure_pa);
+        let unit = displacement_unit(load.pressure_pa, self.youngs_modulus_pa);
         (0..nx * ny)
             .map(|number| {
                 let dof = self.system.dof(number % nx, number / nx);
@@ -153,64 +174,18 @@ impl SteadyModel {
         if self.liftoff { self.solve_unilateral(load) } else { iterate(&self.system, load) }
     }
 
-    /// Unit of displacement over l: P l^2 / (k l) = P / (3/4 E).
-    fn displacement_unit(&self, pressure_pa: f64) -> f64 {
-        pressure_pa / (0.75 * self.youngs_modulus_pa)
-    }
-
     fn unloaded(&self) -> SurfaceOutcome {
-        let positions = self.system.contacts().iter().map(|contact| contact.centre * self.block_m);
-        SurfaceOutcome::unsolved(Status::NoLoad, positions)
-    }
-
-    fn point(&self, centre: f64, pressure_pa: f64, friction_pa: f64) -> InterfacePoint {
-        InterfacePoint { x_m: centre * self.block_m, y_m: 0.0, pressure_pa, friction_pa }
+        unloaded(self.system.contacts(), self.block_m)
     }
 
     fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
-        let contacts = self.system.contacts();
-        if !state.normal.iter().chain(&state.friction).all(|force| force.is_finite()) {
-            // Nothing resists the friction, as in a single free column: there is no equilibrium.
-            return SurfaceOutcome { status: Status::NotConverged, ..self.unloaded() };
-        }
-        let interface: Vec<InterfacePoint> = contacts
-            .iter()
-            .zip(state.normal.iter().zip(&state.friction))
-            // p = F_n / (w l), forces in units of P l^2
-            .map(|(c, (n, t))| self.point(c.centre, n / c.width * load.pressure_pa, t / c.width * load.pressure_pa))
-            .collect();
-        let compressive: f64 = state.normal.iter().filter(|n| **n > 0.0).sum();
-        let friction: f64 = state.friction.iter().sum();
-        let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
-        let mu = (compressive > 0.0 && friction.is_finite()).then(|| friction / compressive);
-        SurfaceOutcome {
-            status: match mu {
-                Some(0.0) if state.status == Status::Converged => Status::NoFriction,
-                Some(_) => state.status,
-                None => Status::NoLoad,
-            },
-            mu_dynamic: mu,
-            mu_dynamic_stderr: None,
-            mu_across: None,
-            averaged_from_s: None,
-            mu_static: None,
-            peak_pressure_pa,
-            tension_blocks: state.normal.iter().filter(|n| **n < 0.0).count(),
-            cavity_closed: self.is_closed(load.pressure_pa, &state.displacement),
-            area_law_extrapolated: load
-                .area_law
-                .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
-            residual: Some(state.residual),
-            iterations: state.iterations,
-            cost: None,
-            interface,
-            trace: Vec::new(),
-        }
+        let closed = self.is_closed(load.pressure_pa, &state.displacement);
+        observe(self.system.contacts(), self.block_m, load, state, closed)
     }
 
     /// Whether a ceiling sags to the counterface.
     fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
-        let unit = self.displacement_unit(pressure_pa);
+        let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
         let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
         // A layer of one row may be cut through: nothing is left that could sag.
         let ceilings = columns.iter().enumerate().filter(|(i, c)| !c.is_land() && self.lattice.lowest_row(*i) < rows);
@@ -221,8 +196,68 @@ impl SteadyModel {
     }
 }
 
+/// Unit of displacement over l: P l^2 / (k l) = P / (3/4 E).
+fn displacement_unit(pressure_pa: f64, youngs_modulus_pa: f64) -> f64 {
+    pressure_pa / (0.75 * youngs_modulus_pa)
+}
+
+/// What is said of a lattice without load.
+fn unloaded(contacts: &[Contact], block_m: f64) -> SurfaceOutcome {
+    SurfaceOutcome::unsolved(Status::NoLoad, contacts.iter().map(|contact| contact.centre * block_m))
+}
+
+/// What the forces of `state` on `contacts` say.
+fn observe(
+    contacts: &[Contact],
+    block_m: f64,
+    load: &SteadyLoad,
+    state: &Equilibrium,
+    cavity_closed: bool,
+) -> SurfaceOutcome {
+    if !state.normal.iter().chain(&state.friction).all(|force| force.is_finite()) {
+        // Nothing resists the friction, as in a single free column: there is no equilibrium.
+        return SurfaceOutcome { status: Status::NotConverged, ..unloaded(contacts, block_m) };
+    }
+    let interface: Vec<InterfacePoint> = contacts
+        .iter()
+        .zip(state.normal.iter().zip(&state.friction))
+        .map(|(contact, (normal, friction))| {
+            // p = F_n / (w l), forces in units of P l^2
+            let [pressure_pa, friction_pa] = [normal, friction].map(|force| force / contact.width * load.pressure_pa);
+            InterfacePoint { x_m: contact.centre * block_m, y_m: 0.0, pressure_pa, friction_pa }
+        })
+        .collect();
+    let compressive: f64 = state.normal.iter().filter(|n| **n > 0.0).sum();
+    let friction: f64 = state.friction.iter().sum();
+    let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
+    let mu = (compressive > 0.0 && friction.is_finite()).then(|| friction / compressive);
+    SurfaceOutcome {
+        status: match mu {
+            Some(0.0) if state.status == Status::Converged => Status::NoFriction,
+            Some(_) => state.status,
+            None => Status::NoLoad,
+        },
+        mu_dynamic: mu,
+        mu_dynamic_stderr: None,
+        mu_across: None,
+        averaged_from_s: None,
+        mu_static: None,
+        peak_pressure_pa,
+        tension_blocks: state.normal.iter().filter(|n| **n < 0.0).count(),
+        cavity_closed,
+        area_law_extrapolated: load
+            .area_law
+            .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
+        residual: Some(state.residual),
+        iterations: state.iterations,
+        cost: None,
+        interface,
+        trace: Vec::new(),
+    }
+}
+
 /// Iterates the fixed point of the friction forces.
-fn iterate(system: &System, load: &SteadyLoad) -> Equilibrium {
+fn iterate(system: &impl LinearResponse, load: &SteadyLoad) -> Equilibrium {
     let contacts = system.contacts();
     let scale = system.load();
     // Every contact starts from its share of the load.

@@ -11,8 +11,8 @@
 //! until |R| decreases. A needs one solution of the elastic equations per contact, so that this is done
 //! only when the cheaper way has failed.
 
+use super::LinearResponse;
 use super::SteadyLoad;
-use super::system::System;
 
 /// Newton steps.
 const MOST_STEPS: usize = 60;
@@ -24,7 +24,7 @@ pub const MOST_CONTACTS: usize = 1500;
 const SLOPE_STEP: f64 = 1e-7;
 
 /// Friction on contact number `number` at the normal force `normal`, in units of P l^2.
-pub fn friction_at(system: &System, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
+pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
     let contact = &system.contacts()[number];
     let normal = if contact.lifted { 0.0 } else { normal.max(0.0) };
     let factor = load.area_law.map_or(1.0, |law| law.factor(normal / contact.width * load.pressure_pa));
@@ -34,7 +34,7 @@ pub fn friction_at(system: &System, load: &SteadyLoad, number: usize, normal: f6
 
 /// Improves `friction` until |R| over the load is at most `tolerance`; what it was if that fails.
 /// Returns the Newton steps taken.
-pub fn improve(system: &System, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
+pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
     let n = friction.len();
     if n == 0 || n > MOST_CONTACTS {
         return 0;
@@ -49,14 +49,14 @@ pub fn improve(system: &System, load: &SteadyLoad, friction: &mut Vec<f64>, tole
 }
 
 /// R(T) = 0.
-struct Equations<'a> {
-    system: &'a System,
+struct Equations<'a, S> {
+    system: &'a S,
     load: &'a SteadyLoad<'a>,
     influence: Influence,
     tolerance: f64,
 }
 
-impl Equations<'_> {
+impl<S: LinearResponse> Equations<'_, S> {
     /// R at `friction` and the normal forces there, and |R| over the load.
     fn residual(&self, friction: &[f64], normal: &[f64]) -> (Vec<f64>, f64) {
         let of = |c: usize| friction[c] - friction_at(self.system, self.load, c, normal[c]);
@@ -118,7 +118,7 @@ struct Influence {
 }
 
 impl Influence {
-    fn new(system: &System, n: usize) -> Self {
+    fn new(system: &impl LinearResponse, n: usize) -> Self {
         let mut displacement = vec![0.0; system.order()];
         let mut at_rest = vec![0.0; n];
         system.respond(&vec![0.0; n], &mut displacement, &mut at_rest);
@@ -196,7 +196,7 @@ mod tests {
 
     /// Number of equilibria of Amontons-Coulomb friction on `system`, one for each set of loaded contacts
     /// that is consistent with itself: by trying all.
-    fn equilibria(system: &System, mu: f64) -> usize {
+    fn equilibria(system: &impl LinearResponse, mu: f64) -> usize {
         let n = system.contacts().len();
         let influence = Influence::new(system, n);
         let consistent = |loaded: usize| {

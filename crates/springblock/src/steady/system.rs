@@ -1,5 +1,6 @@
 //! The linear part of steady sliding: stiffness, its factor, the response to friction and to the bulk.
 
+use super::LinearResponse;
 use super::band::{BandFactor, BandMatrix};
 use crate::lattice::{Bond, Lattice};
 
@@ -8,7 +9,7 @@ use crate::lattice::{Bond, Lattice};
 pub struct Contact {
     /// Its column.
     pub column: usize,
-    /// Width of the column, in lattice spacings.
+    /// Width on which it touches, in lattice spacings.
     pub width: f64,
     /// Distance of its centre from the left side, in lattice spacings.
     pub centre: f64,
@@ -16,7 +17,13 @@ pub struct Contact {
     pub dof: usize,
     /// It has left the counterface.
     pub lifted: bool,
+    /// Stiffness over k of what holds it vertically where it touches in part; absent where it is pinned.
+    pub tie: Option<f64>,
 }
+
+/// Stiffness over k of the tie of a block half of which touches the counterface: kappa = TIE a / (1 - a) for the
+/// share a, so that a block is free at 0 and pinned at 1.
+pub const TIE: f64 = 1.0;
 
 /// One spring's share of the normal force on a contact: N += coefficients . (u_contact - u_other).
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +65,12 @@ pub fn factor_bytes(columns: usize, rows: usize, periodic: bool) -> f64 {
     8.0 * (2 * columns * rows) as f64 * row as f64
 }
 
+/// Multiplications and additions that factoring a ring of `columns` takes.
+pub fn band_products(columns: usize, rows: usize) -> f64 {
+    let half_bandwidth = half_bandwidth(columns, rows, true) as f64;
+    (2 * columns * rows) as f64 * half_bandwidth * half_bandwidth
+}
+
 impl System {
     /// Assembles and factors `lattice` with every contact block pinned vertically but those of the
     /// columns `lifted`.
@@ -93,9 +106,13 @@ impl System {
             }
         }
         for contact in &system.contacts {
-            if !contact.lifted {
-                stiffness.pin(contact.dof + 1);
-                system.coupling[contact.dof + 1] = 0.0;
+            match contact.tie {
+                _ if contact.lifted => {}
+                Some(tie) => stiffness.add(contact.dof + 1, contact.dof + 1, tie),
+                None => {
+                    stiffness.pin(contact.dof + 1);
+                    system.coupling[contact.dof + 1] = 0.0;
+                }
             }
         }
         system.factor = stiffness.factor();
@@ -107,18 +124,9 @@ impl System {
     }
 
     fn list_contacts(&mut self, lattice: &Lattice, lifted: &[usize]) {
-        let mut left = 0.0;
-        for (i, column) in lattice.columns().iter().enumerate() {
-            if column.is_land() {
-                self.contacts.push(Contact {
-                    column: i,
-                    width: column.width,
-                    centre: left + 0.5 * column.width,
-                    dof: self.dof(i, 0),
-                    lifted: lifted.contains(&i),
-                });
-            }
-            left += column.width;
+        self.contacts = contacts(lattice, |i| self.dof(i, 0));
+        for contact in &mut self.contacts {
+            contact.lifted = lifted.contains(&contact.column);
         }
     }
 
@@ -165,29 +173,42 @@ impl System {
         }
     }
 
-    /// Number of unknowns.
-    pub fn order(&self) -> usize {
-        self.coupling.len()
-    }
-
-    /// Load over P l^2.
-    pub const fn load(&self) -> f64 {
-        self.load
-    }
-
-    /// The contact blocks, left to right.
-    pub fn contacts(&self) -> &[Contact] {
-        &self.contacts
-    }
-
     /// Number of the horizontal unknown of block (i, j); the vertical one follows.
     pub fn dof(&self, i: usize, j: usize) -> usize {
         2 * (self.position[i] * self.rows + j)
     }
 
-    /// Displacements and normal forces (positive in compression) under the nominal load and the
-    /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
-    pub fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
+    #[cfg(test)]
+    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
+        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
+        let height = (pull - self.load) / self.bulk_stiffness;
+        let mut force = 0.0;
+        lattice.for_each_bond(|bond| {
+            if bond.b.is_none() {
+                let [kxx, kxy, _] = bond.linear();
+                let a = self.dof(bond.a.0, bond.a.1);
+                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
+            }
+        });
+        force
+    }
+}
+
+impl LinearResponse for System {
+    fn order(&self) -> usize {
+        self.coupling.len()
+    }
+
+    fn load(&self) -> f64 {
+        self.load
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
         for (contact, force) in self.contacts.iter().zip(friction) {
             displacement[contact.dof] = -force;
@@ -219,22 +240,27 @@ impl System {
             }
         }
     }
+}
 
-    /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
-    #[cfg(test)]
-    pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
-        let pull: f64 = self.coupling.iter().zip(displacement).map(|(b, u)| b * u).sum();
-        let height = (pull - self.load) / self.bulk_stiffness;
-        let mut force = 0.0;
-        lattice.for_each_bond(|bond| {
-            if bond.b.is_none() {
-                let [kxx, kxy, _] = bond.linear();
-                let a = self.dof(bond.a.0, bond.a.1);
-                force += kxx * (0.0 - displacement[a]) + kxy * (height - displacement[a + 1]);
-            }
-        });
-        force
+/// The contact blocks of `lattice` on the counterface, left to right, their unknowns numbered by `dof` of the column.
+pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    let mut left = 0.0;
+    for (i, column) in lattice.columns().iter().enumerate() {
+        let share = lattice.contact_share(i);
+        if share > 0.0 {
+            contacts.push(Contact {
+                column: i,
+                width: share * column.width,
+                centre: left + 0.5 * column.width,
+                dof: dof(i),
+                lifted: false,
+                tie: (share < 1.0).then(|| TIE * share / (1.0 - share)),
+            });
+        }
+        left += column.width;
     }
+    contacts
 }
 
 /// Position of every column in the order of elimination. A ring is folded, 0, n-1, 1, n-2, ...,

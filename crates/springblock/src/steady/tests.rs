@@ -10,6 +10,12 @@ fn pattern(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
     Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
 }
 
+/// A column of whole blocks, in a cavity `cavity_rows` deep or on land.
+fn column(in_cavity: bool, cavity_rows: f64) -> Column {
+    let (coverage, cavity_rows) = if in_cavity { (1.0, cavity_rows) } else { (0.0, 0.0) };
+    Column { width: 1.0, coverage, cavity_rows }
+}
+
 /// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
 fn law() -> AreaLaw {
     let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
@@ -195,8 +201,7 @@ fn deep_body_pressures_converge_to_the_closed_form() {
     // the body is deep (1.5 W) and its free strips lie in the plane of contact (vanishing depth).
     let error = |refine: usize| {
         let (pitch, width) = (24 * refine, 8 * refine);
-        let columns: Vec<Column> =
-            (0..pitch).map(|i| Column { width: 1.0, cavity_rows: if i < width { 1e-9 } else { 0.0 } }).collect();
+        let columns: Vec<Column> = (0..pitch).map(|i| column(i < width, 1e-9)).collect();
         let model = SteadyModel::new(Lattice::new(columns, 36 * refine, true), 1e-6, E_PA, false);
         let outcome = solve(&model, 1.0, 0.0, None);
         let w = pitch as f64;
@@ -222,8 +227,8 @@ fn deep_body_pressures_converge_to_the_closed_form() {
 /// `leading`: the edge on the side towards which the body slides.
 fn edge_exponent(refine: usize, mu: f64, leading: bool) -> f64 {
     let (width, land, depth, height) = (8 * refine, 16 * refine, 6 * refine, 18 * refine);
-    let column = |i: usize| Column { width: 1.0, cavity_rows: if i < width { depth as f64 } else { 0.0 } };
-    let lattice = Lattice::new((0..width + land).map(column).collect(), height, true);
+    let columns = (0..width + land).map(|i| column(i < width, depth as f64)).collect();
+    let lattice = Lattice::new(columns, height, true);
     let model = SteadyModel::new(lattice, 1e-6, E_PA, false);
     let outcome = solve(&model, 1.0, mu, None);
     let points: Vec<(f64, f64)> = outcome

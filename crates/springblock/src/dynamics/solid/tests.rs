@@ -206,7 +206,7 @@ fn a_cell_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts()
 #[test]
 fn a_steady_equilibrium_stays_where_it_is() {
     let lattice = cell(4, 4, [12, 12], 2, 8);
-    let model = SolidSteadyModel::new(lattice.clone(), 10e-6, 0.38e9);
+    let model = SolidSteadyModel::new(lattice.clone(), 10e-6, 0.38e9, false);
     let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
     let unit_pa = 0.4 * 0.38e9;
     for direction in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8]] {

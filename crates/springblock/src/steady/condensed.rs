@@ -1,0 +1,373 @@
+//! Steady sliding of a cell of equal columns by the few forces about its cavities.
+//!
+//! The cell is a flat layer from which springs are missing. Filled up it is the same everywhere, and its response
+//! is known ([`super::flat_layer`]). What the filling does is undone by forces g on the blocks that lack a spring:
+//!
+//! ```text
+//! u = u_0 + G (g, w, T),     g = R u,     w: N(u) + kappa w = 0
+//! ```
+//!
+//! u_0 is uniform compression under the load, R the stiffness of the missing springs, w the height of blocks of row
+//! 0 that the counterface does not pin, kappa the tie of those that it touches in part, T friction. Removed blocks
+//! need no force: where they are and what binds them is the filling's affair. So n unknowns, some five a column of the
+//! cavity, replace two a block of the cell, and elimination leaves N = N_0 + A T for the m contacts. It takes
+//! n^3/3 + n^2 m + n m^2 multiplications and additions where the band of the whole cell takes 2 nx ny (4 ny)^2.
+
+use super::dense::{solve_many, subtract_products};
+use super::flat_layer::FlatLayer;
+use super::system::{Contact, band_products, contacts};
+use super::{Equilibrium, LinearResponse, SteadyLoad, displacement_unit, iterate, observe, unloaded};
+use crate::lattice::{Bond, Lattice};
+use crate::outcome::{Status, SurfaceOutcome};
+
+/// Largest number of operations over that of the band factorization at which condensing still pays: the band solver
+/// needs some thirty substitutions more, and these matrices fit into caches.
+const WORTH: f64 = 1.0;
+
+/// No number.
+const NONE: usize = usize::MAX;
+
+/// A cell that may slide under many loads.
+#[derive(Clone, Debug)]
+pub struct CondensedModel {
+    block_m: f64,
+    youngs_modulus_pa: f64,
+    liftoff: bool,
+    response: Condensed,
+    ceilings: Vec<Ceiling>,
+    /// Unknowns y = Y T + y_0, by rows: Y, then y_0.
+    unknowns: Vec<f64>,
+}
+
+/// The lowest block of a column in a cavity.
+#[derive(Clone, Debug)]
+struct Ceiling {
+    /// Depth of the cavity, in rows.
+    depth: f64,
+    /// Its height over the unknowns, the friction forces, and 1.
+    height: Vec<f64>,
+}
+
+/// N = N_0 + A T.
+#[derive(Clone, Debug)]
+struct Condensed {
+    contacts: Vec<Contact>,
+    load: f64,
+    /// A by columns.
+    influence: Vec<f64>,
+    at_rest: Vec<f64>,
+}
+
+impl LinearResponse for Condensed {
+    fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    fn load(&self) -> f64 {
+        self.load
+    }
+
+    fn order(&self) -> usize {
+        0
+    }
+
+    fn respond(&self, friction: &[f64], _: &mut [f64], normal: &mut [f64]) {
+        normal.copy_from_slice(&self.at_rest);
+        // Products are subtracted: the matrix is that of -A.
+        subtract_products(normal, friction, &self.influence, friction.len(), 0);
+    }
+}
+
+impl CondensedModel {
+    /// The model of `lattice`, whose blocks are `block_m` apart; `None` where it is no ring of equal columns, where
+    /// cavities reach the uppermost row, or where the band of all blocks takes fewer operations.
+    #[must_use]
+    pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
+        let width = lattice.columns().first()?.width;
+        let explicit = (lattice.cavity_rows() + 1).max(2);
+        if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
+            return None;
+        }
+        let contacts = contacts(lattice, |_| 0);
+        let equations = Equations::new(lattice, explicit, contacts);
+        if equations.products(lattice) > WORTH * band_products(lattice.nx(), lattice.ny()) {
+            return None;
+        }
+        let layer = FlatLayer::new(lattice.nx(), width, lattice.ny(), explicit);
+        equations.condense(lattice, &layer, width).map(|(response, ceilings, unknowns)| Self {
+            block_m,
+            youngs_modulus_pa,
+            liftoff,
+            response,
+            ceilings,
+            unknowns,
+        })
+    }
+
+    /// Steady sliding under `load`; `None` where blocks leave the counterface or the solve does not converge, so that
+    /// the band solver has to say how it ends.
+    #[must_use]
+    pub fn solve(&self, load: &SteadyLoad) -> Option<SurfaceOutcome> {
+        let contacts = &self.response.contacts;
+        if load.pressure_pa == 0.0 || contacts.is_empty() {
+            return Some(unloaded(contacts, self.block_m));
+        }
+        let state = iterate(&self.response, load);
+        let lifts = self.liftoff && state.normal.iter().any(|normal| *normal < 0.0);
+        if state.status != Status::Converged || lifts {
+            return None;
+        }
+        let closed = self.is_closed(load.pressure_pa, &state);
+        Some(observe(contacts, self.block_m, load, &state, closed))
+    }
+
+    /// Whether a ceiling sags to the counterface.
+    fn is_closed(&self, pressure_pa: f64, state: &Equilibrium) -> bool {
+        let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
+        let friction = &state.friction;
+        let affine = |row: &[f64]| dot(&row[..friction.len()], friction) + row[friction.len()];
+        let unknowns: Vec<f64> = self.unknowns.chunks_exact(friction.len() + 1).map(affine).collect();
+        self.ceilings.iter().any(|ceiling| {
+            let (by_unknowns, rest) = ceiling.height.split_at(unknowns.len());
+            ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit <= 0.0
+        })
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Consecutive columns of a field of the flat layer with an input.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    field: usize,
+    first: usize,
+    count: usize,
+    /// Place of the first one in a row of coefficients.
+    place: usize,
+}
+
+/// Which unknowns there are, before anything is computed.
+struct Equations {
+    nx: usize,
+    explicit: usize,
+    contacts: Vec<Contact>,
+    missing: Vec<Bond>,
+    /// Number of block j nx + i among those at a missing spring.
+    number: Vec<usize>,
+    /// Those blocks: column and row.
+    blocks: Vec<(usize, usize)>,
+    /// Unknown by field and column.
+    unknown_at: Vec<usize>,
+    /// Unknowns: their field and column.
+    unknowns: Vec<(usize, usize)>,
+    runs: Vec<Run>,
+}
+
+impl Equations {
+    fn new(lattice: &Lattice, explicit: usize, contacts: Vec<Contact>) -> Self {
+        let nx = lattice.nx();
+        let mut missing = Vec::new();
+        let mut number = vec![NONE; explicit * nx];
+        let mut blocks = Vec::new();
+        let mut unknown_at = vec![NONE; 2 * explicit * nx];
+        // Marked here, numbered below.
+        lattice.for_each_missing_bond(|bond| {
+            let ends = [Some(bond.a), bond.b].into_iter().flatten();
+            if ends.clone().all(|(i, j)| !lattice.is_attached(i, j)) {
+                return;
+            }
+            for (i, j) in ends {
+                if number[j * nx + i] == NONE {
+                    number[j * nx + i] = blocks.len();
+                    blocks.push((i, j));
+                    if lattice.is_attached(i, j) {
+                        // Row 0 is held vertically: its displacement is the unknown there, if any, not a force.
+                        unknown_at[2 * j * nx + i] = 0;
+                        if j > 0 {
+                            unknown_at[(2 * j + 1) * nx + i] = 0;
+                        }
+                    }
+                }
+            }
+            missing.push(bond);
+        });
+        for (i, column) in lattice.columns().iter().enumerate() {
+            if column.coverage > 0.0 && lattice.is_attached(i, 0) {
+                unknown_at[nx + i] = 0;
+            }
+        }
+        let mut unknowns = Vec::new();
+        let mut runs: Vec<Run> = Vec::new();
+        for (at, unknown) in unknown_at.iter_mut().enumerate().filter(|(_, unknown)| **unknown == 0) {
+            *unknown = unknowns.len();
+            add_to_runs(&mut runs, at / nx, at % nx, unknowns.len());
+            unknowns.push((at / nx, at % nx));
+        }
+        for (contact, place) in contacts.iter().zip(unknowns.len()..) {
+            // Friction on a block that lacks springs is an input of its own.
+            if runs.last().is_some_and(|run| run.place < unknowns.len()) {
+                runs.push(Run { field: 0, first: contact.column, count: 1, place });
+            } else {
+                add_to_runs(&mut runs, 0, contact.column, place);
+            }
+        }
+        Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs }
+    }
+
+    /// Multiplications and additions that condensing takes.
+    fn products(&self, lattice: &Lattice) -> f64 {
+        let [n, m, missing] = [self.unknowns.len(), self.contacts.len(), self.missing.len()].map(|count| count as f64);
+        let (half, fields) = (lattice.nx() as f64 / 2.0, 2.0 * self.explicit as f64);
+        n * n * n / 3.0 + n * n * m + n * m * m + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half
+    }
+
+    /// Entries of a row of coefficients: unknowns, friction forces, 1.
+    fn width(&self) -> usize {
+        self.unknowns.len() + self.contacts.len() + 1
+    }
+
+    /// Coefficients of field `out` in `column`, without what uniform compression adds.
+    fn gather(&self, layer: &FlatLayer, out: usize, column: usize, row: &mut [f64]) {
+        for run in &self.runs {
+            let target = &mut row[run.place..run.place + run.count];
+            let source = layer.responses(out, column, run.field, run.first, run.count);
+            if run.place < self.unknowns.len() {
+                target.copy_from_slice(source);
+            } else {
+                // Friction is positive against sliding: -T is the force.
+                target.iter_mut().zip(source).for_each(|(target, source)| *target = -source);
+            }
+        }
+    }
+
+    /// Coefficients of the displacement `field` in `column`.
+    fn displacement(&self, layer: &FlatLayer, field: usize, column: usize, row: &mut [f64]) {
+        let last = row.len() - 1;
+        if field == 1 {
+            row.fill(0.0);
+            let unknown = self.unknown_at[self.nx + column];
+            if unknown != NONE {
+                row[unknown] = 1.0;
+            }
+        } else {
+            self.gather(layer, field, column, row);
+            // u_0: one row under P l^2 on a column of width w yields by w / (3 w / 2).
+            row[last] = if field % 2 == 1 { -((field / 2) as f64) * 2.0 / 3.0 } else { 0.0 };
+        }
+    }
+
+    /// Coefficients of R u, two rows for each of the blocks.
+    fn missing_forces(&self, lattice: &Lattice, layer: &FlatLayer) -> Vec<f64> {
+        let width = self.width();
+        let mut displacements = vec![0.0; 2 * self.blocks.len() * width];
+        for (rows, &(i, j)) in displacements.chunks_exact_mut(2 * width).zip(&self.blocks) {
+            let (x, z) = rows.split_at_mut(width);
+            self.displacement(layer, 2 * j, i, x);
+            self.displacement(layer, 2 * j + 1, i, z);
+        }
+        let mut forces = vec![0.0; 2 * self.blocks.len() * width];
+        let mut stretch = vec![0.0; width];
+        for bond in &self.missing {
+            let Some(b) = bond.b else { continue };
+            let [kxx, kxy, kyy] = bond.linear();
+            // k e e^T = s s^T
+            let e = [kxx.sqrt(), if kxy < 0.0 { -kyy.sqrt() } else { kyy.sqrt() }];
+            let ends = [bond.a, b].map(|(i, j)| self.number[j * self.nx + i]);
+            let of = |block: usize| displacements[2 * block * width..][..2 * width].split_at(width);
+            let ((ax, az), (bx, bz)) = (of(ends[0]), of(ends[1]));
+            for at in 0..width {
+                stretch[at] = e[0] * (ax[at] - bx[at]) + e[1] * (az[at] - bz[at]);
+            }
+            for ((i, j), block, sign) in [(bond.a, ends[0], 1.0), (b, ends[1], -1.0)] {
+                if lattice.is_attached(i, j) {
+                    let (x, z) = forces[2 * block * width..][..2 * width].split_at_mut(width);
+                    for at in 0..width {
+                        x[at] += sign * e[0] * stretch[at];
+                        z[at] += sign * e[1] * stretch[at];
+                    }
+                }
+            }
+        }
+        forces
+    }
+
+    /// N_0, A, the ceilings, and the unknowns over T; `None` if the equations are singular.
+    fn condense(self, lattice: &Lattice, layer: &FlatLayer, w: f64) -> Option<(Condensed, Vec<Ceiling>, Vec<f64>)> {
+        let (nx, width) = (self.nx, self.width());
+        let (n, m) = (self.unknowns.len(), self.contacts.len());
+        let forces = self.missing_forces(lattice, layer);
+        // What a block of row 0 presses on what is below it: the layer's force less R u.
+        let pressed = |column: usize, row: &mut [f64]| {
+            self.gather(layer, 1, column, row);
+            row[width - 1] = w;
+            if self.number[column] != NONE {
+                let missing = &forces[(2 * self.number[column] + 1) * width..][..width];
+                row.iter_mut().zip(missing).for_each(|(row, missing)| *row -= missing);
+            }
+        };
+        let mut ties = vec![0.0; nx];
+        for contact in &self.contacts {
+            ties[contact.column] = contact.tie.unwrap_or(0.0);
+        }
+        // M y = B (T, 1)
+        let mut equations = vec![0.0; n * width];
+        for (number, (row, &(field, column))) in equations.chunks_exact_mut(width).zip(&self.unknowns).enumerate() {
+            if field == 1 {
+                pressed(column, row);
+                row[number] += ties[column];
+                let scale = 1.0 / row[number];
+                row[..n].iter_mut().for_each(|entry| *entry *= scale);
+                row[n..].iter_mut().for_each(|entry| *entry *= -scale);
+            } else {
+                let block = self.number[field / 2 * nx + column];
+                let missing = &forces[(2 * block + field % 2) * width..][..width];
+                row.copy_from_slice(missing);
+                row[..n].iter_mut().for_each(|entry| *entry = -*entry);
+                row[number] += 1.0;
+            }
+        }
+        if !solve_many(&mut equations, n, width) {
+            return None;
+        }
+        let mut unknowns = vec![0.0; n * (m + 1)];
+        for (unknown, row) in unknowns.chunks_exact_mut(m + 1).zip(equations.chunks_exact(width)) {
+            unknown.copy_from_slice(&row[n..]);
+        }
+        let mut influence = vec![0.0; m * m];
+        let mut at_rest = vec![0.0; m];
+        let mut row = vec![0.0; width];
+        for (number, contact) in self.contacts.iter().enumerate() {
+            pressed(contact.column, &mut row);
+            let (by_unknowns, rest) = row.split_at_mut(n);
+            rest.iter_mut().for_each(|entry| *entry = -*entry);
+            subtract_products(rest, by_unknowns, &unknowns, m + 1, 0);
+            // -N
+            at_rest[number] = -rest[m];
+            for (column, entry) in rest[..m].iter().enumerate() {
+                influence[column * m + number] = *entry;
+            }
+        }
+        let ceilings = (0..nx)
+            .filter(|&i| !lattice.columns()[i].is_land())
+            .map(|i| {
+                let mut height = vec![0.0; width];
+                self.displacement(layer, 2 * lattice.lowest_row(i) + 1, i, &mut height);
+                Ceiling { depth: lattice.columns()[i].cavity_rows, height }
+            })
+            .collect();
+        let response = Condensed { load: lattice.length(), contacts: self.contacts, influence, at_rest };
+        Some((response, ceilings, unknowns))
+    }
+}
+
+fn add_to_runs(runs: &mut Vec<Run>, field: usize, column: usize, place: usize) {
+    match runs.last_mut() {
+        Some(run) if run.field == field && run.first + run.count == column => run.count += 1,
+        _ => runs.push(Run { field, first: column, count: 1, place }),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! Response of a flat periodic layer of equal columns, in closed form.
+//!
+//! For the wave number q its equations are block tridiagonal over the rows, with 2 x 2 blocks
+//!
+//! ```text
+//! C^T u_{k-1} + D_k u_k + C u_{k+1} = f_k
+//! ```
+//!
+//! real for (u_x, -i u_z), because the lattice is its own mirror image. Eliminating from the bulk down,
+//!
+//! ```text
+//! S_k = D_k - C S_{k+1}^-1 C^T,     u_k = S_k^-1 f_k + T_k u_{k-1},     T_k = -S_k^-1 C^T
+//! G_kl = T_k ... T_{l+1} G_ll for k > l,     G_ll = S_l^-1 + T_l G_{l-1,l-1} T_l^T,
+//! ```
+//!
+//! which takes a few thousand operations a wave number. At row 0 the vertical displacement is given, and what is
+//! found is the force. The bulk is rigid, moves only vertically, and its balance is the load's. Displacements in
+//! units of P l^2 / k, forces in P l^2.
+
+use super::dense::subtract_products;
+use crate::lattice::springs;
+
+/// Symmetric 2 x 2 matrix: xx, xz, zz.
+type Symmetric = [f64; 3];
+/// 2 x 2 matrix by rows.
+type Square = [f64; 4];
+
+/// Responses of the lowest rows of a flat layer to unit inputs on them.
+///
+/// Field 2 k is row k along x, field 2 k + 1 vertically. Inputs are forces and outputs displacements, but for
+/// field 1, the vertical one of row 0: its input is a displacement, its output the force that this takes.
+pub struct FlatLayer {
+    columns: usize,
+    fields: usize,
+    /// By output, then input: the output in column 0 for the input in columns 0..nx, twice over.
+    responses: Vec<f64>,
+}
+
+/// S_{k+1} .. of one wave number.
+struct Elimination {
+    /// S_k^-1 by row, for rows from 1.
+    inverses: Vec<Symmetric>,
+    /// T_k by row, for rows from 1.
+    carried: Vec<Square>,
+    /// S_0.
+    lowest: Symmetric,
+}
+
+impl FlatLayer {
+    /// The `explicit` lowest rows of a layer of `rows` rows over `columns`, `w` lattice spacings apart.
+    pub fn new(columns: usize, w: f64, rows: usize, explicit: usize) -> Self {
+        let half = columns / 2 + 1;
+        let fields = 2 * explicit;
+        let turn = std::f64::consts::TAU / columns as f64;
+        let angles: Vec<(f64, f64)> = (0..columns).map(|t| libm::sincos(turn * t as f64)).collect();
+        // Pairs of fields (k, l) with k >= l, by row pair and component; wave numbers fastest.
+        let pairs = explicit * (explicit + 1) / 2;
+        let mut spectra = vec![0.0; 4 * pairs * half];
+        let mut work =
+            Elimination { inverses: vec![[0.0; 3]; explicit], carried: vec![[0.0; 4]; explicit], lowest: [0.0; 3] };
+        for number in 0..half {
+            work.eliminate(angles[number], number == 0, w, rows, explicit);
+            // Both signs of a wave number together.
+            let weight = if number == 0 || 2 * number == columns { 1.0 } else { 2.0 } / columns as f64;
+            let mut put = |pair: usize, response: Square| {
+                for (component, value) in response.into_iter().enumerate() {
+                    spectra[(4 * pair + component) * half + number] = weight * value;
+                }
+            };
+            work.respond(explicit, &mut put);
+        }
+        // Sums over wave numbers: cosines for components of a kind, sines otherwise.
+        let mut waves = [vec![0.0; half * half], vec![0.0; half * half]];
+        for (number, offset) in (0..half).flat_map(|number| (0..half).map(move |offset| (number, offset))) {
+            let (sin, cos) = angles[number * offset % columns];
+            // Negative, because products are subtracted.
+            (waves[0][number * half + offset], waves[1][number * half + offset]) = (-cos, -sin);
+        }
+        let mut layer = Self { columns, fields, responses: vec![0.0; fields * fields * 2 * columns] };
+        let mut sums = vec![0.0; half];
+        let mut pair = 0;
+        for l in 0..explicit {
+            for k in l..explicit {
+                for component in 0..4 {
+                    let odd = component == 1 || component == 2;
+                    sums.fill(0.0);
+                    let spectrum = &spectra[(4 * pair + component) * half..][..half];
+                    subtract_products(&mut sums, spectrum, &waves[usize::from(odd)], half, 0);
+                    let (out, input) = (2 * k + component / 2, 2 * l + component % 2);
+                    // u_x = -i u_xz f_z, u_z = i u_zx f_x: sin and -sin.
+                    let sign = [1.0, 1.0, -1.0, 1.0][component];
+                    layer.set(out, input, &sums, sign, odd);
+                }
+                pair += 1;
+            }
+        }
+        layer
+    }
+
+    /// Enters the response at offsets 0..=nx/2, even or odd in them, and its reciprocal.
+    fn set(&mut self, out: usize, input: usize, sums: &[f64], sign: f64, odd: bool) {
+        let nx = self.columns;
+        let mirrored = if odd { -sign } else { sign };
+        // Betti: u_a by f_b is u_b by f_a seen from the other side; a force by a displacement is negative.
+        let reciprocal = if (out == 1) == (input == 1) { 1.0 } else { -1.0 };
+        let at = |offset: usize| if 2 * offset <= nx { sign * sums[offset] } else { mirrored * sums[nx - offset] };
+        // The output in column 0 by the input in column e: at offset -e.
+        let own = (out * self.fields + input) * 2 * nx;
+        for e in 0..nx {
+            let value = at((nx - e) % nx);
+            self.responses[own + e] = value;
+            self.responses[own + nx + e] = value;
+        }
+        if out != input {
+            let other = (input * self.fields + out) * 2 * nx;
+            for e in 0..nx {
+                let value = reciprocal * at(e);
+                self.responses[other + e] = value;
+                self.responses[other + nx + e] = value;
+            }
+        }
+    }
+
+    /// Field `out` in column `column` by unit inputs in field `input`, one after the other in `count` columns from
+    /// `first` on.
+    pub fn responses(&self, out: usize, column: usize, input: usize, first: usize, count: usize) -> &[f64] {
+        let nx = self.columns;
+        let start = (out * self.fields + input) * 2 * nx + (first + nx - column) % nx;
+        &self.responses[start..start + count]
+    }
+}
+
+impl Elimination {
+    /// From the bulk down, at the wave number of the given sine and cosine.
+    fn eliminate(&mut self, (sin, cos): (f64, f64), uniform: bool, w: f64, rows: usize, explicit: usize) {
+        let [horizontal, diagonal, vertical] = springs(w);
+        // k e e^T of a diagonal: e = (w, 1) / sqrt(w^2 + 1)
+        let share = diagonal / (w * w + 1.0);
+        let level = 2.0 * horizontal * (1.0 - cos);
+        let upward = [2.0 * share * w * w, vertical + 2.0 * share];
+        let (cx, cz, cxz) = (-2.0 * share * w * w * cos, -vertical - 2.0 * share * cos, 2.0 * share * w * sin);
+        // The bulk follows the load where nothing varies, and is rigid otherwise.
+        let mut inverse = [0.0, 0.0, if uniform { 1.0 / upward[1] } else { 0.0 }];
+        for k in (0..rows).rev() {
+            let [a, b, d] = inverse;
+            // C M C^T, C = [[cx, cxz], [-cxz, cz]]
+            let (r0, r1) = ([cx * a + cxz * b, cx * b + cxz * d], [cz * b - cxz * a, cz * d - cxz * b]);
+            let sides = if k == 0 { 1.0 } else { 2.0 };
+            let xx = level + sides * upward[0] - (r0[0] * cx + r0[1] * cxz);
+            let xz = -(r0[1] * cz - r0[0] * cxz);
+            let zz = sides * upward[1] - (r1[1] * cz - r1[0] * cxz);
+            if k == 0 {
+                self.lowest = [xx, xz, zz];
+                return;
+            }
+            let scale = 1.0 / (xx * zz - xz * xz);
+            inverse = [zz * scale, -xz * scale, xx * scale];
+            if k < explicit {
+                let [a, b, d] = inverse;
+                self.inverses[k] = inverse;
+                // T = -S^-1 C^T, C^T = [[cx, -cxz], [cxz, cz]]
+                self.carried[k] = [-(a * cx + b * cxz), a * cxz - b * cz, -(b * cx + d * cxz), b * cxz - d * cz];
+            }
+        }
+    }
+
+    /// Gives the response of row k to inputs on row l for k >= l, l slowest, numbered one by one.
+    fn respond(&self, explicit: usize, put: &mut impl FnMut(usize, Square)) {
+        let [xx, xz, zz] = self.lowest;
+        let inverse = 1.0 / xx;
+        // Row 0 by (f_x, w): u_x = (f_x - S_xz w) / S_xx, f_z = S_xz u_x + S_zz w
+        put(0, [inverse, -xz * inverse, xz * inverse, zz - xz * xz * inverse]);
+        let mut pair = 1;
+        let mut up = [inverse, -xz * inverse, 0.0, 1.0];
+        for k in 1..explicit {
+            up = product(&self.carried[k], &up);
+            put(pair, up);
+            pair += 1;
+        }
+        let mut own = [inverse, 0.0, 0.0, 0.0];
+        for l in 1..explicit {
+            let t = &self.carried[l];
+            let carried = product(t, &own);
+            let [a, b, d] = self.inverses[l];
+            // T G T^T
+            own = [
+                a + carried[0] * t[0] + carried[1] * t[1],
+                b + carried[0] * t[2] + carried[1] * t[3],
+                b + carried[2] * t[0] + carried[3] * t[1],
+                d + carried[2] * t[2] + carried[3] * t[3],
+            ];
+            put(pair, own);
+            pair += 1;
+            let mut up = own;
+            for k in l + 1..explicit {
+                up = product(&self.carried[k], &up);
+                put(pair, up);
+                pair += 1;
+            }
+        }
+    }
+}
+
+fn product(a: &Square, b: &Square) -> Square {
+    [a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]]
+}
