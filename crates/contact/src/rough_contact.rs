@@ -70,6 +70,9 @@ pub struct ContactState {
     pub gap_m: Vec<f64>,
     /// Real contact area.
     pub area: ContactArea,
+    /// Estimate of the error that ending at the tolerance leaves in the area fractions: what they moved by while the
+    /// residual fell through the last decade.
+    pub area_error: f64,
     /// What the solve took.
     pub convergence: Convergence,
 }
@@ -168,6 +171,7 @@ impl RoughContact {
                 pressure_pa,
                 gap_m,
                 area: ContactArea { fraction: area, fraction_corrected: area },
+                area_error: 0.0,
                 convergence,
             })
         };
@@ -183,12 +187,14 @@ impl RoughContact {
             let local_pa = fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect();
             return known(local_pa, vec![0.0; points], 1.0);
         }
-        let Outcome { mut pressure, mut gap, convergence } =
+        let Outcome { mut pressure, mut gap, convergence, area_before } =
             minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor);
         let area = contact_area(&pressure, self.cols);
+        // Without a state a decade before, all of the area is open.
+        let area_error = area_before.map_or(area.fraction, |before| area.distance(&before));
         pressure.iter_mut().for_each(|p| *p *= self.pressure_unit_pa);
         gap.iter_mut().for_each(|g| *g *= self.height_unit_m);
-        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, convergence })
+        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, area_error, convergence })
     }
 }
 

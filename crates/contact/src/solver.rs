@@ -19,6 +19,7 @@
 
 use slipgrid_topography::fourier::{FourierWork, Multiplier};
 
+use crate::area::{ContactArea, contact_area};
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
 use crate::{Monitor, kernels};
 
@@ -27,7 +28,12 @@ pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
     pub(crate) gap: Vec<f64>,
     pub(crate) convergence: Convergence,
+    /// The area when the residual first was within [`AREA_DECADE`] of the tolerance.
+    pub(crate) area_before: Option<ContactArea>,
 }
+
+/// How far before the end the area is noted, for the estimate of its error.
+const AREA_DECADE: f64 = 10.0;
 
 /// Growth of the residual in one iteration after which directions start anew.
 const RESTART_GROWTH: f64 = 2.0;
@@ -90,10 +96,14 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
     let mut fit_before = f64::INFINITY;
     let mut restart = true;
     let mut iterations = 0;
+    let mut area_before = None;
     let (status, error) = loop {
         let gap = kernels::measure(&state.pressure, &state.displacement, &contact.height);
         // |sum (g - min g) p| / (sum p Sq), Sq = 1
         let error = ((gap.work - gap.lowest * load) / load).abs();
+        if error <= AREA_DECADE * options.tolerance && area_before.is_none() {
+            area_before = Some(contact_area(&state.pressure, contact.cols));
+        }
         if error <= options.tolerance {
             break (Status::Converged, error);
         }
@@ -154,7 +164,7 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
         }
         iterations += 1;
     };
-    finish(state, status, error, iterations, best)
+    Outcome { area_before, ..finish(state, status, error, iterations, best) }
 }
 
 /// The last state, or the best one where the last is worse.
@@ -171,5 +181,10 @@ fn finish(mut state: State, status: Status, mut error: f64, iterations: usize, b
         lowest = lowest.min(*g);
     }
     gap.iter_mut().for_each(|g| *g -= lowest);
-    Outcome { pressure, gap, convergence: Convergence { status, iterations, fourier_pairs, residual: error } }
+    Outcome {
+        pressure,
+        gap,
+        convergence: Convergence { status, iterations, fourier_pairs, residual: error },
+        area_before: None,
+    }
 }

@@ -48,8 +48,7 @@ pub struct FourierWork {
     scratch: Vec<Complex64>,
 }
 
-/// A real factor for every wave of a map, a function of the wave number alone, with the 1/(rows cols) that
-/// turns a transform and its inverse into the identity.
+/// A real factor for every wave of a map, the same for waves k and -k, with the 1/(rows cols) that turns a transform and its inverse into the identity.
 #[derive(Clone, Debug)]
 pub struct Multiplier {
     /// rows/2 + 1 factors for each column of the half spectrum: waves k and -k share one.
@@ -113,15 +112,16 @@ impl Fourier {
     /// of `dx_m` x `dy_m`; `mean` is the factor of the mean, q = 0.
     #[must_use]
     pub fn multiplier(&self, dx_m: f64, dy_m: f64, mean: f64, factor: impl Fn(f64) -> f64) -> Multiplier {
+        self.wave_multiplier(|k, l| if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) })
+    }
+
+    /// The filter that multiplies the waves of +-k along x and +-l along y by `factor(k, l)`, k up to rows/2 and
+    /// l up to cols/2.
+    #[must_use]
+    pub fn wave_multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier {
         let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
-        let mut table = Vec::with_capacity(self.columns() * (self.rows / 2 + 1));
-        for l in 0..self.columns() {
-            for k in 0..=self.rows / 2 {
-                let value = if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) };
-                table.push(value * inverse_points);
-            }
-        }
-        Multiplier { factor: table }
+        let waves = (0..self.columns()).flat_map(|l| (0..=self.rows / 2).map(move |k| (k, l)));
+        Multiplier { factor: waves.map(|(k, l)| factor(k, l) * inverse_points).collect() }
     }
 
     /// `output` = `input` with every wave multiplied; both row by row, rows x cols long.
