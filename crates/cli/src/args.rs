@@ -124,7 +124,11 @@ pub struct CalibrateArgs {
     the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.")]
 pub struct AreaLawArgs {
     /// Altitude map
-    pub map: PathBuf,
+    #[arg(required_unless_present = "persson_rms_slope")]
+    pub map: Option<PathBuf>,
+    /// Without a map: the law of Persson's theory for this rms slope
+    #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "height_unit", "no_level"])]
+    pub persson_rms_slope: Option<f64>,
     /// Young's modulus
     #[arg(long, default_value_t = 0.38, value_name = "GPA")]
     pub youngs_modulus_gpa: f64,
@@ -137,6 +141,16 @@ pub struct AreaLawArgs {
     /// Error at which the contact computation ends
     #[arg(long, default_value_t = 1e-8, value_name = "ERROR")]
     pub tolerance: f64,
+    /// Pressure up to which friction is taken as proportional to load
+    #[arg(long, default_value_t = 0.7, value_name = "MPA")]
+    pub threshold_mpa: f64,
+    /// Windows along either side of the map: the spread of f among them gives its standard error; 1 for none,
+    /// 2 by default where the map has room
+    #[arg(long, value_name = "N")]
+    pub windows: Option<usize>,
+    /// Report f at coarser pixels, too: means over 2 x 2 and 4 x 4, or as named
+    #[arg(long, value_delimiter = ',', value_name = "N,N,...", num_args = 0.., default_missing_value = "2,4", require_equals = true)]
+    pub resolutions: Option<Vec<usize>>,
     /// Pixel size, for a plain matrix of heights
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,

@@ -100,6 +100,8 @@ pub const FRICTION_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, fal
 pub const RELATIVE_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 0.5);
 /// Factors of the area law.
 pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
+/// Standard errors of the factors.
+pub const FACTOR_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
 /// Real contact area fractions.
 pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 1.0);
 /// Friction ratios, patterned over flat.

@@ -11,6 +11,14 @@ pub struct ContactArea {
     pub fraction_corrected: f64,
 }
 
+impl ContactArea {
+    /// The larger of the differences of both fractions.
+    pub(crate) fn distance(&self, other: &Self) -> f64 {
+        let counted = (self.fraction - other.fraction).abs();
+        counted.max((self.fraction_corrected - other.fraction_corrected).abs())
+    }
+}
+
 /// Counts the pixels under pressure on a periodic map of rows of `cols` and corrects for the boundary.
 ///
 /// V. A. Yastrebov, G. Anciaux and J.-F. Molinari, Tribology International 114, 161 (2017): the area is

@@ -13,6 +13,8 @@ pub struct AreaPoint {
     pub area_fraction: f64,
     /// The same, corrected for the boundary of the contact.
     pub area_fraction_corrected: f64,
+    /// Estimate of the error that ending at the tolerance leaves in both.
+    pub area_error: f64,
     /// How the solve ended.
     pub convergence: Convergence,
 }
@@ -55,6 +57,7 @@ pub fn area_curve(
                 pressure_pa,
                 area_fraction: state.area.fraction,
                 area_fraction_corrected: state.area.fraction_corrected,
+                area_error: state.area_error,
                 convergence: state.convergence,
             })
         })

@@ -16,6 +16,7 @@
 //! | [`SolveOptions`] | tolerance and limit of iterations |
 //! | [`ContactState`], [`AreaCurve`] | what was found, with its [`Convergence`] |
 //! | [`ContactArea`] | area fraction: counted pixels, and corrected for the boundary of the contact |
+//! | [`windows`], [`coarser`], [`periodic_component`] | maps made of a map: what a smaller, a blunter, a periodic one gives |
 //! | [`Monitor`] | progress and cancellation |
 //! | [`closed_form`] | Hertz, Westergaard, crossed waves, Persson |
 //!
@@ -45,6 +46,7 @@ mod error;
 mod kernels;
 mod monitor;
 mod rough_contact;
+mod sampling;
 mod solver;
 
 pub use area::ContactArea;
@@ -52,3 +54,4 @@ pub use curve::{AreaCurve, AreaPoint, area_curve};
 pub use error::ContactError;
 pub use monitor::{Monitor, Unwatched};
 pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions, Status};
+pub use sampling::{coarser, periodic_component, side_step_ratio, windows};

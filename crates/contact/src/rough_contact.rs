@@ -70,6 +70,9 @@ pub struct ContactState {
     pub gap_m: Vec<f64>,
     /// Real contact area.
     pub area: ContactArea,
+    /// Estimate of the error that ending at the tolerance leaves in the area fractions: what they moved by while the
+    /// residual fell through the last decade.
+    pub area_error: f64,
     /// What the solve took.
     pub convergence: Convergence,
 }
@@ -86,16 +89,20 @@ const PRESSURE_RANGE_PA: std::ops::RangeInclusive<f64> = 0.0..=1e15;
 pub struct RoughContact {
     pub(crate) cols: usize,
     pub(crate) fourier: Fourier,
+    pub(crate) fourier_single: Fourier<f32>,
     /// u = K p: q1/q for each wave, 0 for the mean.
     pub(crate) compliance: Multiplier,
+    pub(crate) compliance_single: Multiplier<f32>,
     /// The preconditioner: q/q1 for each wave, 1/2 for the mean.
-    pub(crate) stiffness: Multiplier,
+    pub(crate) stiffness_single: Multiplier<f32>,
     /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
     pub(crate) height: Vec<f64>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
     /// Normalized p*.
     full_contact_pressure: f64,
+    /// The deviation from the mean of the normalized pressure that flattens the surface.
+    full_contact_fluctuation: Vec<f64>,
 }
 
 impl RoughContact {
@@ -118,29 +125,28 @@ impl RoughContact {
         let longest_m = (map.rows() as f64 * map.dx_m()).max(map.cols() as f64 * map.dy_m());
         let first = std::f64::consts::TAU / longest_m;
         // u_q = 2/(E* q) p_q; in the units above q1/q.
-        let compliance = fourier.multiplier(map.dx_m(), map.dy_m(), 0.0, |q| first / q);
+        let compliance = |q| first / q;
         // p_q = E* q/2 u_q; the mean, on which a half-space has no hold, takes half of the first wave's.
-        let stiffness = fourier.multiplier(map.dx_m(), map.dy_m(), 0.5, |q| q / first);
-        let mut contact = Self {
+        let stiffness = |q| q / first;
+        let fourier_single = Fourier::new(map.rows(), map.cols());
+        let (dx_m, dy_m) = (map.dx_m(), map.dy_m());
+        // The deviation from the mean of the pressure that flattens the surface.
+        let mut fluctuation = vec![0.0; height.len()];
+        fourier.filter(&height, &fourier.multiplier(dx_m, dy_m, 0.5, stiffness), &mut fluctuation, &mut fourier.work());
+        let lowest = fluctuation.iter().copied().fold(0.0, f64::min);
+        Ok(Self {
             cols: map.cols(),
+            compliance: fourier.multiplier(dx_m, dy_m, 0.0, compliance),
             fourier,
-            compliance,
-            stiffness,
+            compliance_single: fourier_single.multiplier(dx_m, dy_m, 0.0, compliance),
+            stiffness_single: fourier_single.multiplier(dx_m, dy_m, 0.5, stiffness),
+            fourier_single,
             height,
             height_unit_m,
             pressure_unit_pa: 0.5 * contact_modulus_pa * height_unit_m * first,
-            full_contact_pressure: 0.0,
-        };
-        let lowest = contact.full_contact_fluctuation().into_iter().fold(0.0, f64::min);
-        contact.full_contact_pressure = -lowest;
-        Ok(contact)
-    }
-
-    /// The deviation from the mean of the normalized pressure that flattens the surface.
-    pub(crate) fn full_contact_fluctuation(&self) -> Vec<f64> {
-        let mut pressure = vec![0.0; self.height.len()];
-        self.fourier.filter(&self.height, &self.stiffness, &mut pressure, &mut self.fourier.work());
-        pressure
+            full_contact_pressure: -lowest,
+            full_contact_fluctuation: fluctuation,
+        })
     }
 
     /// p*, the pressure from which all of the map is in contact, in pascals.
@@ -168,6 +174,7 @@ impl RoughContact {
                 pressure_pa,
                 gap_m,
                 area: ContactArea { fraction: area, fraction_corrected: area },
+                area_error: 0.0,
                 convergence,
             })
         };
@@ -179,16 +186,18 @@ impl RoughContact {
         }
         let full_contact_pressure_pa = self.full_contact_pressure_pa();
         if pressure_pa >= full_contact_pressure_pa {
-            let fluctuation = self.full_contact_fluctuation().into_iter();
+            let fluctuation = self.full_contact_fluctuation.iter();
             let local_pa = fluctuation.map(|p| (pressure_pa + p * self.pressure_unit_pa).max(0.0)).collect();
             return known(local_pa, vec![0.0; points], 1.0);
         }
-        let Outcome { mut pressure, mut gap, convergence } =
+        let Outcome { mut pressure, mut gap, convergence, area_before } =
             minimize(self, pressure_pa / self.pressure_unit_pa, options, monitor);
         let area = contact_area(&pressure, self.cols);
+        // Without a state a decade before, all of the area is open.
+        let area_error = area_before.map_or(area.fraction, |before| area.distance(&before));
         pressure.iter_mut().for_each(|p| *p *= self.pressure_unit_pa);
         gap.iter_mut().for_each(|g| *g *= self.height_unit_m);
-        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, convergence })
+        Ok(ContactState { pressure_pa: pressure, gap_m: gap, area, area_error, convergence })
     }
 }
 

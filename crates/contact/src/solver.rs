@@ -15,10 +15,16 @@
 //! 2. r = g on free points; z = K^-1 r on free points, less its mean there;
 //! 3. d = -z + beta d on free points, Polak-Ribiere; d = -z again where d would not descend or the residual
 //!    doubled;
-//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling.
+//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; u follows by
+//!    K d, or by K of what the pressures changed by where some were set to zero.
+//!
+//! Transforms are in single precision: a direction need not be better, and u in double precision takes up changes that
+//! become smaller. What rounding leaves in u is removed by one transform in double precision where the residual nears
+//! it and before a state counts as converged.
 
-use slipgrid_topography::fourier::{FourierWork, Multiplier};
+use slipgrid_topography::fourier::FourierWork;
 
+use crate::area::{ContactArea, contact_area};
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
 use crate::{Monitor, kernels};
 
@@ -27,73 +33,136 @@ pub(crate) struct Outcome {
     pub(crate) pressure: Vec<f64>,
     pub(crate) gap: Vec<f64>,
     pub(crate) convergence: Convergence,
+    /// The area when the residual first was within [`AREA_DECADE`] of the tolerance.
+    pub(crate) area_before: Option<ContactArea>,
 }
 
+/// How far before the end the area is noted, for the estimate of its error.
+const AREA_DECADE: f64 = 10.0;
 /// Growth of the residual in one iteration after which directions start anew.
 const RESTART_GROWTH: f64 = 2.0;
 /// A state is kept as the best when it halves the residual of the best so far: keeping every one would
 /// copy the map in each iteration.
 const BEST_RATIO: f64 = 0.5;
+/// Residual at which u is first computed anew in double precision: single precision rounds it by a few 1e-7.
+const FIRST_REFRESH: f64 = 1e-5;
+/// Part of the residual at one refresh that calls for the next.
+const NEXT_REFRESH: f64 = 1e-5;
 
 /// The evolving state, all fields as long as the map.
 struct State<'a> {
     contact: &'a RoughContact,
     work: FourierWork,
+    work_single: FourierWork<f32>,
     fourier_pairs: usize,
     pressure: Vec<f64>,
     /// u = K p.
     displacement: Vec<f64>,
+    /// u is K p in double precision.
+    exact: bool,
     /// r, the gap on free points, zero elsewhere.
-    residual: Vec<f64>,
-    previous_residual: Vec<f64>,
-    /// z, before it is masked.
-    preconditioned: Vec<f64>,
-    direction: Vec<f64>,
-    /// K d.
-    image: Vec<f64>,
+    residual: Vec<f32>,
+    previous_residual: Vec<f32>,
+    /// z, before it is masked; later what the pressures changed by.
+    preconditioned: Vec<f32>,
+    direction: Vec<f32>,
+    /// K d, or K of what the pressures changed by.
+    image: Vec<f32>,
 }
 
 impl<'a> State<'a> {
     fn new(contact: &'a RoughContact, nominal: f64) -> Self {
-        let zero = || vec![0.0; contact.height.len()];
+        let points = contact.height.len();
         Self {
             contact,
             work: contact.fourier.work(),
+            work_single: contact.fourier_single.work(),
             fourier_pairs: 0,
-            pressure: vec![nominal; contact.height.len()],
-            displacement: zero(),
-            residual: zero(),
-            previous_residual: zero(),
-            preconditioned: zero(),
-            direction: zero(),
-            image: zero(),
+            pressure: vec![nominal; points],
+            displacement: vec![0.0; points],
+            exact: true,
+            residual: vec![0.0; points],
+            previous_residual: vec![0.0; points],
+            preconditioned: vec![0.0; points],
+            direction: vec![0.0; points],
+            image: vec![0.0; points],
         }
     }
-}
 
-/// `output` = `multiplier` applied to `input`.
-macro_rules! apply {
-    ($state:ident, $multiplier:ident, $input:ident, $output:ident) => {{
-        let multiplier: &Multiplier = &$state.contact.$multiplier;
-        $state.contact.fourier.filter(&$state.$input, multiplier, &mut $state.$output, &mut $state.work);
-        $state.fourier_pairs += 1;
-    }};
+    /// u = K p in double precision.
+    fn refresh(&mut self) {
+        let Self { contact, pressure, displacement, work, .. } = self;
+        contact.fourier.filter(pressure, &contact.compliance, displacement, work);
+        self.fourier_pairs += 1;
+        self.exact = true;
+    }
+
+    /// z = K^-1 r
+    fn precondition(&mut self) {
+        let Self { contact, residual, preconditioned, work_single, .. } = self;
+        contact.fourier_single.filter(residual, &contact.stiffness_single, preconditioned, work_single);
+        self.fourier_pairs += 1;
+    }
+
+    /// d = -z + beta d; returns r . d.
+    fn turn(&mut self, mean: f64, beta: f64) -> f64 {
+        let Self { direction, preconditioned, residual, pressure, .. } = self;
+        kernels::turn(direction, preconditioned, residual, pressure, mean as f32, beta as f32);
+        kernels::dot(direction, residual)
+    }
+
+    /// image = K d; returns d . K d.
+    fn curvature(&mut self) -> f64 {
+        let Self { contact, direction, image, work_single, .. } = self;
+        contact.fourier_single.filter(direction, &contact.compliance_single, image, work_single);
+        self.fourier_pairs += 1;
+        kernels::dot(&self.direction, &self.image)
+    }
+
+    /// p + step d without negative pressures, the load restored; u follows. False where that is not finite.
+    fn advance(&mut self, step: f64, load: f64) -> bool {
+        let changes = &mut self.preconditioned;
+        let moved = kernels::advance(&mut self.pressure, &self.direction, changes, step);
+        let scale = load / moved.sum;
+        if !scale.is_finite() {
+            return false;
+        }
+        let Self { contact, preconditioned, image, work_single, .. } = self;
+        let mut share = step;
+        if moved.clipped {
+            contact.fourier_single.filter(preconditioned, &contact.compliance_single, image, work_single);
+            self.fourier_pairs += 1;
+            share = 1.0;
+        }
+        kernels::settle(&mut self.pressure, &mut self.displacement, &self.image, share, scale);
+        self.exact = false;
+        true
+    }
 }
 
 /// Solves for the normalized mean pressure `nominal` > 0.
 pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOptions, monitor: &dyn Monitor) -> Outcome {
     let mut state = State::new(contact, nominal);
-    let points = contact.height.len() as f64;
-    let load = nominal * points;
+    let load = nominal * contact.height.len() as f64;
     let mut best = (f64::INFINITY, Vec::new());
     let mut error_before = f64::INFINITY;
     let mut fit_before = f64::INFINITY;
+    let mut refresh_at = FIRST_REFRESH.max(options.tolerance);
     let mut restart = true;
     let mut iterations = 0;
+    let mut area_before = None;
     let (status, error) = loop {
         let gap = kernels::measure(&state.pressure, &state.displacement, &contact.height);
         // |sum (g - min g) p| / (sum p Sq), Sq = 1
         let error = ((gap.work - gap.lowest * load) / load).abs();
+        if error <= refresh_at && !state.exact {
+            refresh_at = options.tolerance.max(NEXT_REFRESH * error);
+            state.refresh();
+            continue;
+        }
+        if error <= AREA_DECADE * options.tolerance && area_before.is_none() {
+            area_before = Some(contact_area(&state.pressure, contact.cols));
+        }
         if error <= options.tolerance {
             break (Status::Converged, error);
         }
@@ -112,7 +181,7 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
 
         std::mem::swap(&mut state.residual, &mut state.previous_residual);
         kernels::masked_gap(&mut state.residual, &state.pressure, &state.displacement, &contact.height, gap.shift);
-        apply!(state, stiffness, residual, preconditioned);
+        state.precondition();
         let fit = kernels::fit(&state.preconditioned, &state.residual, &state.previous_residual, &state.pressure);
         // beta = z.(r - r_before) / (z_before.r_before), Polak and Ribiere
         let mut beta = if restart { 0.0 } else { ((fit.now - fit.before) / fit_before).max(0.0) };
@@ -120,17 +189,12 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
             beta = 0.0;
         }
         fit_before = fit.now;
-        let turn = |beta: f64, state: &mut State| {
-            kernels::turn(&mut state.direction, &state.preconditioned, &state.residual, &state.pressure, fit.mean, beta)
-        };
-        let mut slope = turn(beta, &mut state);
+        let mut slope = state.turn(fit.mean, beta);
         if slope >= 0.0 && beta > 0.0 {
-            slope = turn(0.0, &mut state);
+            slope = state.turn(fit.mean, 0.0);
         }
-        apply!(state, compliance, direction, image);
-        let curvature = kernels::dot(&state.direction, &state.image);
         // alpha = -r.d / d.Kd
-        let step = -slope / curvature;
+        let step = -slope / state.curvature();
         if !(step.is_finite() && step > 0.0) {
             if restart {
                 break (Status::Stalled, error);
@@ -140,29 +204,28 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
             continue;
         }
         restart = false;
-        let moved =
-            kernels::advance(&mut state.pressure, &mut state.displacement, &state.direction, &state.image, step);
-        let scale = load / moved.sum;
-        if !scale.is_finite() {
+        if !state.advance(step, load) {
             break (Status::Stalled, error);
-        }
-        kernels::scale(&mut state.pressure, scale);
-        if moved.clipped {
-            apply!(state, compliance, pressure, displacement);
-        } else {
-            kernels::scale(&mut state.displacement, scale);
         }
         iterations += 1;
     };
-    finish(state, status, error, iterations, best)
+    finish(state, (status, error, iterations), best, area_before)
 }
 
 /// The last state, or the best one where the last is worse.
-fn finish(mut state: State, status: Status, mut error: f64, iterations: usize, best: (f64, Vec<f64>)) -> Outcome {
+fn finish(
+    mut state: State,
+    (status, mut error, iterations): (Status, f64, usize),
+    best: (f64, Vec<f64>),
+    area_before: Option<ContactArea>,
+) -> Outcome {
     if best.0 < error && status != Status::Converged {
         error = best.0;
         state.pressure = best.1;
-        apply!(state, compliance, pressure, displacement);
+        state.exact = false;
+    }
+    if !state.exact {
+        state.refresh();
     }
     let State { pressure, displacement: mut gap, contact, fourier_pairs, .. } = state;
     let mut lowest = f64::INFINITY;
@@ -171,5 +234,6 @@ fn finish(mut state: State, status: Status, mut error: f64, iterations: usize, b
         lowest = lowest.min(*g);
     }
     gap.iter_mut().for_each(|g| *g -= lowest);
-    Outcome { pressure, gap, convergence: Convergence { status, iterations, fourier_pairs, residual: error } }
+    let convergence = Convergence { status, iterations, fourier_pairs, residual: error };
+    Outcome { pressure, gap, convergence, area_before }
 }

@@ -16,6 +16,8 @@ pub struct AreaLaw {
     factor: Vec<f64>,
     /// df/dp between one tabulated pressure and the next, per pascal.
     slope: Vec<f64>,
+    /// Standard errors of the factors, where they are known.
+    factor_std: Option<Vec<f64>>,
 }
 
 /// p f(p) = constant + linear p + quadratic p^2 for pressures from `from_pa` up to `to_pa`, in pascals.
@@ -71,7 +73,36 @@ impl AreaLaw {
             factor.insert(0, 1.0);
         }
         let slope = pressure_pa.windows(2).zip(factor.windows(2)).map(|(p, f)| (f[1] - f[0]) / (p[1] - p[0])).collect();
-        Ok(Self { pressure_pa, factor, slope })
+        Ok(Self { pressure_pa, factor, slope, factor_std: None })
+    }
+
+    /// The law with the standard errors of its factors, one per tabulated pressure; without effect on f.
+    ///
+    /// A step at the first pressure, which [`AreaLaw::new`] tabulates as a point of its own, is exact there.
+    ///
+    /// # Errors
+    /// [`MaterialError`] if their number is another or one is negative.
+    pub fn with_factor_std(mut self, mut factor_std: Vec<f64>) -> Result<Self, MaterialError> {
+        const QUANTITY: &str = "standard error of a factor of the area law";
+        let stepped = match self.pressure_pa[..] {
+            [before, first, ..] => before == first * (1.0 - STEP_WIDTH),
+            _ => false,
+        };
+        if stepped && factor_std.len() + 1 == self.factor.len() {
+            factor_std.insert(0, 0.0);
+        }
+        if factor_std.len() != self.factor.len() {
+            return Err(MaterialError::LengthMismatch {
+                quantity: QUANTITY,
+                left: self.factor.len(),
+                right: factor_std.len(),
+            });
+        }
+        for &value in &factor_std {
+            not_negative(QUANTITY, value)?;
+        }
+        self.factor_std = Some(factor_std);
+        Ok(self)
     }
 
     /// The law that a curve of real contact area fraction against pressure implies, with the
@@ -193,6 +224,12 @@ impl AreaLaw {
     pub fn factors(&self) -> &[f64] {
         &self.factor
     }
+
+    /// Standard errors of the tabulated factors, where they are known.
+    #[must_use]
+    pub fn factor_std(&self) -> Option<&[f64]> {
+        self.factor_std.as_deref()
+    }
 }
 
 /// Linear interpolation between two points.
@@ -254,6 +291,20 @@ mod tests {
             let limited_pa = piece.constant_pa + p * (piece.linear + p * piece.quadratic_per_pa);
             assert!((limited_pa / (p * law.factor(p)) - 1.0).abs() < 1e-14, "{p}");
         }
+    }
+
+    #[test]
+    fn standard_errors_follow_the_factors() {
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap();
+        assert_eq!(law.factor_std(), None);
+        let known = law.clone().with_factor_std(vec![0.0, 0.02]).unwrap();
+        assert_eq!(known.factor_std(), Some(&[0.0, 0.02][..]));
+        assert_eq!(known.factor(1.9e6), law.factor(1.9e6));
+        let stepped = AreaLaw::new(vec![0.7e6, 2.6e6], vec![0.8, 0.5]).unwrap();
+        let stepped = stepped.with_factor_std(vec![0.01, 0.02]).unwrap();
+        assert_eq!(stepped.factor_std(), Some(&[0.0, 0.01, 0.02][..]));
+        assert!(matches!(law.clone().with_factor_std(vec![0.1]), Err(MaterialError::LengthMismatch { .. })));
+        assert!(matches!(law.with_factor_std(vec![0.1, -0.1]), Err(MaterialError::OutOfRange { .. })));
     }
 
     #[test]

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex64;
+use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
+use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
 /// Rows transformed between two transpositions: their complex numbers in a column fill two cache lines.
@@ -19,18 +19,18 @@ const BLOCK_ROWS: usize = 8;
 /// other's cache sets.
 const COLUMN_PADDING: usize = 4;
 
-/// Transforms of periodic maps of one size; shared freely between threads.
+/// Transforms of periodic maps of one size in double (f64) or single (f32) precision; shared freely between threads.
 #[derive(Clone)]
-pub struct Fourier {
+pub struct Fourier<T: FftNum = f64> {
     rows: usize,
     cols: usize,
-    row_forward: Arc<dyn RealToComplex<f64>>,
-    row_inverse: Arc<dyn ComplexToReal<f64>>,
-    column_forward: Arc<dyn Fft<f64>>,
-    column_inverse: Arc<dyn Fft<f64>>,
+    row_forward: Arc<dyn RealToComplex<T>>,
+    row_inverse: Arc<dyn ComplexToReal<T>>,
+    column_forward: Arc<dyn Fft<T>>,
+    column_inverse: Arc<dyn Fft<T>>,
 }
 
-impl fmt::Debug for Fourier {
+impl<T: FftNum> fmt::Debug for Fourier<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Fourier").field("rows", &self.rows).field("cols", &self.cols).finish_non_exhaustive()
     }
@@ -38,25 +38,25 @@ impl fmt::Debug for Fourier {
 
 /// Buffers of one running transform; one per thread.
 #[derive(Clone, Debug)]
-pub struct FourierWork {
+pub struct FourierWork<T = f64> {
     /// Half spectrum, column by column.
-    spectrum: Vec<Complex64>,
+    spectrum: Vec<Complex<T>>,
     /// A few rows of half spectrum, before or after transposition.
-    block: Vec<Complex64>,
+    block: Vec<Complex<T>>,
     /// One real row.
-    row: Vec<f64>,
-    scratch: Vec<Complex64>,
+    row: Vec<T>,
+    scratch: Vec<Complex<T>>,
 }
 
-/// A real factor for every wave of a map, a function of the wave number alone, with the 1/(rows cols) that
-/// turns a transform and its inverse into the identity.
+/// A real factor for every wave of a map, the same for waves k and -k, with the 1/(rows cols) that turns a
+/// transform and its inverse into the identity.
 #[derive(Clone, Debug)]
-pub struct Multiplier {
+pub struct Multiplier<T = f64> {
     /// rows/2 + 1 factors for each column of the half spectrum: waves k and -k share one.
-    factor: Vec<f64>,
+    factor: Vec<T>,
 }
 
-impl Fourier {
+impl<T: FftNum> Fourier<T> {
     /// Transforms for maps of `rows` x `cols`, both at least 1.
     #[must_use]
     pub fn new(rows: usize, cols: usize) -> Self {
@@ -85,8 +85,8 @@ impl Fourier {
 
     /// Buffers for one running transform.
     #[must_use]
-    pub fn work(&self) -> FourierWork {
-        let zero = Complex64::new(0.0, 0.0);
+    pub fn work(&self) -> FourierWork<T> {
+        let zero = Complex::new(T::zero(), T::zero());
         let scratch = self
             .row_forward
             .get_scratch_len()
@@ -96,7 +96,7 @@ impl Fourier {
         FourierWork {
             spectrum: vec![zero; self.columns() * self.stride()],
             block: vec![zero; BLOCK_ROWS * self.columns()],
-            row: vec![0.0; self.cols],
+            row: vec![T::zero(); self.cols],
             scratch: vec![zero; scratch],
         }
     }
@@ -112,20 +112,23 @@ impl Fourier {
     /// The filter that multiplies each wave by `factor(|q|)`, q the angular wave number in rad/m on pixels
     /// of `dx_m` x `dy_m`; `mean` is the factor of the mean, q = 0.
     #[must_use]
-    pub fn multiplier(&self, dx_m: f64, dy_m: f64, mean: f64, factor: impl Fn(f64) -> f64) -> Multiplier {
+    pub fn multiplier(&self, dx_m: f64, dy_m: f64, mean: f64, factor: impl Fn(f64) -> f64) -> Multiplier<T> {
+        self.wave_multiplier(|k, l| if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) })
+    }
+
+    /// The filter that multiplies the waves of +-k along x and +-l along y by `factor(k, l)`, k up to rows/2 and
+    /// l up to cols/2.
+    #[must_use]
+    pub fn wave_multiplier(&self, factor: impl Fn(usize, usize) -> f64) -> Multiplier<T> {
         let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
-        let mut table = Vec::with_capacity(self.columns() * (self.rows / 2 + 1));
-        for l in 0..self.columns() {
-            for k in 0..=self.rows / 2 {
-                let value = if k == 0 && l == 0 { mean } else { factor(self.wave_number(k, l, dx_m, dy_m)) };
-                table.push(value * inverse_points);
-            }
-        }
-        Multiplier { factor: table }
+        let waves = (0..self.columns()).flat_map(|l| (0..=self.rows / 2).map(move |k| (k, l)));
+        // Every float type takes an f64, rounded.
+        let rounded = |value: f64| T::from_f64(value).unwrap_or_else(T::zero);
+        Multiplier { factor: waves.map(|(k, l)| rounded(factor(k, l) * inverse_points)).collect() }
     }
 
     /// `output` = `input` with every wave multiplied; both row by row, rows x cols long.
-    pub fn filter(&self, input: &[f64], multiplier: &Multiplier, output: &mut [f64], work: &mut FourierWork) {
+    pub fn filter(&self, input: &[T], multiplier: &Multiplier<T>, output: &mut [T], work: &mut FourierWork<T>) {
         self.rows_forward(input, work);
         let half = self.rows / 2 + 1;
         let FourierWork { spectrum, scratch, .. } = work;
@@ -134,17 +137,65 @@ impl Fourier {
             self.column_forward.process_with_scratch(column, scratch);
             let (low, high) = column.split_at_mut(half);
             for (wave, &m) in low.iter_mut().zip(factor) {
-                *wave *= m;
+                *wave = wave.scale(m);
             }
             // Wave rows - k is wave -k and shares the factor of k.
             for (wave, &m) in high.iter_mut().rev().zip(&factor[1..]) {
-                *wave *= m;
+                *wave = wave.scale(m);
             }
             self.column_inverse.process_with_scratch(column, scratch);
         }
         self.rows_inverse(output, work);
     }
 
+    /// Transforms all rows of `input` into the columns of the spectrum.
+    fn rows_forward(&self, input: &[T], work: &mut FourierWork<T>) {
+        assert_eq!(input.len(), self.rows * self.cols, "a map of another size");
+        let (columns, stride) = (self.columns(), self.stride());
+        let FourierWork { spectrum, block, row, scratch } = work;
+        for (chunk, rows) in input.chunks(BLOCK_ROWS * self.cols).enumerate() {
+            let first = chunk * BLOCK_ROWS;
+            let present = rows.len() / self.cols;
+            for (source, target) in rows.chunks_exact(self.cols).zip(block.chunks_exact_mut(columns)) {
+                row.copy_from_slice(source);
+                let done = self.row_forward.process_with_scratch(row, target, scratch);
+                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
+            }
+            for (l, column) in spectrum.chunks_exact_mut(stride).enumerate() {
+                for (k, wave) in column[first..first + present].iter_mut().enumerate() {
+                    *wave = block[k * columns + l];
+                }
+            }
+        }
+    }
+
+    /// Transforms the columns of the spectrum, already inverted along x, into rows.
+    fn rows_inverse(&self, output: &mut [T], work: &mut FourierWork<T>) {
+        assert_eq!(output.len(), self.rows * self.cols, "a map of another size");
+        let (columns, stride) = (self.columns(), self.stride());
+        let FourierWork { spectrum, block, scratch, .. } = work;
+        for (chunk, rows) in output.chunks_mut(BLOCK_ROWS * self.cols).enumerate() {
+            let first = chunk * BLOCK_ROWS;
+            let present = rows.len() / self.cols;
+            for (l, column) in spectrum.chunks_exact(stride).enumerate() {
+                for (k, wave) in column[first..first + present].iter().enumerate() {
+                    block[k * columns + l] = *wave;
+                }
+            }
+            for (target, source) in rows.chunks_exact_mut(self.cols).zip(block.chunks_exact_mut(columns)) {
+                // The mean and the Nyquist wave of a real row are real: drop what rounding left.
+                source[0].im = T::zero();
+                if self.cols.is_multiple_of(2) {
+                    source[columns - 1].im = T::zero();
+                }
+                let done = self.row_inverse.process_with_scratch(source, target, scratch);
+                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
+            }
+        }
+    }
+}
+
+impl Fourier {
     /// sum over all waves of weight(|q|) |h_q|^2, h_q the Fourier coefficient (1/N) sum h exp(-i q x), q in
     /// rad/m on pixels of `dx_m` x `dy_m`, the mean left out.
     #[must_use]
@@ -167,52 +218,6 @@ impl Fourier {
         let points = self.rows as f64 * self.cols as f64;
         sum / (points * points)
     }
-
-    /// Transforms all rows of `input` into the columns of the spectrum.
-    fn rows_forward(&self, input: &[f64], work: &mut FourierWork) {
-        assert_eq!(input.len(), self.rows * self.cols, "a map of another size");
-        let (columns, stride) = (self.columns(), self.stride());
-        let FourierWork { spectrum, block, row, scratch } = work;
-        for (chunk, rows) in input.chunks(BLOCK_ROWS * self.cols).enumerate() {
-            let first = chunk * BLOCK_ROWS;
-            let present = rows.len() / self.cols;
-            for (source, target) in rows.chunks_exact(self.cols).zip(block.chunks_exact_mut(columns)) {
-                row.copy_from_slice(source);
-                let done = self.row_forward.process_with_scratch(row, target, scratch);
-                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
-            }
-            for (l, column) in spectrum.chunks_exact_mut(stride).enumerate() {
-                for (k, wave) in column[first..first + present].iter_mut().enumerate() {
-                    *wave = block[k * columns + l];
-                }
-            }
-        }
-    }
-
-    /// Transforms the columns of the spectrum, already inverted along x, into rows.
-    fn rows_inverse(&self, output: &mut [f64], work: &mut FourierWork) {
-        assert_eq!(output.len(), self.rows * self.cols, "a map of another size");
-        let (columns, stride) = (self.columns(), self.stride());
-        let FourierWork { spectrum, block, scratch, .. } = work;
-        for (chunk, rows) in output.chunks_mut(BLOCK_ROWS * self.cols).enumerate() {
-            let first = chunk * BLOCK_ROWS;
-            let present = rows.len() / self.cols;
-            for (l, column) in spectrum.chunks_exact(stride).enumerate() {
-                for (k, wave) in column[first..first + present].iter().enumerate() {
-                    block[k * columns + l] = *wave;
-                }
-            }
-            for (target, source) in rows.chunks_exact_mut(self.cols).zip(block.chunks_exact_mut(columns)) {
-                // The mean and the Nyquist wave of a real row are real: drop what rounding left.
-                source[0].im = 0.0;
-                if self.cols.is_multiple_of(2) {
-                    source[columns - 1].im = 0.0;
-                }
-                let done = self.row_inverse.process_with_scratch(source, target, scratch);
-                debug_assert!(done.is_ok(), "buffers have the plan's lengths");
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -233,16 +238,16 @@ mod tests {
                 let phase = |i: usize, j: usize| {
                     TAU * ((k * i % rows) as f64 / rows as f64 + (l * j % cols) as f64 / cols as f64)
                 };
-                let mut wave = Complex64::new(0.0, 0.0);
+                let mut wave = Complex::new(0.0, 0.0);
                 for i in 0..rows {
                     for j in 0..cols {
-                        wave += Complex64::from_polar(input[i * cols + j], -phase(i, j));
+                        wave += Complex::from_polar(input[i * cols + j], -phase(i, j));
                     }
                 }
                 wave *= factor(signed(k, rows), signed(l, cols)) / (rows * cols) as f64;
                 for i in 0..rows {
                     for j in 0..cols {
-                        output[i * cols + j] += (wave * Complex64::from_polar(1.0, phase(i, j))).re;
+                        output[i * cols + j] += (wave * Complex::from_polar(1.0, phase(i, j))).re;
                     }
                 }
             }
@@ -267,6 +272,20 @@ mod tests {
                 assert!((a - b).abs() < 1e-13, "{rows} x {cols}: {a} and {b}");
             }
         }
+    }
+
+    #[test]
+    fn single_precision_is_the_same_filter() {
+        let (rows, cols) = (48, 20);
+        let double = Fourier::new(rows, cols);
+        let single = Fourier::<f32>::new(rows, cols);
+        let input = uneven(rows, cols);
+        let rounded: Vec<f32> = input.iter().map(|&value| value as f32).collect();
+        let (mut expected, mut output) = (vec![0.0; rows * cols], vec![0.0; rows * cols]);
+        let factor = |q: f64| 1.0 / (1.0 + q);
+        double.filter(&input, &double.multiplier(1.0, 1.0, 0.3, factor), &mut expected, &mut double.work());
+        single.filter(&rounded, &single.multiplier(1.0, 1.0, 0.3, factor), &mut output, &mut single.work());
+        assert!(expected.iter().zip(&output).all(|(a, &b)| (a - f64::from(b)).abs() < 1e-6));
     }
 
     #[test]

@@ -13,6 +13,8 @@ pub struct AreaLawChart<'a> {
     pub area_fraction: &'a [f64],
     /// The factor f, one per pressure.
     pub factor: &'a [f64],
+    /// Its standard errors, one per pressure; may be empty.
+    pub factor_std: &'a [f64],
     /// Pressure P0 up to which friction is proportional to load, in MPa, and the area fraction there.
     pub threshold: Option<[f64; 2]>,
 }
@@ -21,6 +23,8 @@ pub struct AreaLawChart<'a> {
 const HEIGHT: f64 = 640.0;
 /// Between the panels.
 const GAP: f64 = 22.0;
+/// Opacity of the band of standard errors.
+const BAND: f64 = 0.25;
 
 /// Draws area fraction above factor over one pressure axis, with the line through the origin that
 /// proportional friction would follow.
@@ -30,7 +34,10 @@ const GAP: f64 = 22.0;
 pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     check_length(chart.title, chart.pressure_mpa.len(), chart.area_fraction.len())?;
     check_length(chart.title, chart.pressure_mpa.len(), chart.factor.len())?;
-    let values = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor);
+    if !chart.factor_std.is_empty() {
+        check_length(chart.title, chart.pressure_mpa.len(), chart.factor_std.len())?;
+    }
+    let values = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor).chain(chart.factor_std);
     check(chart.title, chart.pressure_mpa)?;
     check(chart.title, values().chain(chart.threshold.iter().flatten()))?;
 
@@ -39,6 +46,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
         (Swatch::Mark(Mark::Circle, blue), "real contact area"),
         (Swatch::Mark(Mark::Square, vermilion), "factor f"),
     ];
+    if !chart.factor_std.is_empty() {
+        legend.push((Swatch::Band(vermilion, BAND), "f ± standard error"));
+    }
     if chart.threshold.is_some() {
         legend.push((Swatch::Dashed(GREY), "proportional to load"));
     }
@@ -47,7 +57,13 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     };
     let x_axis = Axis::from_zero("nominal pressure (MPa)", chart.pressure_mpa.iter().copied());
     let area_axis = Axis::from_zero("area fraction", chart.area_fraction.iter().copied());
-    let factor_axis = Axis::around("factor f", chart.factor.iter().copied().chain([1.0]));
+    let edge = |side: f64| {
+        let rows = chart.pressure_mpa.iter().zip(chart.factor).zip(chart.factor_std);
+        rows.map(move |((&pressure, factor), std)| [pressure, factor + side * std])
+    };
+    let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
+    let edges = band.iter().map(|point| point[1]);
+    let factor_axis = Axis::around("factor f", chart.factor.iter().copied().chain(edges).chain([1.0]));
     let area_high = chart.area_fraction.iter().fold(0.0_f64, |high, &area| high.max(area));
     let last = chart.pressure_mpa.iter().fold(0.0_f64, |high, &pressure| high.max(pressure));
     picture(HEIGHT, |canvas| {
@@ -75,6 +91,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
             lower.vertical(threshold_mpa, "")?;
             lower.horizontal(1.0, GREY)?;
         }
+        if !band.is_empty() {
+            lower.polygon(&band, vermilion, BAND)?;
+        }
         let points = column(chart.factor);
         lower.line(&points, vermilion, 1.8)?;
         for &point in &points {
@@ -95,10 +114,11 @@ mod tests {
             pressure_mpa: &[0.35, 0.7, 1.4, 2.8],
             area_fraction: &[0.1, 0.2, 0.35, 0.5],
             factor: &[1.0, 1.0, 0.875, 0.625],
+            factor_std: &[0.0, 0.0, 0.01, 0.02],
             threshold: Some([0.7, 0.2]),
         };
         let svg = area_law(&chart).unwrap();
-        for text in ["area fraction", "factor f", "P0", "proportional to load"] {
+        for text in ["area fraction", "factor f", "P0", "proportional to load", "f ± standard error"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert_eq!(svg.matches("\nnominal pressure (MPa)\n").count(), 1);
@@ -113,6 +133,7 @@ mod tests {
             pressure_mpa: &[1.0, 2.0],
             area_fraction: &[0.1],
             factor: &[1.0, 1.0],
+            factor_std: &[],
             threshold: None,
         };
         assert!(matches!(area_law(&chart), Err(ChartError::LengthMismatch { left: 2, right: 1, .. })));

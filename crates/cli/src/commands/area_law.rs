@@ -1,120 +1,42 @@
 //! `area-law`: real contact area of an altitude map against pressure.
 
-use std::fmt::Write as _;
+use std::path::Path;
 
-use serde::Serialize;
-use slipgrid_material::THRESHOLD_PRESSURE_PA;
+use slipgrid_material::AreaLaw;
 use slipgrid_topography::LengthUnit;
 
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law};
+use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
+use super::area_statistics::{
+    DEFAULT_WINDOWS, LawRequest, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
+    takes_default_windows, window_spread,
+};
+use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
 use crate::args::AreaLawArgs;
-use crate::charts::{self, AreaLawChart};
 use crate::diagnostic::Diagnostic;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
-use crate::report::table::fixed;
-use crate::report::{Table, VERSION, json};
-use crate::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, TOLERANCE, tidy};
+use crate::report::{VERSION, json};
+use crate::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 use crate::{CliError, Console, exit_code};
-
-/// What `area-law --json` prints.
-#[derive(Clone, Debug, Serialize)]
-struct AreaLawReport {
-    program: &'static str,
-    version: &'static str,
-    map: String,
-    /// The file says of itself that it is synthetic.
-    synthetic_surface: bool,
-    rms_slope: f64,
-    sa_um: f64,
-    pixel_um: f64,
-    rows: usize,
-    columns: usize,
-    youngs_modulus_gpa: f64,
-    poisson_ratio: f64,
-    contact_modulus_gpa: f64,
-    full_contact_pressure_mpa: f64,
-    threshold_mpa: f64,
-    tolerance: f64,
-    model: Vec<String>,
-    wall_s: f64,
-    threads: usize,
-    results: Vec<AreaReport>,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct AreaReport {
-    pressure_mpa: f64,
-    area_fraction: f64,
-    area_fraction_corrected: f64,
-    /// f; null where the curve does not reach the threshold pressure.
-    factor: Option<f64>,
-    iterations: usize,
-    residual: f64,
-    status: &'static str,
-}
 
 /// Computes the curve and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
         check_folder(folder)?;
     }
-    let youngs_modulus_pa = checked("--youngs-modulus-gpa", args.youngs_modulus_gpa, MODULUS_GPA)?;
-    let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
-    let tolerance = checked("--tolerance", args.tolerance, TOLERANCE)?;
-    let pressures_pa = pressures(args)?;
-    let options = MapOptions {
-        pixel_m: args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?,
-        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
-        level: !args.no_level,
-    };
-    let surface = SurfaceMap::read(&args.map, &options)?;
-    // E* = E / (1 - nu^2)
-    let contact_modulus_pa = youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio);
-
-    // A(P0) is interpolated where the list goes past P0; otherwise it is computed beside the list.
-    let beside = pressures_pa.iter().all(|&pressure_pa| pressure_pa > THRESHOLD_PRESSURE_PA);
-    let mut solved_pa = pressures_pa.clone();
-    if beside {
-        solved_pa.insert(0, THRESHOLD_PRESSURE_PA);
-    }
-    let progress = Progress::start("area law", console.quiet);
-    let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, tolerance, &progress)
-        .map_err(|error| Diagnostic::file(&args.map, error.to_string()))?;
-    let wall_s = progress.finish();
-    let law = area_law(&curve.points).ok();
-    let below = pressures_pa.iter().all(|&pressure_pa| pressure_pa <= THRESHOLD_PRESSURE_PA);
-    let factor = |pressure_pa| law.as_ref().map(|law| law.factor(pressure_pa)).or(below.then_some(1.0));
-
-    let report = AreaLawReport {
-        program: "slipgrid",
-        version: VERSION,
-        map: args.map.display().to_string(),
-        synthetic_surface: surface.synthetic,
-        rms_slope: surface.rms_slope,
-        sa_um: LENGTH_UM.from_si(surface.sa_m),
-        pixel_um: LENGTH_UM.from_si(surface.pixel_m()),
-        rows: surface.map.rows(),
-        columns: surface.map.cols(),
-        youngs_modulus_gpa: args.youngs_modulus_gpa,
-        poisson_ratio,
-        contact_modulus_gpa: MODULUS_GPA.from_si(contact_modulus_pa),
-        full_contact_pressure_mpa: PRESSURE_MPA.from_si(curve.full_contact_pressure_pa),
-        threshold_mpa: PRESSURE_MPA.from_si(THRESHOLD_PRESSURE_PA),
-        tolerance,
-        model: model(&surface),
-        wall_s,
-        threads: console.threads,
-        results: curve.points[usize::from(beside)..]
-            .iter()
-            .map(|point| report(point, factor(point.pressure_pa)))
-            .collect(),
+    let request = Request::check(args)?;
+    let report = match (&args.map, args.persson_rms_slope) {
+        (Some(path), _) => of_map(path, args, &request, console)?,
+        (None, Some(rms_slope)) => {
+            of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?, args, &request, console)?
+        }
+        (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("result.json", json(&report)?);
         outputs.add("area-law.csv", table_csv(&report));
-        outputs.add("area-law.svg", picture(&report, &curve.points)?);
+        outputs.add("area-law.svg", picture(&report)?);
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
@@ -123,17 +45,229 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     Ok(exit_code::DONE)
 }
 
-fn report(point: &AreaPoint, factor: Option<f64>) -> AreaReport {
-    AreaReport {
-        pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-        area_fraction: point.area_fraction,
-        area_fraction_corrected: point.area_fraction_corrected,
-        factor,
-        iterations: point.iterations,
-        residual: point.residual,
-        status: point.status.name(),
+/// The flags in SI units.
+struct Request {
+    /// E*.
+    contact_modulus_pa: f64,
+    poisson_ratio: f64,
+    tolerance: f64,
+    /// P0.
+    threshold_pa: f64,
+    /// Pressures asked for.
+    listed_pa: Vec<f64>,
+    /// Pressures solved for: the threshold's beside them where all lie above it.
+    solved_pa: Vec<f64>,
+}
+
+impl Request {
+    fn check(args: &AreaLawArgs) -> Result<Self, Diagnostic> {
+        let youngs_modulus_pa = checked("--youngs-modulus-gpa", args.youngs_modulus_gpa, MODULUS_GPA)?;
+        let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
+        let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
+        let listed_pa = pressures(args)?;
+        // A(P0) is interpolated where the list goes past P0; otherwise it is computed beside the list.
+        let mut solved_pa = listed_pa.clone();
+        if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
+            solved_pa.insert(0, threshold_pa);
+        }
+        Ok(Self {
+            // E* = E / (1 - nu^2)
+            contact_modulus_pa: youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio),
+            poisson_ratio,
+            tolerance: checked("--tolerance", args.tolerance, TOLERANCE)?,
+            threshold_pa,
+            listed_pa,
+            solved_pa,
+        })
+    }
+
+    /// Where the pressures asked for begin among those solved for.
+    fn first(&self) -> usize {
+        self.solved_pa.len() - self.listed_pa.len()
+    }
+
+    fn law(&self) -> LawRequest<'_> {
+        LawRequest {
+            contact_modulus_pa: self.contact_modulus_pa,
+            pressures_pa: &self.solved_pa,
+            threshold_pa: self.threshold_pa,
+        }
+    }
+
+    /// f at a pressure by `law`; 1 without one as long as no pressure lies above the threshold.
+    fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
+        let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
+        law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
+    }
+
+    /// The report of a curve, without what only a map has.
+    fn report(&self, curve: &[AreaPoint], rms_slope: f64, args: &AreaLawArgs, console: &Console<'_>) -> AreaLawReport {
+        let law = area_law(curve, self.threshold_pa).ok();
+        let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
+        let persson = persson.and_then(|curve| area_law(&curve, self.threshold_pa).ok());
+        let report = |point: &AreaPoint| AreaReport {
+            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
+            area_fraction: point.area_fraction,
+            area_fraction_corrected: point.area_fraction_corrected,
+            factor: self.factor(law.as_ref(), point.pressure_pa),
+            factor_std: None,
+            factor_persson: self.factor(persson.as_ref(), point.pressure_pa),
+            area_error: point.area_error,
+            iterations: point.iterations,
+            residual: point.residual,
+            status: point.status.name(),
+        };
+        AreaLawReport {
+            program: "slipgrid",
+            version: VERSION,
+            map: None,
+            synthetic_surface: false,
+            rms_slope,
+            sa_um: None,
+            pixel_um: None,
+            rows: None,
+            columns: None,
+            youngs_modulus_gpa: args.youngs_modulus_gpa,
+            poisson_ratio: self.poisson_ratio,
+            contact_modulus_gpa: MODULUS_GPA.from_si(self.contact_modulus_pa),
+            full_contact_pressure_mpa: None,
+            threshold_mpa: PRESSURE_MPA.from_si(self.threshold_pa),
+            threshold_proportionality: proportionality(curve, self.threshold_pa),
+            tolerance: self.tolerance,
+            model: Vec::new(),
+            wall_s: 0.0,
+            threads: console.threads,
+            windows: None,
+            resolutions: Vec::new(),
+            results: curve[self.first()..].iter().map(report).collect(),
+        }
     }
 }
+
+/// A(P0)/P0 over A/P at the lightest load, where the curve lists both.
+fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
+    let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
+    let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
+    let at_threshold = curve.iter().find(|point| point.pressure_pa == threshold_pa)?;
+    Some(share(at_threshold) / share(lightest))
+}
+
+/// Rough contact of the map at `path`.
+fn of_map(
+    path: &Path,
+    args: &AreaLawArgs,
+    request: &Request,
+    console: &Console<'_>,
+) -> Result<AreaLawReport, CliError> {
+    let options = MapOptions {
+        pixel_m: args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?,
+        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
+        level: !args.no_level,
+    };
+    let surface = SurfaceMap::read(path, &options)?;
+    let progress = Progress::start("area law", console.quiet);
+    let curve = area_curve(&surface.map, request.contact_modulus_pa, &request.solved_pa, request.tolerance, &progress)
+        .map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    let wall_s = progress.finish();
+
+    let mut model = model(&surface);
+    let per_side = args.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
+    let windows = if per_side < 2 {
+        None
+    } else {
+        let progress = Progress::start("windows", console.quiet);
+        let spread = window_spread(&surface.map, per_side, &request.law(), &progress)
+            .map_err(|error| Diagnostic::flag("--windows", per_side.to_string(), error.to_string()))?;
+        spread.map(|spread| window_report(&spread, request.first(), progress.finish()))
+    };
+    if let Some(windows) = &windows {
+        model.push(format!(
+            "factor_std is the standard deviation of f among {} windows over the root of their number, itself known to \
+             {:.0} %; {WINDOW_STATEMENT}",
+            windows.count,
+            // A standard deviation of n normal values is known to 1/sqrt(2(n - 1)).
+            100.0 / (2.0 * (windows.count as f64 - 1.0)).sqrt(),
+        ));
+    }
+    let progress = Progress::start("resolutions", console.quiet);
+    let mut resolutions = Vec::new();
+    for &factor in args.resolutions.as_deref().unwrap_or_default() {
+        let blunt = resolution(&surface.map, factor, &request.law(), &progress)
+            .map_err(|error| Diagnostic::flag("--resolutions", factor.to_string(), error.to_string()))?;
+        resolutions.push(resolution_report(&blunt, request.first()));
+    }
+    progress.finish();
+
+    let mut report = AreaLawReport {
+        map: Some(path.display().to_string()),
+        synthetic_surface: surface.synthetic,
+        sa_um: Some(LENGTH_UM.from_si(surface.sa_m)),
+        pixel_um: Some(LENGTH_UM.from_si(surface.pixel_m())),
+        rows: Some(surface.map.rows()),
+        columns: Some(surface.map.cols()),
+        full_contact_pressure_mpa: Some(PRESSURE_MPA.from_si(curve.full_contact_pressure_pa)),
+        model,
+        wall_s,
+        resolutions,
+        ..request.report(&curve.points, surface.rms_slope, args, console)
+    };
+    if let Some(windows) = windows {
+        let root = (windows.count as f64).sqrt();
+        for (point, spread) in report.results.iter_mut().zip(&windows.factor_spread) {
+            point.factor_std = Some(spread / root);
+        }
+        report.windows = Some(windows);
+    }
+    Ok(report)
+}
+
+fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
+    WindowReport {
+        per_side: spread.per_side,
+        count: spread.count(),
+        rows: spread.pixels[0],
+        columns: spread.pixels[1],
+        made_periodic: WINDOW_STATEMENT,
+        tolerance: STATISTICS_TOLERANCE,
+        rms_slope_mean: spread.rms_slope_mean,
+        rms_slope_spread: spread.rms_slope_spread,
+        factor_mean: spread.factor_mean[first..].to_vec(),
+        factor_spread: spread.factor_spread[first..].to_vec(),
+        wall_s,
+    }
+}
+
+fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
+    ResolutionReport {
+        coarser: resolution.coarser,
+        pixel_um: LENGTH_UM.from_si(resolution.pixel_m),
+        rms_slope: resolution.rms_slope,
+        tolerance: STATISTICS_TOLERANCE,
+        factor: resolution.factor.as_ref().map(|factor| factor[first..].to_vec()),
+    }
+}
+
+/// Persson's theory for a surface of which only the rms slope is known.
+fn of_theory(
+    rms_slope: f64,
+    args: &AreaLawArgs,
+    request: &Request,
+    console: &Console<'_>,
+) -> Result<AreaLawReport, CliError> {
+    let curve = persson_curve(rms_slope, request.contact_modulus_pa, &request.solved_pa)
+        .map_err(|error| CliError::Other(error.to_string()))?;
+    let model = vec![
+        "area by Persson's theory, erf(sqrt 2 P / (E* h'rms)): it knows the surface only by its rms slope and is no \
+         substitute for a map"
+            .to_owned(),
+        FACTOR_STATEMENT.to_owned(),
+    ];
+    Ok(AreaLawReport { model, ..request.report(&curve, rms_slope, args, console) })
+}
+
+/// How f is meant.
+const FACTOR_STATEMENT: &str =
+    "f is the area over that at the threshold P0, divided by P/P0: the line through the origin, not the tangent";
 
 /// The number of a flag in SI units.
 pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
@@ -169,73 +303,11 @@ pub(super) fn height_unit(name: &str) -> Result<LengthUnit, Diagnostic> {
 fn model(surface: &SurfaceMap) -> Vec<String> {
     let mut model = vec![
         "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
-        "f is the area over that at 0.7 MPa, divided by P/0.7 MPa: the line through the origin, not the tangent"
-            .to_owned(),
+        FACTOR_STATEMENT.to_owned(),
     ];
     if surface.synthetic {
         model.push("the map is synthetic, not measured".to_owned());
     }
     model.extend(surface.notes.iter().cloned());
     model
-}
-
-fn table(report: &AreaLawReport) -> String {
-    let mut text = format!(
-        "{}: {}{} x {} pixels of {} um, Sa {} um, rms slope {}; E {} GPa, nu {}\n",
-        report.map,
-        if report.synthetic_surface { "synthetic, " } else { "" },
-        report.rows,
-        report.columns,
-        report.pixel_um,
-        fixed(Some(report.sa_um), 4),
-        fixed(Some(report.rms_slope), 5),
-        report.youngs_modulus_gpa,
-        fixed(Some(report.poisson_ratio), 3),
-    );
-    for statement in &report.model {
-        text += &format!("- {statement}\n");
-    }
-    let mut table = Table::new(["P MPa", "area", "corrected", "f", "iterations", "error", "status"]);
-    for point in &report.results {
-        table.row([
-            point.pressure_mpa.to_string(),
-            fixed(Some(point.area_fraction), 5),
-            fixed(Some(point.area_fraction_corrected), 5),
-            fixed(point.factor, 5),
-            point.iterations.to_string(),
-            format!("{:.1e}", point.residual),
-            point.status.to_owned(),
-        ]);
-    }
-    text +=
-        &format!("\n{table}\nfull contact from {:.1} MPa; {:.2} s\n", report.full_contact_pressure_mpa, report.wall_s);
-    text
-}
-
-fn table_csv(report: &AreaLawReport) -> String {
-    let mut text = String::from("pressure_mpa,area_fraction,area_fraction_corrected,factor\n");
-    for point in &report.results {
-        let factor = point.factor.map_or_else(String::new, |factor| factor.to_string());
-        // Writing to a string cannot fail.
-        let _ =
-            writeln!(text, "{},{},{},{factor}", point.pressure_mpa, point.area_fraction, point.area_fraction_corrected);
-    }
-    text
-}
-
-fn picture(report: &AreaLawReport, curve: &[AreaPoint]) -> Result<String, CliError> {
-    let column = |value: fn(&AreaReport) -> f64| report.results.iter().map(value).collect::<Vec<f64>>();
-    let factor: Vec<f64> = report.results.iter().map(|point| point.factor.unwrap_or(1.0)).collect();
-    let threshold_area = curve
-        .iter()
-        .find(|point| point.pressure_pa == THRESHOLD_PRESSURE_PA)
-        .map(|point| [tidy(report.threshold_mpa), point.area_fraction_corrected]);
-    let title = if report.synthetic_surface { "Real contact area (synthetic surface)" } else { "Real contact area" };
-    Ok(charts::area_law(&AreaLawChart {
-        title,
-        pressure_mpa: &column(|point| point.pressure_mpa),
-        area_fraction: &column(|point| point.area_fraction_corrected),
-        factor: &factor,
-        threshold: threshold_area,
-    })?)
 }

@@ -2,6 +2,8 @@
 
 mod accuracy;
 mod area_law;
+mod area_report;
+mod area_statistics;
 mod calibrate;
 mod drawings;
 mod export;

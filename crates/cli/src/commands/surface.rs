@@ -5,18 +5,22 @@ use std::io::BufReader;
 use std::path::Path;
 
 use slipgrid_contact::closed_form::persson_area_fraction;
-use slipgrid_contact::{ContactError, SolveOptions, Status};
-use slipgrid_material::{AreaLaw, MaterialError, THRESHOLD_PRESSURE_PA};
+use slipgrid_contact::{ContactError, Monitor, SolveOptions, Status, periodic_component, side_step_ratio};
+use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_topography::{HeightMap, LengthUnit, ReadOptions, read_map};
 
 use crate::diagnostic::Diagnostic;
-use crate::progress::Progress;
 
-/// Pressures of an area law where none are given, in MPa: dense where f bends, up to full contact.
-pub const DEFAULT_PRESSURES_MPA: [f64; 24] = [
+/// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
+/// From full contact on a pressure costs nothing.
+pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
     0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
-    22.0, 30.0,
+    22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
 ];
+
+/// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
+/// period has about 1, a piece of a smooth surface many times that.
+const PERIOD_STEP_RATIO: f64 = 1.5;
 
 /// How a map is read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,12 +77,19 @@ impl SurfaceMap {
             ));
         }
         // A plane through one period would leave a step where the period closes.
-        if options.level && !is_period(&read.comments) {
+        let step_ratio = side_step_ratio(&map).map_err(|error| refuse(&error))?;
+        let period = is_period(&read.comments) || step_ratio <= PERIOD_STEP_RATIO;
+        if options.level && !period {
             map.subtract_plane().map_err(|error| refuse(&error))?;
             notes.push("the least-squares plane has been subtracted".to_owned());
+            map = periodic_component(&map).map_err(|error| refuse(&error))?;
+            notes.push(format!(
+                "opposite sides do not continue each other (steps {step_ratio:.1} times those between neighbours): the \
+                 map is taken as its periodic component (Moisan)"
+            ));
         } else {
             map.subtract_mean();
-            notes.push("no plane has been subtracted".to_owned());
+            notes.push("no plane has been subtracted: the map is taken as one period as it is".to_owned());
         }
         let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
         Ok(Self { sa_m: map.sa_m(), rms_slope, map, synthetic, notes })
@@ -109,6 +120,8 @@ pub struct AreaPoint {
     pub iterations: usize,
     /// Its error at the end.
     pub residual: f64,
+    /// Estimate of what is left of the error of the area; 0 for a closed form.
+    pub area_error: f64,
     /// How it ended.
     pub status: Status,
 }
@@ -131,16 +144,17 @@ pub fn area_curve(
     contact_modulus_pa: f64,
     pressures_pa: &[f64],
     tolerance: f64,
-    progress: &Progress,
+    monitor: &dyn Monitor,
 ) -> Result<AreaCurve, ContactError> {
     let options = SolveOptions { tolerance, ..SolveOptions::default() };
-    let curve = slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, progress)?;
+    let curve = slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)?;
     let point = |point: &slipgrid_contact::AreaPoint| AreaPoint {
         pressure_pa: point.pressure_pa,
         area_fraction: point.area_fraction,
         area_fraction_corrected: point.area_fraction_corrected,
         iterations: point.convergence.iterations,
         residual: point.convergence.residual,
+        area_error: point.area_error,
         status: point.convergence.status,
     };
     Ok(AreaCurve {
@@ -149,14 +163,14 @@ pub fn area_curve(
     })
 }
 
-/// The area law that `curve` implies.
+/// The area law that `curve` implies, proportional up to `threshold_pa`.
 ///
 /// # Errors
 /// [`MaterialError`] if the curve does not bracket the threshold pressure.
-pub fn area_law(curve: &[AreaPoint]) -> Result<AreaLaw, MaterialError> {
+pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, MaterialError> {
     let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
     let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
-    AreaLaw::from_area_curve(&pressure_pa, &area, THRESHOLD_PRESSURE_PA)
+    AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
 }
 
 /// The contact area of a surface of which only the rms slope is known, by Persson's theory.
@@ -176,6 +190,7 @@ pub fn persson_curve(
             area_fraction_corrected: area_fraction,
             iterations: 0,
             residual: 0.0,
+            area_error: 0.0,
             status: Status::Converged,
         })
     };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_material::Elastic;
+use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
 use toml::Spanned;
 
 use super::document::Document;
@@ -11,7 +11,9 @@ use super::material::existing;
 use super::measurements::{self, Measurement};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE};
+use crate::units::{
+    DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE,
+};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -46,6 +48,8 @@ struct SurfaceFile {
     pixel_um: Option<Number>,
     height_unit: Option<Spanned<String>>,
     level: Option<bool>,
+    threshold_mpa: Option<Number>,
+    windows: Option<Spanned<usize>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -106,6 +110,9 @@ pub enum Surface {
         height_unit: Option<String>,
         /// Subtract the least-squares plane.
         level: bool,
+        /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None`
+        /// for the default.
+        windows: Option<usize>,
     },
     /// Persson's theory for an rms slope.
     Persson {
@@ -131,6 +138,8 @@ pub struct Calibration {
     pub poisson_ratio: f64,
     /// Where the area law comes from.
     pub surface: Surface,
+    /// Pressure P0 up to which friction is proportional to load, in pascals.
+    pub threshold_pa: f64,
     /// Radius of one specimen, in metres.
     pub specimen_radius_m: f64,
     /// Measurements on flat samples.
@@ -165,6 +174,8 @@ impl Calibration {
         )
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
+        let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
+        let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
         let flat = measurements::read(&existing(document, &file.measurements.flat, file.measurements.flat.get_ref())?)?;
         let patterned = match &file.measurements.patterned {
             Some(name) => measurements::read(&existing(document, name, name.get_ref())?)?,
@@ -178,6 +189,7 @@ impl Calibration {
             youngs_modulus_std_pa: document.optional(bulk.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?,
             poisson_ratio: document.optional(bulk.poisson_ratio.as_ref(), POISSON)?.unwrap_or(DEFAULT_POISSON_RATIO),
             surface,
+            threshold_pa,
             specimen_radius_m: document.number(&file.specimen.radius_mm, LENGTH_MM)?,
             flat,
             patterned,
@@ -207,6 +219,10 @@ fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surf
             Err(document.refuse(slope.span(), "stands beside a map").expected("either `map` or `persson_rms_slope`"))
         }
         (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
+        (None, Some(_)) if surface.windows.is_some() => {
+            let windows = surface.windows.as_ref().map_or(0..0, Spanned::span);
+            Err(document.refuse(windows, "stands without a map").expected("windows only of a map"))
+        }
         (None, Some(slope)) => Ok(Surface::Persson { rms_slope: document.number(slope, SLOPE)? }),
         (Some(map), None) => Ok(Surface::Map {
             path: existing(document, map, map.get_ref())?,
@@ -214,6 +230,7 @@ fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surf
             pixel_m: document.optional(surface.pixel_um.as_ref(), LENGTH_UM)?,
             height_unit: surface.height_unit.as_ref().map(|unit| unit.get_ref().clone()),
             level: surface.level.unwrap_or(true),
+            windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
         }),
     }
 }

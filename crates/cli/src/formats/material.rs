@@ -12,8 +12,8 @@ use super::document::Document;
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{
-    DENSITY_G_CM3, FACTOR, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA,
-    POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S,
+    DENSITY_G_CM3, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
+    MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S,
 };
 
 /// Scatter of the local coefficients where a file names none: the paper's 5 %.
@@ -133,6 +133,9 @@ pub struct AreaLawFile {
     pub pressure_mpa: NumberList,
     /// Factors f.
     pub factor: NumberList,
+    /// Their standard errors, from windows of the map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor_std: Option<NumberList>,
     /// Real contact area fractions behind them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_fraction: Option<NumberList>,
@@ -334,5 +337,11 @@ fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<Are
         document.numbers(area_fraction, FRACTION)?;
         same_length(area_fraction)?;
     }
-    AreaLaw::new(pressure_pa, factor).map_err(|error| at(document, &file.span(), &error))
+    let law_of = |error: MaterialError| at(document, &file.span(), &error);
+    let Some(factor_std) = &law.factor_std else {
+        return AreaLaw::new(pressure_pa, factor).map_err(law_of);
+    };
+    same_length(factor_std)?;
+    let factor_std = document.numbers(factor_std, FACTOR_STD)?;
+    AreaLaw::new(pressure_pa, factor).and_then(|law| law.with_factor_std(factor_std)).map_err(law_of)
 }

@@ -1,6 +1,6 @@
 //! The scene on which methods are judged: the source paper's, or a user's, and its reduced form.
 
-use slipgrid_material::{Elastic, LocalFriction};
+use slipgrid_material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 
@@ -38,7 +38,7 @@ pub fn paper_scene() -> Result<Scene, CliError> {
     let curve = persson_curve(STAND_IN_RMS_SLOPE, contact_modulus_pa, &pressures_pa).map_err(|error| refuse(&error))?;
     Ok(Scene {
         elastic,
-        area_law: Some(area_law(&curve).map_err(|error| refuse(&error))?),
+        area_law: Some(area_law(&curve, THRESHOLD_PRESSURE_PA).map_err(|error| refuse(&error))?),
         pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).map_err(|error| refuse(&error))?),
         layer: DEFAULT_LAYER,
         loads: vec![Load {

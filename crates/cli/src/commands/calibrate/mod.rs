@@ -5,12 +5,16 @@ mod write;
 
 use std::path::Path;
 
-use slipgrid_contact::Status;
+use slipgrid_contact::{ContactError, Status};
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
 };
 use slipgrid_springblock::Layer;
+use slipgrid_topography::HeightMap;
 
+use super::area_statistics::{
+    DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
+};
 use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
@@ -97,6 +101,8 @@ struct SurfaceFacts {
     sa_m: Option<f64>,
     pixel_m: Option<f64>,
     curve: Vec<AreaPoint>,
+    /// Standard errors of f, one per point of the curve.
+    factor_std: Option<Vec<f64>>,
     notes: Vec<String>,
 }
 
@@ -171,7 +177,7 @@ fn calibrate(
     let law = if facts.curve.is_empty() {
         None
     } else {
-        let law = area_law(&facts.curve);
+        let law = area_law(&facts.curve, calibration.threshold_pa).and_then(|law| with_errors(law, &facts));
         Some(law.map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))?)
     };
     let input = CalibrationInput {
@@ -198,7 +204,11 @@ fn calibrate(
 
 fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {
     let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
-    let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
+    let mut pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa)).to_vec();
+    let threshold = pressures_pa.partition_point(|&pressure_pa| pressure_pa < calibration.threshold_pa);
+    if pressures_pa.get(threshold) != Some(&calibration.threshold_pa) {
+        pressures_pa.insert(threshold, calibration.threshold_pa);
+    }
     match &calibration.surface {
         Surface::None => Ok(SurfaceFacts {
             notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
@@ -212,7 +222,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
             ..SurfaceFacts::default()
         }),
-        Surface::Map { path, synthetic, pixel_m, height_unit, level } => {
+        Surface::Map { path, synthetic, pixel_m, height_unit, level, windows } => {
             let unit = height_unit.as_deref().map(super::area_law::height_unit).transpose()?;
             let options = MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level };
             let surface = SurfaceMap::read(path, &options)?;
@@ -225,6 +235,16 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
             }
+            let request =
+                LawRequest { contact_modulus_pa, pressures_pa: &pressures_pa, threshold_pa: calibration.threshold_pa };
+            let spread = spread(&surface.map, *windows, &request, console)
+                .map_err(|error| Diagnostic::file(path, format!("surface.windows: {error}")))?;
+            if let Some(spread) = &spread {
+                notes.push(format!(
+                    "factor_std: standard deviation of f among {} windows of the map over the root of their number; {WINDOW_STATEMENT}",
+                    spread.count()
+                ));
+            }
             Ok(SurfaceFacts {
                 origin: Some("map"),
                 synthetic: *synthetic || surface.synthetic,
@@ -232,9 +252,38 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
                 sa_m: Some(surface.sa_m),
                 pixel_m: Some(surface.pixel_m()),
                 curve: curve.points,
+                factor_std: spread.map(|spread| spread.factor_std()),
                 notes,
             })
         }
+    }
+}
+
+/// The spread of f among windows of the map, where it is wanted and the map large enough.
+fn spread(
+    map: &HeightMap,
+    wanted: Option<usize>,
+    request: &LawRequest<'_>,
+    console: &Console<'_>,
+) -> Result<Option<WindowSpread>, ContactError> {
+    let per_side = wanted.unwrap_or(if takes_default_windows(map) { DEFAULT_WINDOWS } else { 0 });
+    if per_side < 2 {
+        return Ok(None);
+    }
+    let progress = Progress::start("windows", console.quiet);
+    let spread = window_spread(map, per_side, request, &progress);
+    progress.finish();
+    spread
+}
+
+/// The law with the standard errors of its factors, where they are known.
+fn with_errors(law: AreaLaw, facts: &SurfaceFacts) -> Result<AreaLaw, MaterialError> {
+    let Some(factor_std) = &facts.factor_std else { return Ok(law) };
+    let at = |pressure_pa: &f64| facts.curve.iter().position(|point| point.pressure_pa == *pressure_pa);
+    let errors: Option<Vec<f64>> = law.pressures_pa().iter().map(|p| at(p).map(|n| factor_std[n])).collect();
+    match errors {
+        Some(errors) => law.with_factor_std(errors),
+        None => Ok(law),
     }
 }
 

@@ -50,6 +50,7 @@ pub fn material_toml(
                 poisson_ratio: Some(number(tidy(calibration.poisson_ratio))),
                 pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
                 factor: number_list(law.factors().iter().map(|&factor| tidy(factor))),
+                factor_std: law.factor_std().map(|std| number_list(std.iter().map(|&std| tidy(std)))),
                 area_fraction: areas.map(number_list),
             })
         }),
@@ -169,6 +170,7 @@ mod tests {
             youngs_modulus_std_pa: Some(0.08e9),
             poisson_ratio: 1.0 / 3.0,
             surface: Surface::None,
+            threshold_pa: slipgrid_material::THRESHOLD_PRESSURE_PA,
             specimen_radius_m: 5e-3,
             flat: vec![measurement(200.0, 0.15), measurement(50.0, 0.8), measurement(50.0, 0.15)],
             patterned: Vec::new(),
@@ -183,9 +185,10 @@ mod tests {
 
     fn written(coefficients: Coefficients, pairs: Vec<FittedPair>) -> slipgrid_material::Material {
         let calibration = calibration(coefficients);
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]);
         let input = CalibrationInput {
             elastic: calibration.elastic,
-            area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap()),
+            area_law: Some(law.and_then(|law| law.with_factor_std(vec![0.0, 0.02])).unwrap()),
             specimen_radius_m: calibration.specimen_radius_m,
             measurements: calibration.flat.clone(),
             coefficients,

@@ -90,6 +90,7 @@ impl DesignScene<'_> {
                     poisson_ratio: None,
                     pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
                     factor: number_list(law.factors().iter().copied()),
+                    factor_std: law.factor_std().map(|std| number_list(std.iter().copied())),
                     area_fraction: None,
                 })
             }),

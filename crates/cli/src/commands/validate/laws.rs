@@ -54,7 +54,8 @@ pub fn scaled_laws(
     let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
     let law = |points: &[AreaPoint]| {
-        area_law(points).map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
+        area_law(points, calibration.threshold_pa)
+            .map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))
     };
     match &calibration.surface {
         Surface::None => Ok(ScaledLaws {
@@ -77,7 +78,7 @@ pub fn scaled_laws(
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
-        Surface::Map { path: map_path, synthetic, pixel_m, height_unit: unit, level } => {
+        Surface::Map { path: map_path, synthetic, pixel_m, height_unit: unit, level, .. } => {
             let unit = unit.as_deref().map(height_unit).transpose()?;
             let surface =
                 SurfaceMap::read(map_path, &MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level })?;

@@ -1,0 +1,208 @@
+//! What `area-law` reports: object, text, table and picture.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::CliError;
+use crate::charts::{self, AreaLawChart};
+use crate::report::Table;
+use crate::report::table::fixed;
+use crate::units::tidy;
+
+/// What `area-law --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct AreaLawReport {
+    pub(super) program: &'static str,
+    pub(super) version: &'static str,
+    /// Null for an analytic law, as all that only a map has.
+    pub(super) map: Option<String>,
+    /// The file says of itself that it is synthetic.
+    pub(super) synthetic_surface: bool,
+    pub(super) rms_slope: f64,
+    pub(super) sa_um: Option<f64>,
+    pub(super) pixel_um: Option<f64>,
+    pub(super) rows: Option<usize>,
+    pub(super) columns: Option<usize>,
+    pub(super) youngs_modulus_gpa: f64,
+    pub(super) poisson_ratio: f64,
+    pub(super) contact_modulus_gpa: f64,
+    pub(super) full_contact_pressure_mpa: Option<f64>,
+    pub(super) threshold_mpa: f64,
+    /// A/P at the threshold over that at the lightest load: 1 where area still grows in proportion.
+    pub(super) threshold_proportionality: Option<f64>,
+    pub(super) tolerance: f64,
+    pub(super) model: Vec<String>,
+    pub(super) wall_s: f64,
+    pub(super) threads: usize,
+    pub(super) windows: Option<WindowReport>,
+    pub(super) resolutions: Vec<ResolutionReport>,
+    pub(super) results: Vec<AreaReport>,
+}
+
+/// What windows of the map say, one number per pressure in lists.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct WindowReport {
+    pub(super) per_side: usize,
+    pub(super) count: usize,
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) made_periodic: &'static str,
+    pub(super) tolerance: f64,
+    pub(super) rms_slope_mean: f64,
+    pub(super) rms_slope_spread: f64,
+    pub(super) factor_mean: Vec<f64>,
+    /// Standard deviation among windows: what a map of that size would leave open.
+    pub(super) factor_spread: Vec<f64>,
+    pub(super) wall_s: f64,
+}
+
+/// The law seen by coarser pixels.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ResolutionReport {
+    pub(super) coarser: usize,
+    pub(super) pixel_um: f64,
+    pub(super) rms_slope: f64,
+    pub(super) tolerance: f64,
+    /// f, one per pressure; null where the curve does not reach the threshold pressure.
+    pub(super) factor: Option<Vec<f64>>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct AreaReport {
+    pub(super) pressure_mpa: f64,
+    pub(super) area_fraction: f64,
+    pub(super) area_fraction_corrected: f64,
+    /// f; null where the curve does not reach the threshold pressure.
+    pub(super) factor: Option<f64>,
+    /// Its standard error from the windows.
+    pub(super) factor_std: Option<f64>,
+    /// f by Persson's theory for the map's rms slope.
+    pub(super) factor_persson: Option<f64>,
+    /// Estimate of the error of the areas at this tolerance.
+    pub(super) area_error: f64,
+    pub(super) iterations: usize,
+    pub(super) residual: f64,
+    pub(super) status: &'static str,
+}
+
+/// The report as text.
+pub(super) fn table(report: &AreaLawReport) -> String {
+    let mut text = match (&report.map, report.rows, report.columns, report.pixel_um) {
+        (Some(map), Some(rows), Some(columns), Some(pixel_um)) => format!(
+            "{map}: {}{rows} x {columns} pixels of {pixel_um} um, Sa {} um",
+            if report.synthetic_surface { "synthetic, " } else { "" },
+            fixed(report.sa_um, 4),
+        ),
+        _ => "no map: analytic law".to_owned(),
+    };
+    text += &format!(
+        ", rms slope {}; E {} GPa, nu {}\n",
+        fixed(Some(report.rms_slope), 5),
+        report.youngs_modulus_gpa,
+        fixed(Some(report.poisson_ratio), 3),
+    );
+    for statement in &report.model {
+        text += &format!("- {statement}\n");
+    }
+    let mut table = Table::new(["P MPa", "area", "corrected", "+-", "f", "+-", "iterations", "error", "status"]);
+    for point in &report.results {
+        table.row([
+            point.pressure_mpa.to_string(),
+            fixed(Some(point.area_fraction), 5),
+            fixed(Some(point.area_fraction_corrected), 5),
+            format!("{:.0e}", point.area_error),
+            fixed(point.factor, 5),
+            fixed(point.factor_std, 5),
+            point.iterations.to_string(),
+            format!("{:.1e}", point.residual),
+            point.status.to_owned(),
+        ]);
+    }
+    text += &format!("\n{table}\n");
+    if !report.resolutions.is_empty() {
+        text += &format!("{}\n", resolution_table(report));
+    }
+    if let Some(share) = report.threshold_proportionality {
+        text += &format!(
+            "at P0 = {} MPa the area per load is {share:.3} times that at the lightest load\n",
+            report.threshold_mpa
+        );
+    }
+    let full = report.full_contact_pressure_mpa.map(|full| format!("full contact from {full:.1} MPa; "));
+    let windows = report.windows.as_ref().map(|windows| format!(" and {:.2} s for windows", windows.wall_s));
+    text += &format!("{}{:.2} s{}\n", full.unwrap_or_default(), report.wall_s, windows.unwrap_or_default());
+    text
+}
+
+/// f at every resolution side by side.
+fn resolution_table(report: &AreaLawReport) -> Table {
+    let mut titles = vec!["P MPa".to_owned(), "f".to_owned()];
+    titles.extend(report.resolutions.iter().map(|coarse| format!("f, {} um", coarse.pixel_um)));
+    let mut table = Table::new(titles.iter().map(String::as_str));
+    let mut slopes = vec!["rms slope".to_owned(), fixed(Some(report.rms_slope), 5)];
+    slopes.extend(report.resolutions.iter().map(|coarse| fixed(Some(coarse.rms_slope), 5)));
+    table.row(slopes);
+    for (n, point) in report.results.iter().enumerate() {
+        let mut row = vec![point.pressure_mpa.to_string(), fixed(point.factor, 5)];
+        row.extend(report.resolutions.iter().map(|coarse| fixed(coarse.factor.as_ref().map(|factor| factor[n]), 5)));
+        table.row(row);
+    }
+    table
+}
+
+/// The table of the report.
+pub(super) fn table_csv(report: &AreaLawReport) -> String {
+    let mut text = String::from("pressure_mpa,area_fraction,area_fraction_corrected,factor,factor_std");
+    for coarse in &report.resolutions {
+        // Writing to a string cannot fail.
+        let _ = write!(text, ",factor_at_{}_um", coarse.pixel_um);
+    }
+    text.push('\n');
+    let known = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for (n, point) in report.results.iter().enumerate() {
+        let _ = write!(
+            text,
+            "{},{},{},{},{}",
+            point.pressure_mpa,
+            point.area_fraction,
+            point.area_fraction_corrected,
+            known(point.factor),
+            known(point.factor_std)
+        );
+        for coarse in &report.resolutions {
+            let _ = write!(text, ",{}", known(coarse.factor.as_ref().map(|factor| factor[n])));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Area and f against pressure.
+///
+/// # Errors
+/// [`CliError`] if there is nothing to draw.
+pub(super) fn picture(report: &AreaLawReport) -> Result<String, CliError> {
+    let column = |value: fn(&AreaReport) -> f64| report.results.iter().map(value).collect::<Vec<f64>>();
+    let factor: Vec<f64> = report.results.iter().map(|point| point.factor.unwrap_or(1.0)).collect();
+    let factor_std: Option<Vec<f64>> = report.results.iter().map(|point| point.factor_std).collect();
+    let threshold_mpa = tidy(report.threshold_mpa);
+    let threshold_area = report
+        .results
+        .iter()
+        .find(|point| tidy(point.pressure_mpa) == threshold_mpa)
+        .map(|point| [threshold_mpa, point.area_fraction_corrected]);
+    let title = match (report.synthetic_surface, &report.map) {
+        (true, _) => "Real contact area (synthetic surface)",
+        (false, Some(_)) => "Real contact area",
+        (false, None) => "Real contact area (Persson's theory)",
+    };
+    Ok(charts::area_law(&AreaLawChart {
+        title,
+        pressure_mpa: &column(|point| point.pressure_mpa),
+        area_fraction: &column(|point| point.area_fraction_corrected),
+        factor: &factor,
+        factor_std: factor_std.as_deref().unwrap_or_default(),
+        threshold: threshold_area,
+    })?)
+}
