@@ -51,7 +51,10 @@
 mod fit;
 mod flat;
 mod least_squares;
+mod noise;
 mod problem;
+pub mod trace;
 
 pub use fit::{Fit, FittedPair, Prediction, calibrate};
+pub use noise::Noise;
 pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};
