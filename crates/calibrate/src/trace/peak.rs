@@ -51,7 +51,8 @@ pub fn static_peak(time_s: &[f64], mu: &[f64], window_start_s: f64) -> Option<Tr
         return None;
     }
     let near = smooth[..before].iter().filter(|&&value| value > settled + 0.75 * height).count();
-    let step = [top.saturating_sub(1), (top + 1).min(before - 1)].map(|i| smooth[top] - smooth[i]);
+    // The median of three flattens the top: the change to the samples beyond its neighbours counts.
+    let step = [top.saturating_sub(2), (top + 2).min(before - 1)].map(|i| smooth[top] - smooth[i]);
     let std = noise.hypot(step[0].min(step[1]));
     Some(TracePeak { mu: smooth[top], std, time_s: time_s[top], samples_at_top: near })
 }

@@ -7,6 +7,7 @@
 //! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
 //! | [`ratios`] | measured beside modelled ratios |
+//! | [`tribometer`] | repeats of a test against time, with what was read from them |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
 //! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
@@ -20,6 +21,7 @@ mod interface_pressure;
 mod plot;
 mod ratios;
 mod target;
+mod tribometer;
 mod work_precision;
 
 pub use area_law::{AreaLawChart, area_law};
@@ -27,6 +29,7 @@ pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use target::{TargetChart, TargetPoint, target};
+pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.

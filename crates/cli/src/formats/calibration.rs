@@ -4,11 +4,15 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_material::Elastic;
+use slipgrid_pattern::Pattern;
 use toml::Spanned;
 
 use super::document::Document;
 use super::material::existing;
 use super::measurements::{self, Measurement};
+use super::pattern::{PatternFile, read_pattern};
+use super::scene::DEFAULT_LAYER;
+use super::traces::{self, ConditionTraces, SurfaceKind, TracesFile};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE};
@@ -24,7 +28,9 @@ struct CalibrationFile {
     material: Spanned<BulkFile>,
     surface: Option<Spanned<SurfaceFile>>,
     specimen: SpecimenFile,
-    measurements: MeasurementsFile,
+    measurements: Option<Spanned<MeasurementsFile>>,
+    traces: Option<Spanned<TracesFile>>,
+    pattern: Option<Spanned<PatternFile>>,
     fit: Option<FitFile>,
 }
 
@@ -57,7 +63,7 @@ struct SpecimenFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MeasurementsFile {
-    flat: Spanned<String>,
+    flat: Option<Spanned<String>>,
     patterned: Option<Spanned<String>>,
 }
 
@@ -65,6 +71,7 @@ struct MeasurementsFile {
 #[serde(deny_unknown_fields)]
 struct FitFile {
     coefficients: Option<Spanned<String>>,
+    discrepancy: Option<Spanned<String>>,
     relative_std: Option<Number>,
 }
 
@@ -87,6 +94,32 @@ impl Coefficients {
         match self {
             Self::Single => "single",
             Self::PerCondition => "per-condition",
+        }
+    }
+}
+
+/// How the model's error on patterned samples is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiscrepancyForm {
+    /// One factor.
+    Constant,
+    /// A factor whose logarithm is linear in pressure.
+    Linear,
+    /// Not at all.
+    None,
+}
+
+impl DiscrepancyForm {
+    /// All forms.
+    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::None];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::None => "none",
         }
     }
 }
@@ -137,6 +170,12 @@ pub struct Calibration {
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
     pub patterned: Vec<Measurement>,
+    /// Traces behind the measurements, where they were read from traces.
+    pub traces: Vec<ConditionTraces>,
+    /// Pattern of the patterned samples, where the file names it.
+    pub pattern: Option<Pattern>,
+    /// How the model's error on patterned samples is estimated.
+    pub discrepancy: DiscrepancyForm,
     /// What is fitted.
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
@@ -165,11 +204,9 @@ impl Calibration {
         )
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
-        let flat = measurements::read(&existing(document, &file.measurements.flat, file.measurements.flat.get_ref())?)?;
-        let patterned = match &file.measurements.patterned {
-            Some(name) => measurements::read(&existing(document, name, name.get_ref())?)?,
-            None => Vec::new(),
-        };
+        let (flat, patterned, traces) = read_measured(document, &file)?;
+        let pattern = file.pattern.as_ref();
+        let pattern = pattern.map(|table| read_pattern(document, table, &DEFAULT_LAYER)).transpose()?;
         let fit = file.fit.as_ref();
         Ok(Self {
             name: file.name,
@@ -181,6 +218,13 @@ impl Calibration {
             specimen_radius_m: document.number(&file.specimen.radius_mm, LENGTH_MM)?,
             flat,
             patterned,
+            traces,
+            pattern,
+            discrepancy: fit
+                .and_then(|fit| fit.discrepancy.as_ref())
+                .map_or(Ok(DiscrepancyForm::Constant), |name| {
+                    document.choice(name, &DiscrepancyForm::ALL, DiscrepancyForm::name)
+                })?,
             coefficients: fit
                 .and_then(|fit| fit.coefficients.as_ref())
                 .map_or(Ok(Coefficients::PerCondition), |name| {
@@ -198,6 +242,42 @@ impl Calibration {
         // P = F / (pi r^2)
         force_n / (std::f64::consts::PI * self.specimen_radius_m * self.specimen_radius_m)
     }
+}
+
+/// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
+type Measured = (Vec<Measurement>, Vec<Measurement>, Vec<ConditionTraces>);
+
+fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured, Diagnostic> {
+    let mut tables = [Vec::new(), Vec::new()];
+    if let Some(measurements) = &file.measurements {
+        let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
+        for (table, name) in tables.iter_mut().zip(names) {
+            if let Some(name) = name {
+                *table = measurements::read(&existing(document, name, name.get_ref())?)?;
+            }
+        }
+    }
+    let mut read = Vec::new();
+    if let Some(table) = &file.traces {
+        let (setup, conditions) = traces::read_table(document, table.get_ref())?;
+        for kind in SurfaceKind::ALL {
+            if !tables[kind as usize].is_empty() && conditions.iter().any(|condition| condition.surface == kind) {
+                let reason = format!("has {} samples, and so has [measurements]", kind.name());
+                return Err(document.refuse(table.span(), reason).expected("one of the two"));
+            }
+        }
+        for condition in &conditions {
+            let traces = traces::analyse_condition(&setup, condition)?;
+            tables[condition.surface as usize].push(traces.measurement());
+            read.push(traces);
+        }
+    }
+    let [flat, patterned] = tables;
+    if flat.is_empty() {
+        let place = file.measurements.as_ref().map_or(0..0, Spanned::span);
+        return Err(document.missing(place, "measurements.flat").expected("a table, or [traces] of flat samples"));
+    }
+    Ok((flat, patterned, read))
 }
 
 fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surface, Diagnostic> {

@@ -7,6 +7,9 @@ pub mod material;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
+pub mod trace_columns;
+pub mod trace_file;
+pub mod traces;
 pub mod values;
 
 pub use document::Document;

@@ -23,6 +23,7 @@ pub fn material_toml(
 ) -> Result<String, CliError> {
     let mut notes = fit.notes.clone();
     notes.extend(facts.notes.iter().cloned());
+    notes.extend(crate::formats::traces::notes(&calibration.traces));
     if facts.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
@@ -172,6 +173,9 @@ mod tests {
             specimen_radius_m: 5e-3,
             flat: vec![measurement(200.0, 0.15), measurement(50.0, 0.8), measurement(50.0, 0.15)],
             patterned: Vec::new(),
+            traces: Vec::new(),
+            pattern: None,
+            discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,
         }
