@@ -157,12 +157,16 @@ fn column(cell: &str) -> Result<Option<Column>, (String, String)> {
         return Ok(Some(Column { channel, name: written.to_owned(), factor: channel.units()[0].1 }));
     }
     // The unit stands in brackets, behind a slash, or behind an underscore.
-    let cuts = written.char_indices().filter(|(_, letter)| matches!(letter, '[' | '(' | '{' | '/' | '_'));
-    let found = cuts.into_iter().find_map(|(at, _)| Some((channel(&written[..at])?, &written[at + 1..])));
-    let Some((channel, unit)) = found else { return Ok(None) };
-    let mut column = Column { channel, name: written.to_owned(), factor: channel.units()[0].1 };
-    column.set_unit(unit).map_err(|unit| (written.to_owned(), unit))?;
-    Ok(Some(column))
+    let mut unknown = None;
+    for (at, _) in written.char_indices().filter(|(_, letter)| matches!(letter, '[' | '(' | '{' | '/' | '_')) {
+        let Some(channel) = channel(&written[..at]) else { continue };
+        let mut column = Column { channel, name: written.to_owned(), factor: channel.units()[0].1 };
+        match column.set_unit(&written[at + 1..]) {
+            Ok(()) => return Ok(Some(column)),
+            Err(unit) => unknown = Some(unit),
+        }
+    }
+    unknown.map_or(Ok(None), |unit| Err((written.to_owned(), unit)))
 }
 
 fn channel(name: &str) -> Option<Channel> {

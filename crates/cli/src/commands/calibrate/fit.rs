@@ -29,6 +29,7 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
     let problem = Problem {
         elastic: input.elastic,
         area_law: input.area_law.clone(),
+        area_law_scale: None,
         layer: input.layer,
         measurements,
         coefficients: match input.coefficients {
