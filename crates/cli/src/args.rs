@@ -115,6 +115,9 @@ pub struct CalibrateArgs {
     /// Material file to write; without it the fit is only printed
     #[arg(long, short, value_name = "MATERIAL.toml")]
     pub output: Option<PathBuf>,
+    /// Folder for covariance, profiles, residuals, discrepancy, and pictures of traces
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
 }
 
 /// `traces`

@@ -6,6 +6,7 @@
 //! | [`interface_pressure`] | pressure along the interface |
 //! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
+//! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
 //! | [`tribometer`] | repeats of a test against time, with what was read from them |
 //! | [`work_precision`] | wall time against error, with the front |
@@ -20,6 +21,7 @@ mod friction_trace;
 mod interface_pressure;
 mod plot;
 mod ratios;
+mod residuals;
 mod target;
 mod tribometer;
 mod work_precision;
@@ -28,6 +30,7 @@ pub use area_law::{AreaLawChart, area_law};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
+pub use residuals::{ResidualsChart, residuals};
 pub use target::{TargetChart, TargetPoint, target};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};

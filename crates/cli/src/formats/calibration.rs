@@ -13,9 +13,11 @@ use super::measurements::{self, Measurement};
 use super::pattern::{PatternFile, read_pattern};
 use super::scene::DEFAULT_LAYER;
 use super::traces::{self, ConditionTraces, SurfaceKind, TracesFile};
-use super::values::Number;
+use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
-use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE};
+use crate::units::{
+    DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE,
+};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -72,6 +74,7 @@ struct MeasurementsFile {
 struct FitFile {
     coefficients: Option<Spanned<String>>,
     discrepancy: Option<Spanned<String>>,
+    area_law_scale_mpa: Option<NumberList>,
     relative_std: Option<Number>,
 }
 
@@ -176,6 +179,8 @@ pub struct Calibration {
     pub pattern: Option<Pattern>,
     /// How the model's error on patterned samples is estimated.
     pub discrepancy: DiscrepancyForm,
+    /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
+    pub area_law_scale_pa: Option<[f64; 2]>,
     /// What is fitted.
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
@@ -208,6 +213,7 @@ impl Calibration {
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_pattern(document, table, &DEFAULT_LAYER)).transpose()?;
         let fit = file.fit.as_ref();
+        let area_law_scale_pa = read_scale(document, &file)?;
         Ok(Self {
             name: file.name,
             source: file.source,
@@ -220,6 +226,7 @@ impl Calibration {
             patterned,
             traces,
             pattern,
+            area_law_scale_pa,
             discrepancy: fit
                 .and_then(|fit| fit.discrepancy.as_ref())
                 .map_or(Ok(DiscrepancyForm::Constant), |name| {
@@ -278,6 +285,17 @@ fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured
         return Err(document.missing(place, "measurements.flat").expected("a table, or [traces] of flat samples"));
     }
     Ok((flat, patterned, read))
+}
+
+fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
+    if file.surface.is_some() {
+        return Err(document.refuse(bounds.span(), "stands beside [surface]").expected("one of the two"));
+    }
+    match document.numbers(bounds, PRESSURE_MPA)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
+    }
 }
 
 fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surface, Diagnostic> {

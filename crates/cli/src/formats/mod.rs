@@ -2,6 +2,7 @@
 
 pub mod calibration;
 pub mod design;
+pub mod discrepancy;
 pub mod document;
 pub mod material;
 pub mod measurements;
