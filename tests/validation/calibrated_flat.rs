@@ -12,6 +12,7 @@ fn the_calibrated_flat_sample_slides_as_measured() {
     let problem = Problem {
         elastic: scene.elastic,
         area_law: Some(persson_law().unwrap()),
+        area_law_scale: None,
         layer: scene.layer,
         measurements: vec![Measurement {
             pressure_pa: 2.546e6,

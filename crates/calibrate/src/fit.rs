@@ -1,12 +1,15 @@
 //! The fit itself.
 
-use argmin::core::Error;
-use slipgrid_material::LocalFriction;
+mod notes;
+mod profile;
+
+use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_springblock::{Monitor, Unwatched};
 
+use crate::emulator::Emulator;
 use crate::flat::{self, DynamicFlat, Pairs, Portion};
 use crate::least_squares::{LeastSquares, Solution};
-use crate::{CalibrationError, Coefficients, Problem, StaticPeak};
+use crate::{CalibrationError, Coefficients, Problem};
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: the second round
 /// confirms the first.
@@ -44,6 +47,26 @@ pub struct Prediction {
     pub relative_stderr: f64,
 }
 
+/// One fitted number.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// What it is: `dynamic_mean`, `static_mean`, `area_law_scale_pa`; with the measurement's number where
+    /// there are several.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard error from the curvature; infinite where the data do not determine it.
+    pub std_error: f64,
+    /// Least and greatest value allowed.
+    pub bounds: [f64; 2],
+    /// The value ended at a bound: the data would have it beyond.
+    pub at_bound: bool,
+    /// Least chi-square, over all other parameters, above the fit's own: value and increase.
+    pub profile: Vec<[f64; 2]>,
+    /// Ends of the 95 % interval by the profile (an increase of 3.84); `None` where it reaches a bound.
+    pub interval: [Option<f64>; 2],
+}
+
 /// What a fit found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
@@ -51,6 +74,12 @@ pub struct Fit {
     pub pairs: Vec<FittedPair>,
     /// One per measurement.
     pub predictions: Vec<Prediction>,
+    /// All fitted numbers.
+    pub parameters: Vec<Parameter>,
+    /// Their covariance, from the measurements' standard deviations alone.
+    pub covariance: Vec<Vec<f64>>,
+    /// The area law of the predictions; `None` is Amontons-Coulomb.
+    pub area_law: Option<AreaLaw>,
     /// Sum of squared residuals in standard deviations.
     pub chi_square: f64,
     /// Measured numbers less fitted ones.
@@ -65,8 +94,15 @@ pub struct Fit {
 struct Layout {
     dynamic: Vec<usize>,
     fixed_static: Vec<Option<usize>>,
+    /// Number of the logarithm of the area law's scale, where that is fitted.
+    log_scale: Option<usize>,
     count: usize,
 }
+
+/// Bounds of mean local coefficients: beyond them no dry contact is meant.
+const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
+/// Scales of the area law from which a fit starts: chi-square may have more than one valley.
+const STARTS: usize = 7;
 
 impl Layout {
     fn new(problem: &Problem) -> Self {
@@ -87,8 +123,23 @@ impl Layout {
         Self {
             dynamic: (0..measured.len()).map(group_of).collect(),
             fixed_static: (0..measured.len()).map(|i| of_group[group_of(i)]).collect(),
-            count,
+            log_scale: problem.area_law_scale.as_ref().map(|_| count),
+            count: count + usize::from(problem.area_law_scale.is_some()),
         }
+    }
+
+    fn bounds(&self, problem: &Problem) -> Vec<[f64; 2]> {
+        let mut bounds = vec![FRICTION_BOUNDS; self.count];
+        if let (Some(number), Some(unknown)) = (self.log_scale, &problem.area_law_scale) {
+            bounds[number] = unknown.bounds_pa.map(f64::ln);
+        }
+        bounds
+    }
+
+    /// The area law at the parameters, and the logarithm of its scale.
+    fn law(&self, problem: &Problem, parameters: &[f64]) -> Result<(Option<AreaLaw>, f64), CalibrationError> {
+        let log_scale = self.log_scale.map_or(0.0, |number| parameters[number]);
+        Ok((problem.law_at(log_scale.exp())?, log_scale))
     }
 
     /// Local coefficients at measurement `i`.
@@ -130,18 +181,28 @@ pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, Calibr
     problem.validate()?;
     let layout = Layout::new(problem);
     let mut parameters = first_guess(problem, &layout);
+    let mut emulator = None;
     let mut corrections = None;
     let mut settled = false;
     let mut solution: Option<Solution> = None;
     // Progress counts on the usual two rounds of dynamic runs.
     let portion = Portion { whole: monitor, share: 0.5 };
-    for _ in 0..MOST_ROUNDS {
+    for round in 0..MOST_ROUNDS {
         let found = correct(problem, &layout, &parameters, &portion)?;
-        let fitted = fit_with(problem, &layout, &found, &parameters)?;
+        let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
+        let about = Emulator::new(problem, &means)?;
+        let fitted =
+            Model { problem, layout: &layout, corrections: &found, emulator: &about }.fit(&parameters, round == 0)?;
+        emulator = Some(about);
         let noise = found.relative_stderr.iter().copied().fold(0.0, f64::max);
         settled = solution.as_ref().is_some_and(|before| {
-            let same = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < SETTLED.max(3.0 * noise);
-            before.parameters.iter().zip(&fitted.parameters).all(same)
+            let same = |i: usize| {
+                let change = (before.parameters[i] - fitted.parameters[i]).abs();
+                // The scale is a logarithm: its change is relative as it is.
+                let size = if layout.log_scale == Some(i) { 1.0 } else { fitted.parameters[i].abs() };
+                change < (SETTLED.max(3.0 * noise) * size).max(0.1 * fitted.standard_error(i).min(size))
+            };
+            (0..layout.count).all(same)
         });
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
@@ -150,17 +211,80 @@ pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, Calibr
             break;
         }
     }
-    let (Some(solution), Some(corrections)) = (solution, corrections) else {
+    let (Some(solution), Some(corrections), Some(emulator)) = (solution, corrections, emulator) else {
         return Err(CalibrationError::NoMeasurement);
     };
-    report(problem, &layout, &solution, &corrections, settled)
+    let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
+    report(&model, &solution, settled)
+}
+
+/// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.
+struct Model<'a> {
+    problem: &'a Problem,
+    layout: &'a Layout,
+    corrections: &'a Corrections,
+    emulator: &'a Emulator<'a>,
+}
+
+impl Model<'_> {
+    fn least_squares(&self) -> LeastSquares<impl Fn(&[f64]) -> Result<Vec<f64>, CalibrationError>> {
+        LeastSquares::new(|parameters: &[f64]| self.residuals(parameters), self.layout.bounds(self.problem))
+    }
+
+    fn residuals(&self, parameters: &[f64]) -> Result<Vec<f64>, CalibrationError> {
+        let Self { problem, layout, corrections, emulator } = self;
+        let (law, log_scale) = layout.law(problem, parameters)?;
+        let law = law.as_ref();
+        let mut residuals: Vec<f64> = (0..problem.measurements.len())
+            .map(|i| {
+                let measured = &problem.measurements[i];
+                let steady = emulator.steady(i, parameters[layout.dynamic[i]], law, log_scale);
+                // [delta steady - measured] / std
+                (corrections.delta[i] * steady - measured.mu_dynamic) / measured.mu_dynamic_std
+            })
+            .collect();
+        for (i, measured) in problem.measurements.iter().enumerate() {
+            let (Some(number), Some(line), Some(peak)) =
+                (layout.fixed_static[i], corrections.peaks[i], measured.static_peak)
+            else {
+                continue;
+            };
+            let modelled = line.at_current + line.slope * (parameters[number] - line.current);
+            residuals.push((modelled - peak.mu) / peak.std);
+        }
+        Ok(residuals)
+    }
+
+    /// The best fit from `start`; with `everywhere` from scales over all their range as well.
+    fn fit(&self, start: &[f64], everywhere: bool) -> Result<Solution, CalibrationError> {
+        let problem = self.least_squares();
+        let mut best = problem.solve(start)?;
+        let (Some(number), Some(unknown), true) = (self.layout.log_scale, &self.problem.area_law_scale, everywhere)
+        else {
+            return Ok(best);
+        };
+        let [from, to] = unknown.bounds_pa.map(f64::ln);
+        for i in 0..STARTS {
+            let mut start = start.to_vec();
+            start[number] = from + (to - from) * (i as f64 + 0.5) / STARTS as f64;
+            let found = problem.solve(&start)?;
+            if found.chi_square() < best.chi_square() * (1.0 - 1e-12) {
+                best = found;
+            }
+        }
+        Ok(best)
+    }
 }
 
 /// mu_d = measured / f(P), averaged over what shares a parameter.
 fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); layout.count];
+    // An unknown law begins in the middle of its scales.
+    let middle =
+        problem.area_law_scale.as_ref().map_or(0.0, |unknown| unknown.bounds_pa.map(f64::ln).iter().sum::<f64>() / 2.0);
+    let law = problem.law_at(middle.exp()).ok().flatten();
     for (i, measured) in problem.measurements.iter().enumerate() {
-        let factor = problem.area_law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+        let factor = law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
         let mut add = |number: usize, mu: f64| {
             sums[number].0 += mu / factor;
             sums[number].1 += 1.0;
@@ -169,6 +293,9 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
         if let (Some(number), Some(peak)) = (layout.fixed_static[i], measured.static_peak) {
             add(number, peak.mu);
         }
+    }
+    if let Some(number) = layout.log_scale {
+        sums[number] = (middle, 1.0);
     }
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
 }
@@ -180,6 +307,8 @@ fn correct(
     monitor: &dyn Monitor,
 ) -> Result<Corrections, CalibrationError> {
     let pairs = layout.pairs(problem, parameters)?;
+    let (area_law, _) = layout.law(problem, parameters)?;
+    let problem = &Problem { area_law, ..problem.clone() };
     let steady = flat::steady(problem, &pairs)?;
     let dynamic: Vec<DynamicFlat> = flat::dynamic(problem, &pairs, monitor)?;
     let peaks = peak_lines(problem, &pairs, &dynamic)?;
@@ -218,49 +347,8 @@ fn peak_lines(
         .collect())
 }
 
-fn fit_with(
-    problem: &Problem,
-    layout: &Layout,
-    corrections: &Corrections,
-    start: &[f64],
-) -> Result<Solution, CalibrationError> {
-    let peaks: Vec<(usize, PeakLine, StaticPeak)> = (0..problem.measurements.len())
-        .filter_map(|i| Some((layout.fixed_static[i]?, corrections.peaks[i]?, problem.measurements[i].static_peak?)))
-        .collect();
-    let mut depends_on: Vec<Vec<usize>> = layout.dynamic.iter().map(|&number| vec![number]).collect();
-    depends_on.extend(peaks.iter().map(|(number, _, _)| vec![*number]));
-    let residuals = |parameters: &[f64]| -> Result<Vec<f64>, Error> {
-        let pairs = layout.pairs(problem, parameters)?;
-        let steady = flat::steady(problem, &pairs)?;
-        let mut residuals: Vec<f64> = problem
-            .measurements
-            .iter()
-            .zip(steady.iter().zip(&corrections.delta))
-            // [delta steady - measured] / std
-            .map(|(measured, (steady, delta))| (delta * steady - measured.mu_dynamic) / measured.mu_dynamic_std)
-            .collect();
-        for (number, line, peak) in &peaks {
-            let modelled = line.at_current + line.slope * (parameters[*number] - line.current);
-            residuals.push((modelled - peak.mu) / peak.std);
-        }
-        Ok(residuals)
-    };
-    LeastSquares::new(residuals, depends_on).solve(start.to_vec()).map_err(|error| {
-        error.downcast::<CalibrationError>().unwrap_or(CalibrationError::OutOfRange {
-            quantity: "coefficient",
-            value: f64::NAN,
-            expected: "measurements that determine it",
-        })
-    })
-}
-
-fn report(
-    problem: &Problem,
-    layout: &Layout,
-    solution: &Solution,
-    corrections: &Corrections,
-    settled: bool,
-) -> Result<Fit, CalibrationError> {
+fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, CalibrationError> {
+    let Model { problem, layout, corrections, .. } = *model;
     let count = problem.measurements.len();
     let pairs_per_fit = match problem.coefficients {
         Coefficients::Single => 1,
@@ -273,9 +361,9 @@ fn report(
             let of_runs = pair.dynamic_mean() * corrections.relative_stderr[i];
             Ok(FittedPair {
                 static_mean: pair.static_mean(),
-                static_std_error: layout.fixed_static[i].map(|number| solution.standard_errors[number]),
+                static_std_error: layout.fixed_static[i].map(|number| solution.standard_error(number)),
                 dynamic_mean: pair.dynamic_mean(),
-                dynamic_std_error: solution.standard_errors[layout.dynamic[i]].hypot(of_runs),
+                dynamic_std_error: solution.standard_error(layout.dynamic[i]).hypot(of_runs),
             })
         })
         .collect::<Result<Vec<FittedPair>, CalibrationError>>()?;
@@ -291,165 +379,21 @@ fn report(
             }
         })
         .collect();
-    let chi_square = solution.residuals.iter().map(|r| r * r).sum();
-    let degrees_of_freedom = solution.residuals.len().saturating_sub(layout.count);
-    Ok(Fit {
+    let parameters = profile::parameters(model, solution)?;
+    let mut fit = Fit {
         pairs,
         predictions,
-        chi_square,
-        degrees_of_freedom,
+        parameters,
+        covariance: solution.covariance.clone(),
+        area_law: layout.law(problem, &solution.parameters)?.0,
+        chi_square: solution.chi_square(),
+        degrees_of_freedom: solution.residuals.len().saturating_sub(layout.count),
         settled,
-        notes: notes(problem, layout, corrections, chi_square, degrees_of_freedom, settled),
-    })
-}
-
-fn notes(
-    problem: &Problem,
-    layout: &Layout,
-    corrections: &Corrections,
-    chi_square: f64,
-    degrees_of_freedom: usize,
-    settled: bool,
-) -> Vec<String> {
-    let least = corrections.delta.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = corrections.delta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let mut notes = vec![format!(
-        "dynamic_mean: fitted through the spring-block model of the flat sample; dynamic friction lies {:.2} to {:.2} % above steady sliding, and the fit corrects for it",
-        (least - 1.0) * 100.0,
-        (most - 1.0) * 100.0
-    )];
-    if layout.fixed_static.iter().any(Option::is_none) {
-        notes.push(format!(
-            "static_mean: not determined by the data where no static peak was measured; static_mean / dynamic_mean = {:.4} is assumed. A measured peak of friction at the onset of sliding would settle it",
-            problem.static_over_dynamic
-        ));
-    }
-    notes.push(format!(
-        "relative_std: not determined by means of friction; {} is assumed. The spread of onset events in a trace would settle it",
-        problem.relative_std
-    ));
-    if degrees_of_freedom > 0 {
-        notes.push(format!(
-            "chi-square {chi_square:.1} for {degrees_of_freedom} degrees of freedom{}",
-            if chi_square > 3.0 * degrees_of_freedom as f64 {
-                ": one pair of coefficients does not describe these measurements; fit coefficients per condition"
-            } else {
-                ""
-            }
-        ));
-    }
-    if !settled {
-        notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds"));
-    }
-    notes
+        notes: Vec::new(),
+    };
+    fit.notes = notes::notes(model, &fit);
+    Ok(fit)
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Measurement;
-    use slipgrid_material::{AreaLaw, Elastic};
-    use slipgrid_springblock::Layer;
-
-    /// A short specimen, so that dynamic runs take milliseconds.
-    fn problem(coefficients: Coefficients) -> Problem {
-        Problem {
-            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-            area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.8, 0.3]).unwrap()),
-            layer: Layer { length_m: 500e-6, height_m: 40e-6, block_m: 10e-6 },
-            measurements: [0.637e6, 1.273e6, 2.546e6]
-                .map(|pressure_pa| Measurement {
-                    pressure_pa,
-                    speed_m_s: 2e-3,
-                    mu_dynamic: 0.2,
-                    mu_dynamic_std: 0.002,
-                    static_peak: None,
-                })
-                .to_vec(),
-            coefficients,
-            relative_std: 0.05,
-            static_over_dynamic: 1.1,
-            seed: 3,
-        }
-    }
-
-    /// What the model itself gives for known coefficients, as measurements.
-    fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: bool) {
-        let pair = LocalFriction::new(1.1 * dynamic_mean, dynamic_mean, problem.relative_std).unwrap();
-        if with_peaks {
-            for measured in &mut problem.measurements {
-                measured.static_peak = Some(StaticPeak { mu: 1.0, std: 0.005 });
-            }
-        }
-        let pairs = vec![pair; problem.measurements.len()];
-        let found = flat::dynamic(problem, &pairs, &Unwatched).unwrap();
-        for (measured, found) in problem.measurements.iter_mut().zip(&found) {
-            measured.mu_dynamic = found.mu_dynamic;
-            measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: found.mu_static.unwrap(), ..peak });
-        }
-    }
-
-    #[test]
-    fn coefficients_behind_the_models_own_data_are_recovered() {
-        for coefficients in [Coefficients::Single, Coefficients::PerCondition] {
-            let mut problem = problem(coefficients);
-            measured_by_the_model(&mut problem, 0.25, false);
-            let fit = calibrate(&problem, &Unwatched).unwrap();
-            assert_eq!(fit.pairs.len(), if coefficients == Coefficients::Single { 1 } else { 3 });
-            for pair in &fit.pairs {
-                // A short specimen gives delta to about 1e-3.
-                let noise = fit.predictions.iter().map(|p| p.relative_stderr).fold(0.0, f64::max);
-                assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 4.0 * noise && noise < 2e-3, "{pair:?} {noise}");
-                assert!(pair.static_std_error.is_none());
-            }
-            assert!(fit.settled && fit.notes.iter().any(|note| note.contains("static_mean: not determined")));
-        }
-    }
-
-    #[test]
-    fn standard_errors_follow_from_the_measured_ones() {
-        let mut problem = problem(Coefficients::PerCondition);
-        measured_by_the_model(&mut problem, 0.25, false);
-        let fit = calibrate(&problem, &Unwatched).unwrap();
-        for (pair, measured) in fit.pairs.iter().zip(&problem.measurements) {
-            // mu is nearly proportional to mu_d: equal relative errors.
-            let relative = pair.dynamic_std_error / pair.dynamic_mean / (measured.mu_dynamic_std / measured.mu_dynamic);
-            assert!((relative - 1.0).abs() < 0.05, "{relative}");
-        }
-        assert_eq!(fit.degrees_of_freedom, 0);
-    }
-
-    #[test]
-    fn a_measured_static_peak_determines_the_static_coefficient() {
-        let mut problem = problem(Coefficients::Single);
-        measured_by_the_model(&mut problem, 0.25, true);
-        problem.static_over_dynamic = 2.0; // not used: every measurement has its peak
-        let fit = calibrate(&problem, &Unwatched).unwrap();
-        let pair = fit.pairs[0];
-        // The peak follows mu_s with a slope well below one: its error is larger than the peak's own.
-        let error = pair.static_std_error.unwrap();
-        assert!(error > 0.005 / 3.0_f64.sqrt() && error < 0.03, "{pair:?}");
-        assert!((pair.static_mean - 0.275).abs() < 2.0 * error, "{pair:?}");
-        assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
-    }
-
-    #[test]
-    fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
-        let mut problem = problem(Coefficients::Single);
-        measured_by_the_model(&mut problem, 0.25, false);
-        for (measured, factor) in problem.measurements.iter_mut().zip([0.9, 1.0, 1.1]) {
-            measured.mu_dynamic *= factor;
-        }
-        let fit = calibrate(&problem, &Unwatched).unwrap();
-        assert!(fit.chi_square > 50.0 && fit.degrees_of_freedom == 2);
-        assert!(fit.notes.iter().any(|note| note.contains("one pair of coefficients does not describe")));
-    }
-
-    #[test]
-    fn measurements_without_meaning_are_refused() {
-        let mut problem = problem(Coefficients::Single);
-        problem.measurements[1].mu_dynamic_std = 0.0;
-        let refused = calibrate(&problem, &Unwatched).unwrap_err().to_string();
-        assert!(refused.contains("measurement 2") && refused.contains("mu_dynamic_std"), "{refused}");
-    }
-}
+mod tests;

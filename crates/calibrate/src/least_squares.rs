@@ -1,137 +1,214 @@
-//! Weighted least squares by argmin's Gauss-Newton method, Jacobian by forward differences.
+//! Weighted least squares within bounds: Levenberg and Marquardt's method, Jacobian by forward differences.
+//!
+//! A parameter at a bound is held there while the gradient pushes it outward; steps that leave the box are
+//! cut back to it. argmin has neither bounds nor this method.
 
-use argmin::core::{Error, Executor, Jacobian, Operator, State};
-use argmin::solver::gaussnewton::GaussNewton;
 use nalgebra::{DMatrix, DVector};
 
 /// Relative step of the forward differences. The model is smooth and converged to 1e-11.
 const DIFFERENCE: f64 = 1e-5;
-/// Change of the norm of the residuals (in standard deviations) at which the fit has converged.
-const TOLERANCE: f64 = 1e-7;
+/// Relative change of the parameters at which the fit has converged.
+const TOLERANCE: f64 = 1e-9;
 /// Iterations at most: the model is nearly linear in its coefficients, three or four do.
-const MOST_ITERATIONS: u64 = 20;
+const MOST_ITERATIONS: usize = 100;
+/// First damping, and what it is multiplied or divided by.
+const DAMPING: (f64, f64) = (1e-3, 10.0);
+/// Damping at which no step helps any more.
+const MOST_DAMPING: f64 = 1e12;
 
 /// Residuals in standard deviations, as a function of the parameters.
 pub struct LeastSquares<F> {
     residuals: F,
-    /// For every residual the parameters it depends on: a column of the Jacobian is found together with
-    /// all columns that share no residual with it.
-    depends_on: Vec<Vec<usize>>,
+    /// Least and greatest value of every parameter.
+    bounds: Vec<[f64; 2]>,
+    /// Parameters that keep their start.
+    held: Vec<bool>,
 }
 
 /// A solution with its curvature.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Solution {
     /// Best parameters.
     pub parameters: Vec<f64>,
     /// Residuals there, in standard deviations.
     pub residuals: Vec<f64>,
-    /// Standard error of every parameter, sqrt of the diagonal of (J^T J)^-1; infinite where the data do
-    /// not determine it.
-    pub standard_errors: Vec<f64>,
+    /// (J^T J)^-1; infinite on the diagonal where the data do not determine a parameter.
+    pub covariance: Vec<Vec<f64>>,
+    /// The parameter ended at a bound.
+    pub at_bound: Vec<bool>,
 }
 
-impl<F: Fn(&[f64]) -> Result<Vec<f64>, Error>> LeastSquares<F> {
+impl Solution {
+    /// Sum of squared residuals.
+    pub fn chi_square(&self) -> f64 {
+        self.residuals.iter().map(|r| r * r).sum()
+    }
+
+    /// Standard error of a parameter.
+    pub fn standard_error(&self, parameter: usize) -> f64 {
+        self.covariance[parameter][parameter].max(0.0).sqrt()
+    }
+}
+
+impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
     /// A problem with the given residuals.
-    pub fn new(residuals: F, depends_on: Vec<Vec<usize>>) -> Self {
-        Self { residuals, depends_on }
+    pub fn new(residuals: F, bounds: Vec<[f64; 2]>) -> Self {
+        Self { residuals, held: vec![false; bounds.len()], bounds }
+    }
+
+    /// The same with one parameter kept at its start.
+    pub fn hold(mut self, parameter: usize) -> Self {
+        self.held[parameter] = true;
+        self
     }
 
     /// Minimizes the sum of squares from `start`.
     ///
     /// # Errors
     /// Whatever the residuals return.
-    pub fn solve(self, start: Vec<f64>) -> Result<Solution, Error> {
-        let solver = GaussNewton::new().with_tolerance(TOLERANCE)?;
-        let result = Executor::new(self, solver)
-            .configure(|state| state.param(DVector::from_vec(start.clone())).max_iters(MOST_ITERATIONS))
-            .run()?;
-        let parameters = result.state().get_best_param().cloned().unwrap_or(DVector::from_vec(start));
-        let problem = result.problem.problem.ok_or_else(|| Error::msg("the solver kept the problem"))?;
-        let residuals = problem.apply(&parameters)?;
-        let jacobian = problem.jacobian(&parameters)?;
-        let curvature = jacobian.transpose() * jacobian;
-        let count = parameters.len();
-        let standard_errors = match curvature.try_inverse() {
-            Some(covariance) => (0..count).map(|i| covariance[(i, i)].max(0.0).sqrt()).collect(),
-            None => vec![f64::INFINITY; count],
-        };
+    pub fn solve(&self, start: &[f64]) -> Result<Solution, E> {
+        let within = |p: f64, i: usize| p.clamp(self.bounds[i][0], self.bounds[i][1]);
+        let mut at: Vec<f64> = start.iter().enumerate().map(|(i, &p)| within(p, i)).collect();
+        let mut residuals = (self.residuals)(&at)?;
+        let mut damping = DAMPING.0;
+        for _ in 0..MOST_ITERATIONS {
+            let jacobian = self.jacobian(&at, &residuals)?;
+            let gradient = jacobian.tr_mul(&DVector::from_column_slice(&residuals));
+            let free: Vec<usize> = (0..at.len())
+                .filter(|&i| {
+                    let outward = (at[i] <= self.bounds[i][0] && gradient[i] > 0.0)
+                        || (at[i] >= self.bounds[i][1] && gradient[i] < 0.0);
+                    !self.held[i] && !outward
+                })
+                .collect();
+            let mut moved = 0.0_f64;
+            while !free.is_empty() && damping < MOST_DAMPING {
+                let Some(step) = step(&jacobian, &gradient, &free, damping) else {
+                    damping *= DAMPING.1;
+                    continue;
+                };
+                let mut trial = at.clone();
+                for (&i, step) in free.iter().zip(step.iter()) {
+                    trial[i] = within(at[i] - step, i);
+                }
+                let found = (self.residuals)(&trial)?;
+                let sum = |values: &[f64]| values.iter().map(|r| r * r).sum::<f64>();
+                if sum(&found) <= sum(&residuals) {
+                    moved =
+                        free.iter().map(|&i| (trial[i] - at[i]).abs() / at[i].abs().max(1e-300)).fold(0.0, f64::max);
+                    (at, residuals) = (trial, found);
+                    damping /= DAMPING.1;
+                    break;
+                }
+                damping *= DAMPING.1;
+            }
+            if moved < TOLERANCE {
+                break;
+            }
+        }
+        let jacobian = self.jacobian(&at, &residuals)?;
         Ok(Solution {
-            parameters: parameters.iter().copied().collect(),
-            residuals: residuals.iter().copied().collect(),
-            standard_errors,
+            covariance: self.covariance(&jacobian),
+            at_bound: (0..at.len()).map(|i| at[i] <= self.bounds[i][0] || at[i] >= self.bounds[i][1]).collect(),
+            parameters: at,
+            residuals,
         })
     }
 
-    /// Groups of parameters of which no two enter the same residual.
-    fn independent_groups(&self, parameters: usize) -> Vec<Vec<usize>> {
-        let mut groups: Vec<Vec<usize>> = Vec::new();
-        for parameter in 0..parameters {
-            let clashes = |group: &Vec<usize>| {
-                self.depends_on
-                    .iter()
-                    .any(|entering| entering.contains(&parameter) && group.iter().any(|g| entering.contains(g)))
-            };
-            match groups.iter_mut().find(|group| !clashes(group)) {
-                Some(group) => group.push(parameter),
-                None => groups.push(vec![parameter]),
-            }
-        }
-        groups
-    }
-}
-
-impl<F: Fn(&[f64]) -> Result<Vec<f64>, Error>> Operator for LeastSquares<F> {
-    type Param = DVector<f64>;
-    type Output = DVector<f64>;
-
-    fn apply(&self, parameters: &Self::Param) -> Result<Self::Output, Error> {
-        Ok(DVector::from_vec((self.residuals)(parameters.as_slice())?))
-    }
-}
-
-impl<F: Fn(&[f64]) -> Result<Vec<f64>, Error>> Jacobian for LeastSquares<F> {
-    type Param = DVector<f64>;
-    type Jacobian = DMatrix<f64>;
-
-    fn jacobian(&self, parameters: &Self::Param) -> Result<Self::Jacobian, Error> {
-        let base = (self.residuals)(parameters.as_slice())?;
-        let mut jacobian = DMatrix::zeros(base.len(), parameters.len());
-        for group in self.independent_groups(parameters.len()) {
-            let mut moved = parameters.clone();
-            for &p in &group {
-                moved[p] += DIFFERENCE * parameters[p].abs().max(f64::MIN_POSITIVE);
-            }
-            let changed = (self.residuals)(moved.as_slice())?;
-            for (r, entering) in self.depends_on.iter().enumerate() {
-                for &p in entering.iter().filter(|p| group.contains(p)) {
-                    jacobian[(r, p)] = (changed[r] - base[r]) / (moved[p] - parameters[p]);
-                }
+    fn jacobian(&self, at: &[f64], residuals: &[f64]) -> Result<DMatrix<f64>, E> {
+        let mut jacobian = DMatrix::zeros(residuals.len(), at.len());
+        for p in (0..at.len()).filter(|&p| !self.held[p]) {
+            let mut moved = at.to_vec();
+            let step = DIFFERENCE * at[p].abs().max(1e-3);
+            // Backwards at the upper bound.
+            moved[p] += if at[p] + step > self.bounds[p][1] { -step } else { step };
+            let changed = (self.residuals)(&moved)?;
+            for r in 0..residuals.len() {
+                jacobian[(r, p)] = (changed[r] - residuals[r]) / (moved[p] - at[p]);
             }
         }
         Ok(jacobian)
     }
+
+    fn covariance(&self, jacobian: &DMatrix<f64>) -> Vec<Vec<f64>> {
+        let count = jacobian.ncols();
+        // Columns of length one: parameters differ in size by more than the digits of a number.
+        let norms: Vec<f64> = (0..count).map(|p| jacobian.column(p).norm()).collect();
+        let seen: Vec<usize> = (0..count).filter(|&p| norms[p] > 1e-9 && !self.held[p]).collect();
+        let scaled = DMatrix::from_fn(jacobian.nrows(), seen.len(), |r, c| jacobian[(r, seen[c])] / norms[seen[c]]);
+        let mut covariance = vec![vec![0.0; count]; count];
+        for (p, row) in covariance.iter_mut().enumerate().filter(|(p, _)| !self.held[*p]) {
+            row[p] = f64::INFINITY;
+        }
+        if seen.is_empty() {
+            return covariance;
+        }
+        let curvature = scaled.tr_mul(&scaled);
+        let well_posed = curvature.clone().symmetric_eigenvalues().iter().all(|&value| value > 1e-10);
+        if let Some(inverse) = curvature.try_inverse().filter(|_| well_posed) {
+            for (i, &p) in seen.iter().enumerate() {
+                for (j, &q) in seen.iter().enumerate() {
+                    covariance[p][q] = inverse[(i, j)] / (norms[p] * norms[q]);
+                }
+            }
+        }
+        covariance
+    }
+}
+
+/// (J^T J + damping diag(J^T J)) step = gradient over the free parameters.
+fn step(jacobian: &DMatrix<f64>, gradient: &DVector<f64>, free: &[usize], damping: f64) -> Option<DVector<f64>> {
+    let chosen = DMatrix::from_fn(jacobian.nrows(), free.len(), |r, c| jacobian[(r, free[c])]);
+    let mut curvature = chosen.tr_mul(&chosen);
+    for i in 0..free.len() {
+        curvature[(i, i)] = curvature[(i, i)] * (1.0 + damping) + f64::MIN_POSITIVE;
+    }
+    let right = DVector::from_fn(free.len(), |i, _| gradient[free[i]]);
+    curvature.cholesky().map(|factor| factor.solve(&right))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_straight_line_has_its_textbook_slope_and_error() {
+    type Outcome = Result<Vec<f64>, ()>;
+
+    fn line(p: &[f64]) -> Outcome {
         // y = a + b x through four points with std 0.1: b = 2, a = 1, var(b) = s^2 / Sxx, Sxx = 5.
-        let data = [(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (3.0, 7.0)];
-        let residuals =
-            move |p: &[f64]| Ok(data.iter().map(|(x, y)| (p[0] + p[1] * x - y) / 0.1).collect::<Vec<f64>>());
-        let fit = LeastSquares::new(residuals, vec![vec![0, 1]; 4]).solve(vec![0.5, 0.5]).unwrap();
-        assert!((fit.parameters[0] - 1.0).abs() < 1e-6 && (fit.parameters[1] - 2.0).abs() < 1e-6);
-        assert!((fit.standard_errors[1] - 0.1 / 5.0_f64.sqrt()).abs() < 1e-6);
+        Ok([(0.0, 1.0), (1.0, 3.0), (2.0, 5.0), (3.0, 7.0)].iter().map(|(x, y)| (p[0] + p[1] * x - y) / 0.1).collect())
     }
 
     #[test]
-    fn parameters_that_share_no_residual_are_perturbed_together() {
-        let problem = LeastSquares::new(|p: &[f64]| Ok(p.to_vec()), vec![vec![0], vec![1], vec![2]]);
-        assert_eq!(problem.independent_groups(3), vec![vec![0, 1, 2]]);
-        let coupled = LeastSquares::new(|p: &[f64]| Ok(p.to_vec()), vec![vec![0, 1], vec![1, 2]]);
-        assert_eq!(coupled.independent_groups(3), vec![vec![0, 2], vec![1]]);
+    fn a_straight_line_has_its_textbook_slope_and_covariance() {
+        let fit = LeastSquares::new(line, vec![[-10.0, 10.0]; 2]).solve(&[0.5, 0.5]).unwrap();
+        assert!((fit.parameters[0] - 1.0).abs() < 1e-8 && (fit.parameters[1] - 2.0).abs() < 1e-8);
+        assert!((fit.standard_error(1) - 0.1 / 5.0_f64.sqrt()).abs() < 1e-6);
+        // cov(a, b) = -mean(x) var(b)
+        assert!((fit.covariance[0][1] + 1.5 * 0.01 / 5.0).abs() < 1e-7);
+        assert_eq!(fit.at_bound, [false, false]);
+    }
+
+    #[test]
+    fn bounds_hold_and_the_rest_is_best_within_them() {
+        let fit = LeastSquares::new(line, vec![[-10.0, 10.0], [0.0, 1.0]]).solve(&[0.5, 0.5]).unwrap();
+        // With the slope at most 1 the best height is 4 - 1.5.
+        assert!((fit.parameters[0] - 2.5).abs() < 1e-8 && fit.parameters[1] == 1.0, "{fit:?}");
+        assert_eq!(fit.at_bound, [false, true]);
+        let held = LeastSquares::new(line, vec![[-10.0, 10.0]; 2]).hold(1).solve(&[0.5, 0.0]).unwrap();
+        assert!((held.parameters[0] - 4.0).abs() < 1e-8 && held.parameters[1] == 0.0);
+    }
+
+    #[test]
+    fn a_curved_valley_is_followed_to_its_end() {
+        let rosenbrock = |p: &[f64]| -> Outcome { Ok(vec![10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0]]) };
+        let fit = LeastSquares::new(rosenbrock, vec![[-5.0, 5.0]; 2]).solve(&[-1.2, 1.0]).unwrap();
+        assert!((fit.parameters[0] - 1.0).abs() < 1e-6 && (fit.parameters[1] - 1.0).abs() < 1e-6, "{fit:?}");
+    }
+
+    #[test]
+    fn what_the_data_do_not_see_has_no_finite_error() {
+        let sum = |p: &[f64]| -> Outcome { Ok(vec![p[0] + p[1] - 1.0, 2.0 * (p[0] + p[1] - 1.0)]) };
+        let fit = LeastSquares::new(sum, vec![[-10.0, 10.0]; 2]).solve(&[0.1, 0.2]).unwrap();
+        assert!(fit.standard_error(0).is_infinite() && (fit.parameters[0] + fit.parameters[1] - 1.0).abs() < 1e-8);
     }
 }

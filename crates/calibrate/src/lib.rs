@@ -16,10 +16,14 @@
 //! |---|---|
 //! | [`Problem`] | measurements and what is known of the material |
 //! | [`calibrate`] | the fit |
-//! | [`Fit`], [`FittedPair`] | coefficients, standard errors, residuals, what stays undetermined |
+//! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
+//! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
+//! | [`estimate`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
 //! its ratio to mu_d is an assumption ([`Problem::static_over_dynamic`]) and the fit says so.
+//!
+//! Where no map is given, the pressure scale of the area law can be fitted as well ([`AreaLawScale`]).
 //!
 //! This crate knows no pattern and opens no files.
 //!
@@ -30,6 +34,7 @@
 //! let problem = Problem {
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
 //!     area_law: None,
+//!     area_law_scale: None,
 //!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
 //!     measurements: vec![Measurement {
 //!         pressure_pa: 2.546e6,
@@ -48,10 +53,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod area_law_scale;
+mod discrepancy;
+mod emulator;
 mod fit;
 mod flat;
 mod least_squares;
+mod noise;
 mod problem;
+pub mod trace;
 
-pub use fit::{Fit, FittedPair, Prediction, calibrate};
+pub use area_law_scale::AreaLawScale;
+pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
+pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate};
+pub use noise::Noise;
 pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};

@@ -1,3 +1,4 @@
+use crate::AreaLawScale;
 use slipgrid_material::{AreaLaw, Elastic, MaterialError};
 use slipgrid_springblock::{Layer, SceneError};
 
@@ -41,6 +42,9 @@ pub struct Problem {
     pub elastic: Elastic,
     /// Area law; `None` is Amontons-Coulomb.
     pub area_law: Option<AreaLaw>,
+    /// An area law of which the scale is fitted, in place of `area_law`. It takes one pair of coefficients
+    /// for several loads: a pair for each load absorbs any law.
+    pub area_law_scale: Option<AreaLawScale>,
     /// The modelled layer of the specimen.
     pub layer: Layer,
     /// Measurements on flat samples.
@@ -95,6 +99,12 @@ pub enum CalibrationError {
         /// How the run ended.
         status: &'static str,
     },
+    /// The data cannot tell the area law from the coefficients.
+    #[error("the scale of the area law cannot be fitted: {reason}")]
+    AreaLawNotIdentifiable {
+        /// Why, and what would do.
+        reason: &'static str,
+    },
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
@@ -124,6 +134,29 @@ impl Problem {
                 }
             }
         }
+        if let Some(unknown) = &self.area_law_scale {
+            let [from, to] = unknown.bounds_pa;
+            if !(from > 0.0 && to > from && to.is_finite()) {
+                return Err(CalibrationError::OutOfRange {
+                    quantity: "bound of the area law's scale",
+                    value: from,
+                    expected: "two increasing positive pressures",
+                });
+            }
+            unknown.law(from)?;
+            unknown.law(to)?;
+            if self.coefficients == Coefficients::PerCondition {
+                return Err(CalibrationError::AreaLawNotIdentifiable {
+                    reason: "a pair of coefficients for each load absorbs any area law: expected coefficients = \"single\", or a map",
+                });
+            }
+            let first = self.measurements[0].pressure_pa;
+            if self.measurements.iter().all(|measured| (measured.pressure_pa / first - 1.0).abs() < 1e-6) {
+                return Err(CalibrationError::AreaLawNotIdentifiable {
+                    reason: "all measurements are at one load: expected two loads or more, or a map",
+                });
+            }
+        }
         let (ratio, std) = (self.static_over_dynamic, self.relative_std);
         if !(ratio.is_finite() && ratio > 0.0) {
             return Err(CalibrationError::OutOfRange {
@@ -140,5 +173,13 @@ impl Problem {
             });
         }
         Ok(())
+    }
+
+    /// The area law at a scale, where the scale is fitted; the given one otherwise.
+    pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, CalibrationError> {
+        match &self.area_law_scale {
+            Some(unknown) => Ok(Some(unknown.law(scale_pa)?)),
+            None => Ok(self.area_law.clone()),
+        }
     }
 }

@@ -41,6 +41,8 @@ pub enum Command {
     Optimize(OptimizeArgs),
     /// Local friction coefficients from measurements on flat samples
     Calibrate(CalibrateArgs),
+    /// Dynamic friction, static peak and stick-slip from tribometer exports
+    Traces(TracesArgs),
     /// Real contact area of an altitude map against pressure
     AreaLaw(AreaLawArgs),
     /// Make a synthetic self-affine altitude map
@@ -112,6 +114,50 @@ pub struct CalibrateArgs {
     pub calibration: PathBuf,
     /// Material file to write; without it the fit is only printed
     #[arg(long, short, value_name = "MATERIAL.toml")]
+    pub output: Option<PathBuf>,
+    /// Folder for covariance, profiles, residuals, discrepancy, and pictures of traces
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+}
+
+/// `traces`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid traces my-material/calibration.toml -o out/traces\n  \
+    slipgrid traces run1.csv run2.csv run3.csv --effective-radius-mm 38.1 --force-n 200 \\\n    \
+    --speed-mm-s 2 --humidity-pct 15 -o out/200N\n\n\
+    Either a calibration file with a table [traces], or the repeats of one condition. An export is a\n\
+    table with a header that names time, torque (or friction force) and normal force, with units; comma,\n\
+    semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius).\n\
+    Writes flat.csv and patterned.csv, which `calibrate` takes, traces.csv and a picture a condition.\n\
+    A trace that cannot be used (saturated, gap, no load, wrong sign, clock going back) is refused.")]
+pub struct TracesArgs {
+    /// Calibration file, or exports of one condition
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Distance from the axis to a specimen's centre; a torque needs it
+    #[arg(long, value_name = "MM")]
+    pub effective_radius_mm: Option<f64>,
+    /// Nominal normal force on one specimen
+    #[arg(long, value_name = "N")]
+    pub force_n: Option<f64>,
+    /// Sliding speed
+    #[arg(long, value_name = "MM/S")]
+    pub speed_mm_s: Option<f64>,
+    /// Relative humidity
+    #[arg(long, value_name = "PCT")]
+    pub humidity_pct: Option<f64>,
+    /// Specimens that share the recorded normal force
+    #[arg(long, value_name = "N")]
+    pub specimens: Option<u32>,
+    /// Averaging window, seconds since the first sample
+    #[arg(long, value_name = "FROM,TO", value_delimiter = ',', num_args = 1)]
+    pub window_s: Option<Vec<f64>>,
+    /// The samples are patterned
+    #[arg(long)]
+    pub patterned: bool,
+    /// Folder for tables and pictures
+    #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
 

@@ -112,6 +112,8 @@ pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 
 pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Damping frequency over sqrt(k/m).
 pub const DAMPING: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 2.0);
+/// Times of a test.
+pub const TIME_S: Quantity = Quantity::new(Scale::Times(1.0), "s", 0.0, false, 1e6);
 /// Time steps.
 pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1e6);
 /// Poisson's ratios of an isotropic solid.

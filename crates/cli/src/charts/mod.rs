@@ -6,7 +6,9 @@
 //! | [`interface_pressure`] | pressure along the interface |
 //! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
+//! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
+//! | [`tribometer`] | repeats of a test against time, with what was read from them |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
 //! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
@@ -19,14 +21,18 @@ mod friction_trace;
 mod interface_pressure;
 mod plot;
 mod ratios;
+mod residuals;
 mod target;
+mod tribometer;
 mod work_precision;
 
 pub use area_law::{AreaLawChart, area_law};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
+pub use residuals::{ResidualsChart, residuals};
 pub use target::{TargetChart, TargetPoint, target};
+pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 
 /// A labelled line.

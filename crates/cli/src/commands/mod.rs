@@ -12,6 +12,7 @@ mod pictures;
 mod simulate;
 mod surface;
 mod synthesize;
+mod traces;
 mod validate;
 
 use crate::args::Command;
@@ -26,6 +27,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Simulate(args) => simulate::run(args, console),
         Command::Optimize(args) => optimize::run(args, console),
         Command::Calibrate(args) => calibrate::run(args, console),
+        Command::Traces(args) => traces::run(args, console),
         Command::AreaLaw(args) => area_law::run(args, console),
         Command::Synthesize(args) => synthesize::run(args, console),
         Command::Export(args) => export::run(args, console),

@@ -4,12 +4,16 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
+use slipgrid_pattern::Pattern;
 use toml::Spanned;
 
 use super::document::Document;
 use super::material::existing;
 use super::measurements::{self, Measurement};
-use super::values::Number;
+use super::pattern::{PatternFile, read_pattern};
+use super::scene::DEFAULT_LAYER;
+use super::traces::{self, ConditionTraces, SurfaceKind, TracesFile};
+use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::units::{
     DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE,
@@ -26,7 +30,9 @@ struct CalibrationFile {
     material: Spanned<BulkFile>,
     surface: Option<Spanned<SurfaceFile>>,
     specimen: SpecimenFile,
-    measurements: MeasurementsFile,
+    measurements: Option<Spanned<MeasurementsFile>>,
+    traces: Option<Spanned<TracesFile>>,
+    pattern: Option<Spanned<PatternFile>>,
     fit: Option<FitFile>,
 }
 
@@ -61,7 +67,7 @@ struct SpecimenFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MeasurementsFile {
-    flat: Spanned<String>,
+    flat: Option<Spanned<String>>,
     patterned: Option<Spanned<String>>,
 }
 
@@ -69,6 +75,8 @@ struct MeasurementsFile {
 #[serde(deny_unknown_fields)]
 struct FitFile {
     coefficients: Option<Spanned<String>>,
+    discrepancy: Option<Spanned<String>>,
+    area_law_scale_mpa: Option<NumberList>,
     relative_std: Option<Number>,
 }
 
@@ -91,6 +99,32 @@ impl Coefficients {
         match self {
             Self::Single => "single",
             Self::PerCondition => "per-condition",
+        }
+    }
+}
+
+/// How the model's error on patterned samples is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiscrepancyForm {
+    /// One factor.
+    Constant,
+    /// A factor whose logarithm is linear in pressure.
+    Linear,
+    /// Not at all.
+    None,
+}
+
+impl DiscrepancyForm {
+    /// All forms.
+    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::None];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::None => "none",
         }
     }
 }
@@ -146,6 +180,14 @@ pub struct Calibration {
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
     pub patterned: Vec<Measurement>,
+    /// Traces behind the measurements, where they were read from traces.
+    pub traces: Vec<ConditionTraces>,
+    /// Pattern of the patterned samples, where the file names it.
+    pub pattern: Option<Pattern>,
+    /// How the model's error on patterned samples is estimated.
+    pub discrepancy: DiscrepancyForm,
+    /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
+    pub area_law_scale_pa: Option<[f64; 2]>,
     /// What is fitted.
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
@@ -176,12 +218,11 @@ impl Calibration {
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
-        let flat = measurements::read(&existing(document, &file.measurements.flat, file.measurements.flat.get_ref())?)?;
-        let patterned = match &file.measurements.patterned {
-            Some(name) => measurements::read(&existing(document, name, name.get_ref())?)?,
-            None => Vec::new(),
-        };
+        let (flat, patterned, traces) = read_measured(document, &file)?;
+        let pattern = file.pattern.as_ref();
+        let pattern = pattern.map(|table| read_pattern(document, table, &DEFAULT_LAYER)).transpose()?;
         let fit = file.fit.as_ref();
+        let area_law_scale_pa = read_scale(document, &file)?;
         Ok(Self {
             name: file.name,
             source: file.source,
@@ -193,6 +234,14 @@ impl Calibration {
             specimen_radius_m: document.number(&file.specimen.radius_mm, LENGTH_MM)?,
             flat,
             patterned,
+            traces,
+            pattern,
+            area_law_scale_pa,
+            discrepancy: fit
+                .and_then(|fit| fit.discrepancy.as_ref())
+                .map_or(Ok(DiscrepancyForm::Constant), |name| {
+                    document.choice(name, &DiscrepancyForm::ALL, DiscrepancyForm::name)
+                })?,
             coefficients: fit
                 .and_then(|fit| fit.coefficients.as_ref())
                 .map_or(Ok(Coefficients::PerCondition), |name| {
@@ -209,6 +258,53 @@ impl Calibration {
     pub fn pressure_pa(&self, force_n: f64) -> f64 {
         // P = F / (pi r^2)
         force_n / (std::f64::consts::PI * self.specimen_radius_m * self.specimen_radius_m)
+    }
+}
+
+/// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
+type Measured = (Vec<Measurement>, Vec<Measurement>, Vec<ConditionTraces>);
+
+fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured, Diagnostic> {
+    let mut tables = [Vec::new(), Vec::new()];
+    if let Some(measurements) = &file.measurements {
+        let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
+        for (table, name) in tables.iter_mut().zip(names) {
+            if let Some(name) = name {
+                *table = measurements::read(&existing(document, name, name.get_ref())?)?;
+            }
+        }
+    }
+    let mut read = Vec::new();
+    if let Some(table) = &file.traces {
+        let (setup, conditions) = traces::read_table(document, table.get_ref())?;
+        for kind in SurfaceKind::ALL {
+            if !tables[kind as usize].is_empty() && conditions.iter().any(|condition| condition.surface == kind) {
+                let reason = format!("has {} samples, and so has [measurements]", kind.name());
+                return Err(document.refuse(table.span(), reason).expected("one of the two"));
+            }
+        }
+        for condition in &conditions {
+            let traces = traces::analyse_condition(&setup, condition)?;
+            tables[condition.surface as usize].push(traces.measurement());
+            read.push(traces);
+        }
+    }
+    let [flat, patterned] = tables;
+    if flat.is_empty() {
+        let place = file.measurements.as_ref().map_or(0..0, Spanned::span);
+        return Err(document.missing(place, "measurements.flat").expected("a table, or [traces] of flat samples"));
+    }
+    Ok((flat, patterned, read))
+}
+
+fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
+    if file.surface.is_some() {
+        return Err(document.refuse(bounds.span(), "stands beside [surface]").expected("one of the two"));
+    }
+    match document.numbers(bounds, PRESSURE_MPA)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
     }
 }
 

@@ -8,6 +8,7 @@ use slipgrid_material::{
 };
 use toml::Spanned;
 
+use super::discrepancy::{DiscrepancyFile, read_discrepancy};
 use super::document::Document;
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
@@ -52,6 +53,9 @@ pub struct MaterialFile {
     /// Area law; absent for Amontons-Coulomb.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_law: Option<Spanned<AreaLawFile>>,
+    /// The model's error on patterned samples, apart from the physics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub discrepancy: Option<Spanned<DiscrepancyFile>>,
 }
 
 /// Local friction coefficients as a file writes them: one pair, one pair per pressure, or tables
@@ -219,6 +223,9 @@ pub fn read_material(
     let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3).map_err(|error| at(document, place, &error))?;
     let friction = read_friction(document, &file.friction)?;
     let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
+    if let Some(discrepancy) = &file.discrepancy {
+        read_discrepancy(document, discrepancy, None)?;
+    }
     Ok(Material {
         elastic,
         friction,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, nearest};
-use crate::units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S};
+use crate::units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
 /// One row of a table of measurements, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,6 +140,27 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
     Ok(rows)
 }
 
+/// The table as text, with `comment` above it.
+#[must_use]
+pub fn table(comment: &str, rows: &[Measurement]) -> String {
+    let mut text = format!("# {comment}\n{}\n", COLUMNS.map(|(name, _, _)| name).join(","));
+    for row in rows {
+        let rounded = |value: f64| tidy((value * 1e6).round() / 1e6).to_string();
+        let optional = |value: Option<f64>| value.map_or_else(String::new, rounded);
+        let cells = [
+            row.force_n.to_string(),
+            SPEED_MM_S.from_si(row.speed_m_s).to_string(),
+            HUMIDITY_PCT.from_si(row.humidity).to_string(),
+            rounded(row.mu_dynamic),
+            rounded(row.mu_dynamic_std),
+            optional(row.mu_static),
+            optional(row.mu_static_std),
+        ];
+        text += &format!("{}\n", cells.join(","));
+    }
+    text
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -160,6 +181,21 @@ mod tests {
                 mu_static_std: None,
             }]
         );
+    }
+
+    #[test]
+    fn a_written_table_reads_back() {
+        let row = Measurement {
+            force_n: 66.5,
+            speed_m_s: 0.4e-3,
+            humidity: 0.15,
+            mu_dynamic: 0.278123,
+            mu_dynamic_std: 0.001,
+            mu_static: Some(0.3),
+            mu_static_std: Some(0.01),
+        };
+        let rows = [row, Measurement { mu_static: None, mu_static_std: None, ..row }];
+        assert_eq!(parse(Path::new("a.csv"), &table("by a test", &rows)).unwrap(), rows);
     }
 
     #[test]

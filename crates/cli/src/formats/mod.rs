@@ -2,11 +2,15 @@
 
 pub mod calibration;
 pub mod design;
+pub mod discrepancy;
 pub mod document;
 pub mod material;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
+pub mod trace_columns;
+pub mod trace_file;
+pub mod traces;
 pub mod values;
 
 pub use document::Document;

@@ -1,9 +1,13 @@
 //! The call into the fit.
 
-use slipgrid_calibrate::{CalibrationError, Measurement, Problem, StaticPeak, calibrate};
+use slipgrid_calibrate::{AreaLawScale, CalibrationError, Measurement, Problem, StaticPeak, calibrate};
 
+use slipgrid_material::THRESHOLD_PRESSURE_PA;
+
+use super::details::FitDetails;
 use super::{CalibrationInput, Fit, FittedPair};
 use crate::CliError;
+use crate::commands::surface::persson_curve;
 use crate::formats::calibration::Coefficients;
 use crate::formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 use crate::progress::Progress;
@@ -26,9 +30,11 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
             static_peak: measured.mu_static.zip(measured.mu_static_std).map(|(mu, std)| StaticPeak { mu, std }),
         })
         .collect();
+    let scale = input.area_law_scale_pa.map(persson_scale).transpose()?;
     let problem = Problem {
         elastic: input.elastic,
         area_law: input.area_law.clone(),
+        area_law_scale: scale.clone(),
         layer: input.layer,
         measurements,
         coefficients: match input.coefficients {
@@ -55,6 +61,26 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
             })
             .collect(),
         residuals: fitted.predictions.iter().map(|prediction| prediction.residual).collect(),
+        details: FitDetails::new(&fitted, scale.as_ref()),
         notes: fitted.notes,
+    })
+}
+
+/// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
+const SCALED_POINTS: usize = 241;
+
+/// Persson's contact area against P / (E* h'rms), from far below the threshold at any scale to full contact.
+fn persson_scale(bounds_pa: [f64; 2]) -> Result<AreaLawScale, CliError> {
+    let [from, to] = [
+        1e-4_f64.min(0.1 * THRESHOLD_PRESSURE_PA / bounds_pa[1]),
+        10.0_f64.max(2.0 * THRESHOLD_PRESSURE_PA / bounds_pa[0]),
+    ];
+    let pressure_over_scale: Vec<f64> =
+        (0..SCALED_POINTS).map(|i| from * (to / from).powf(i as f64 / (SCALED_POINTS - 1) as f64)).collect();
+    let curve = persson_curve(1.0, 1.0, &pressure_over_scale).map_err(|error| CliError::Other(error.to_string()))?;
+    Ok(AreaLawScale {
+        area_fraction: curve.iter().map(|point| point.area_fraction).collect(),
+        pressure_over_scale,
+        bounds_pa,
     })
 }

@@ -1,5 +1,7 @@
 //! `calibrate`: local friction coefficients from measurements on flat samples.
 
+mod details;
+mod discrepancy;
 mod fit;
 mod write;
 
@@ -12,6 +14,8 @@ use slipgrid_material::{
 use slipgrid_springblock::Layer;
 use slipgrid_topography::HeightMap;
 
+use details::FitDetails;
+use discrepancy::Report;
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
 };
@@ -23,7 +27,7 @@ use crate::formats::material::read_material;
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::{Document, material::MaterialFile};
-use crate::output::{check_file, write_file};
+use crate::output::{Outputs, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::table::fixed;
@@ -55,6 +59,8 @@ pub struct CalibrationInput {
     pub layer: Layer,
     /// Seed of its local coefficients.
     pub seed: u64,
+    /// Bounds of the area law's scale E* h'rms, in pascals, where it is fitted.
+    pub area_law_scale_pa: Option<[f64; 2]>,
 }
 
 /// The part of a calibration that a design needs, and how its sample is modelled.
@@ -90,6 +96,8 @@ pub struct Fit {
     pub residuals: Vec<f64>,
     /// How values were obtained, what was assumed.
     pub notes: Vec<String>,
+    /// Everything else that was found.
+    pub details: FitDetails,
 }
 
 /// The surface behind an area law, for the material file.
@@ -111,6 +119,7 @@ struct Calibrated {
     file: String,
     material: Material,
     fit: Fit,
+    discrepancy: Option<Report>,
 }
 
 /// Calibrates and reports.
@@ -118,10 +127,18 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     if let Some(path) = &args.output {
         check_file(path)?;
     }
+    if let Some(folder) = &args.report {
+        check_folder(folder)?;
+    }
     let calibration = Calibration::read(&args.calibration)?;
-    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), console)?;
+    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), true, console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
+    }
+    if let Some(folder) = &args.report {
+        let outputs = report(&calibration, &calibrated)?;
+        outputs.write(folder)?;
+        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     console.out.write_all(summary(&calibration, &calibrated).as_bytes())?;
     match &args.output {
@@ -164,23 +181,24 @@ pub fn material(
             condition.matches(&Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity })
         });
     }
-    Ok(calibrate(path, &needed, (purpose.layer, purpose.seed), console)?.material)
+    Ok(calibrate(path, &needed, (purpose.layer, purpose.seed), false, console)?.material)
 }
 
 fn calibrate(
     path: &Path,
     calibration: &Calibration,
     (layer, seed): (Layer, u64),
+    with_discrepancy: bool,
     console: &mut Console<'_>,
 ) -> Result<Calibrated, CliError> {
-    let facts = surface_facts(calibration, console)?;
+    let mut facts = surface_facts(calibration, console)?;
     let law = if facts.curve.is_empty() {
         None
     } else {
         let law = area_law(&facts.curve, calibration.threshold_pa).and_then(|law| with_errors(law, &facts));
         Some(law.map_err(|error| Diagnostic::file(path, format!("the contact area gives no area law: {error}")))?)
     };
-    let input = CalibrationInput {
+    let mut input = CalibrationInput {
         elastic: calibration.elastic,
         area_law: law,
         specimen_radius_m: calibration.specimen_radius_m,
@@ -189,17 +207,25 @@ fn calibrate(
         relative_std: calibration.relative_std,
         layer,
         seed,
+        area_law_scale_pa: calibration.area_law_scale_pa,
     };
     let progress = Progress::start("calibration", console.quiet);
     let fit = fit::fit(&input, &progress);
     progress.finish();
     let fit = fit?;
-    let file = write::material_toml(calibration, &input, &facts, &fit)?;
+    if calibration.area_law_scale_pa.is_some() {
+        input.area_law.clone_from(&fit.details.area_law);
+        facts.origin = Some("fit");
+        facts.curve = fit.details.area_curve.clone();
+    }
+    let discrepancy =
+        if with_discrepancy { discrepancy::discrepancy(calibration, &input, &facts.curve)? } else { None };
+    let file = write::material_toml(calibration, &input, &facts, &fit, discrepancy.as_ref())?;
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());
     let read: MaterialFile = document.parse()?;
     let material = read_material(&document, &read, &(0..0))?;
-    Ok(Calibrated { file, material, fit })
+    Ok(Calibrated { file, material, fit, discrepancy })
 }
 
 fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {
@@ -310,5 +336,27 @@ fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
             fixed(fit.residuals.get(row).copied(), 4),
         ]);
     }
-    format!("{text}\n{table}")
+    text += &format!("\n{table}{}", fit.details.table());
+    if let Some(discrepancy) = &calibrated.discrepancy {
+        text += &format!(
+            "\nratios patterned / flat: measured, by the model, and predicted without the row itself\n{}",
+            discrepancy.table()
+        );
+    } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
+        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would give the model's discrepancy\n";
+    }
+    text
+}
+
+/// Everything that was found, for the folder of a report.
+fn report(calibration: &Calibration, calibrated: &Calibrated) -> Result<Outputs, CliError> {
+    let mut outputs =
+        if calibration.traces.is_empty() { Outputs::default() } else { super::traces::outputs(&calibration.traces)? };
+    outputs.add("fit.json", crate::report::json(&calibrated.fit.details)?);
+    outputs.add("profiles.csv", calibrated.fit.details.profiles());
+    outputs.add("residuals.svg", details::residuals(calibration, &calibrated.fit)?);
+    if let Some(discrepancy) = &calibrated.discrepancy {
+        outputs.add("discrepancy.csv", discrepancy.csv());
+    }
+    Ok(outputs)
 }

@@ -3,6 +3,7 @@
 use slipgrid_material::Condition;
 use toml::Spanned;
 
+use super::discrepancy::Report;
 use super::{CalibrationInput, Fit, FittedPair, SurfaceFacts};
 use crate::CliError;
 use crate::formats::calibration::{Calibration, Coefficients};
@@ -20,9 +21,12 @@ pub fn material_toml(
     input: &CalibrationInput,
     facts: &SurfaceFacts,
     fit: &Fit,
+    discrepancy: Option<&Report>,
 ) -> Result<String, CliError> {
     let mut notes = fit.notes.clone();
     notes.extend(facts.notes.iter().cloned());
+    notes.extend(crate::formats::traces::notes(&calibration.traces));
+    notes.extend(discrepancy.map(Report::note));
     if facts.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
@@ -54,6 +58,7 @@ pub fn material_toml(
                 area_fraction: areas.map(number_list),
             })
         }),
+        discrepancy: discrepancy.map(Report::file),
     };
     let body =
         toml::to_string(&file).map_err(|error| CliError::Other(format!("the material has no TOML form: {error}")))?;
@@ -144,6 +149,7 @@ fn unplaced<T>(value: T) -> Spanned<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::commands::calibrate::details::FitDetails;
     use crate::formats::Document;
     use crate::formats::calibration::Surface;
     use crate::formats::material::read_material;
@@ -174,6 +180,10 @@ mod tests {
             specimen_radius_m: 5e-3,
             flat: vec![measurement(200.0, 0.15), measurement(50.0, 0.8), measurement(50.0, 0.15)],
             patterned: Vec::new(),
+            traces: Vec::new(),
+            pattern: None,
+            area_law_scale_pa: None,
+            discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,
         }
@@ -195,10 +205,16 @@ mod tests {
             relative_std: calibration.relative_std,
             layer: crate::formats::scene::DEFAULT_LAYER,
             seed: 1,
+            area_law_scale_pa: None,
         };
         let facts = SurfaceFacts { origin: Some("map"), synthetic: true, ..SurfaceFacts::default() };
-        let fit = Fit { pairs, residuals: vec![0.001, -0.002, 0.0], notes: vec!["a \"note\"".into()] };
-        let document = Document::new("m.toml", material_toml(&calibration, &input, &facts, &fit).unwrap());
+        let fit = Fit {
+            pairs,
+            residuals: vec![0.001, -0.002, 0.0],
+            notes: vec!["a \"note\"".into()],
+            details: FitDetails::default(),
+        };
+        let document = Document::new("m.toml", material_toml(&calibration, &input, &facts, &fit, None).unwrap());
         let material = read_material(&document, &document.parse().unwrap(), &(0..0)).unwrap();
         assert_eq!(material.elastic, input.elastic);
         assert_eq!(material.area_law, input.area_law);

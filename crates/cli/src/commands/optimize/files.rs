@@ -81,6 +81,7 @@ impl DesignScene<'_> {
             youngs_modulus_std_gpa: None,
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
             friction: unplaced(self.friction()),
+            discrepancy: None,
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
                     origin: None,

@@ -1,0 +1,77 @@
+//! Steady friction of the flat sample at any coefficient and scale of the area law, from a few solves.
+
+use slipgrid_material::{AreaLaw, LocalFriction};
+
+use crate::{CalibrationError, Problem, flat};
+
+/// Coefficients at which the sample is solved, relative to the present ones.
+const NODES: [f64; 3] = [0.8, 1.0, 1.25];
+/// Scales at which it is solved: the end effect follows the law slowly.
+const SCALES: usize = 13;
+
+/// mu_i = mu_d f(P_i) c_i: c is what free ends change. It departs from 1 by parts in a thousand and is
+/// interpolated, quadratically in mu_d and linearly in the logarithm of the scale; the rest is exact.
+pub struct Emulator<'a> {
+    problem: &'a Problem,
+    dynamic_means: Vec<f64>,
+    /// Logarithms of the scales; one, of no meaning, where the law is given.
+    log_scales: Vec<f64>,
+    /// c by scale, measurement and node.
+    ends: Vec<Vec<[f64; 3]>>,
+}
+
+impl<'a> Emulator<'a> {
+    /// Solves the sample about the coefficients `dynamic_means`, one a measurement.
+    pub fn new(problem: &'a Problem, dynamic_means: &[f64]) -> Result<Self, CalibrationError> {
+        let log_scales: Vec<f64> = problem.area_law_scale.as_ref().map_or(vec![0.0], |unknown| {
+            let [from, to] = unknown.bounds_pa.map(f64::ln);
+            (0..SCALES).map(|i| from + (to - from) * i as f64 / (SCALES - 1) as f64).collect()
+        });
+        let mut ends = Vec::new();
+        for log_scale in &log_scales {
+            let law = problem.law_at(log_scale.exp())?;
+            let mut rows = vec![[0.0; 3]; dynamic_means.len()];
+            for (node, factor) in NODES.into_iter().enumerate() {
+                let pairs = dynamic_means
+                    .iter()
+                    .map(|mean| LocalFriction::new(mean * factor, mean * factor, problem.relative_std))
+                    .collect::<Result<_, _>>()?;
+                let solved = flat::steady(&Problem { area_law: law.clone(), ..problem.clone() }, &pairs)?;
+                for (i, mu) in solved.iter().enumerate() {
+                    rows[i][node] = mu / (dynamic_means[i] * factor * factor_at(law.as_ref(), problem, i));
+                }
+            }
+            ends.push(rows);
+        }
+        Ok(Self { problem, dynamic_means: dynamic_means.to_vec(), log_scales, ends })
+    }
+
+    /// Steady friction at measurement `i`.
+    pub fn steady(&self, i: usize, dynamic_mean: f64, law: Option<&AreaLaw>, log_scale: f64) -> f64 {
+        let end = |scale: usize| {
+            let x = (dynamic_mean / self.dynamic_means[i]).clamp(NODES[0], NODES[2]);
+            let c = &self.ends[scale][i];
+            // Lagrange's polynomial through the nodes
+            (0..3)
+                .map(|j| {
+                    let others = (0..3).filter(|&k| k != j);
+                    c[j] * others.map(|k| (x - NODES[k]) / (NODES[j] - NODES[k])).product::<f64>()
+                })
+                .sum::<f64>()
+        };
+        let last = self.log_scales.len() - 1;
+        let ends = if last == 0 {
+            end(0)
+        } else {
+            let place = (log_scale - self.log_scales[0]) / (self.log_scales[last] - self.log_scales[0]) * last as f64;
+            let below = (place.max(0.0) as usize).min(last - 1);
+            let share = (place - below as f64).clamp(0.0, 1.0);
+            (1.0 - share) * end(below) + share * end(below + 1)
+        };
+        dynamic_mean * factor_at(law, self.problem, i) * ends
+    }
+}
+
+fn factor_at(law: Option<&AreaLaw>, problem: &Problem, i: usize) -> f64 {
+    law.map_or(1.0, |law| law.factor(problem.measurements[i].pressure_pa))
+}

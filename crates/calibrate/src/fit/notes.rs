@@ -1,0 +1,83 @@
+//! What a fit says in words: how values were found, what the data leave open, and what would settle it.
+
+use super::{Fit, MOST_ROUNDS, Model, SETTLED};
+
+/// An interval of the area law's scale wider than this factor leaves the law open.
+const OPEN_SCALE: f64 = 3.0;
+
+pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
+    let Model { problem, layout, corrections, .. } = *model;
+    let least = corrections.delta.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = corrections.delta.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut notes = vec![format!(
+        "dynamic_mean: fitted through the spring-block model of the flat sample; dynamic friction lies {:.2} to {:.2} % above steady sliding, and the fit corrects for it",
+        (least - 1.0) * 100.0,
+        (most - 1.0) * 100.0
+    )];
+    if layout.fixed_static.iter().any(Option::is_none) {
+        notes.push(format!(
+            "static_mean: not determined by the data where no static peak was measured; static_mean / dynamic_mean = {:.4} is assumed. A measured peak of friction at the onset of sliding would settle it",
+            problem.static_over_dynamic
+        ));
+    }
+    notes.push(relative_std(model));
+    notes.extend(scale(fit));
+    for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {
+        notes
+            .push(format!("{}: ended at the bound {}; the data would have it beyond", parameter.name, parameter.value));
+    }
+    let (chi_square, degrees_of_freedom) = (fit.chi_square, fit.degrees_of_freedom);
+    if degrees_of_freedom > 0 {
+        notes.push(format!(
+            "chi-square {chi_square:.1} for {degrees_of_freedom} degrees of freedom{}",
+            if chi_square > 3.0 * degrees_of_freedom as f64 {
+                ": one pair of coefficients does not describe these measurements; fit coefficients per condition"
+            } else {
+                ""
+            }
+        ));
+    }
+    if !fit.settled {
+        notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds"));
+    }
+    notes
+}
+
+/// Repeats bound the scatter from above: N independent blocks spread the mean by s / sqrt N.
+fn relative_std(model: &Model<'_>) -> String {
+    let problem = model.problem;
+    let blocks = problem.layer.columns() as f64;
+    let spread = problem.measurements.iter().map(|measured| measured.mu_dynamic_std / measured.mu_dynamic);
+    let bound = spread.fold(f64::INFINITY, f64::min) * blocks.sqrt();
+    format!(
+        "relative_std: not determined by means of friction; {} is assumed. Repeats only bound it: their least spread would take a scatter of {bound:.2} over {blocks} blocks. The spread of onset events in a trace would settle it",
+        problem.relative_std
+    )
+}
+
+fn scale(fit: &Fit) -> Option<String> {
+    let parameter = fit.parameters.iter().find(|parameter| parameter.name == "area_law_scale_pa")?;
+    let mpa = |pa: f64| format!("{:.3} MPa", pa * 1e-6);
+    let open = "friction over a wider range of loads, or an altitude map of a flat sample, would settle it";
+    Some(match parameter.interval {
+        [Some(from), Some(to)] if to / from < OPEN_SCALE => format!(
+            "area law: its pressure scale E* h'rms = {} (95 %: {} to {}) is fitted to the fall of flat friction with load, not measured; an altitude map would confirm it",
+            mpa(parameter.value),
+            mpa(from),
+            mpa(to)
+        ),
+        [Some(from), Some(to)] => format!(
+            "area law: its pressure scale is hardly determined by the data (95 %: {} to {}); {open}",
+            mpa(from),
+            mpa(to)
+        ),
+        [Some(from), None] => format!(
+            "area law: not determined by the data; its pressure scale lies above {} (95 %), and friction proportional to load fits as well; {open}",
+            mpa(from)
+        ),
+        [None, Some(to)] => {
+            format!("area law: not determined by the data; its pressure scale lies below {} (95 %); {open}", mpa(to))
+        }
+        [None, None] => format!("area law: not determined by the data at all; {open}"),
+    })
+}

@@ -1,0 +1,223 @@
+use super::*;
+use crate::noise::Noise;
+use crate::{AreaLawScale, Measurement, StaticPeak};
+use slipgrid_material::{AreaLaw, Elastic};
+use slipgrid_springblock::Layer;
+
+/// A short specimen, so that dynamic runs take milliseconds.
+fn problem(coefficients: Coefficients) -> Problem {
+    Problem {
+        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+        area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.8, 0.3]).unwrap()),
+        area_law_scale: None,
+        layer: Layer { length_m: 500e-6, height_m: 40e-6, block_m: 10e-6 },
+        measurements: [0.637e6, 1.273e6, 2.546e6]
+            .map(|pressure_pa| Measurement {
+                pressure_pa,
+                speed_m_s: 2e-3,
+                mu_dynamic: 0.2,
+                mu_dynamic_std: 0.002,
+                static_peak: None,
+            })
+            .to_vec(),
+        coefficients,
+        relative_std: 0.05,
+        static_over_dynamic: 1.1,
+        seed: 3,
+    }
+}
+
+/// What the model itself gives for known coefficients, as measurements.
+fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: bool) {
+    let pair = LocalFriction::new(1.1 * dynamic_mean, dynamic_mean, problem.relative_std).unwrap();
+    if with_peaks {
+        for measured in &mut problem.measurements {
+            measured.static_peak = Some(StaticPeak { mu: 1.0, std: 0.005 });
+        }
+    }
+    let pairs = vec![pair; problem.measurements.len()];
+    let found = flat::dynamic(problem, &pairs, &Unwatched).unwrap();
+    for (measured, found) in problem.measurements.iter_mut().zip(&found) {
+        measured.mu_dynamic = found.mu_dynamic;
+        measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: found.mu_static.unwrap(), ..peak });
+    }
+}
+
+#[test]
+fn coefficients_behind_the_models_own_data_are_recovered() {
+    for coefficients in [Coefficients::Single, Coefficients::PerCondition] {
+        let mut problem = problem(coefficients);
+        measured_by_the_model(&mut problem, 0.25, false);
+        let fit = calibrate(&problem, &Unwatched).unwrap();
+        assert_eq!(fit.pairs.len(), if coefficients == Coefficients::Single { 1 } else { 3 });
+        for pair in &fit.pairs {
+            // A short specimen gives delta to about 1e-3.
+            let noise = fit.predictions.iter().map(|p| p.relative_stderr).fold(0.0, f64::max);
+            assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 4.0 * noise && noise < 2e-3, "{pair:?} {noise}");
+            assert!(pair.static_std_error.is_none());
+        }
+        assert!(fit.settled && fit.notes.iter().any(|note| note.contains("static_mean: not determined")));
+    }
+}
+
+#[test]
+fn standard_errors_follow_from_the_measured_ones() {
+    let mut problem = problem(Coefficients::PerCondition);
+    measured_by_the_model(&mut problem, 0.25, false);
+    let fit = calibrate(&problem, &Unwatched).unwrap();
+    for (pair, measured) in fit.pairs.iter().zip(&problem.measurements) {
+        // mu is nearly proportional to mu_d: equal relative errors.
+        let relative = pair.dynamic_std_error / pair.dynamic_mean / (measured.mu_dynamic_std / measured.mu_dynamic);
+        assert!((relative - 1.0).abs() < 0.05, "{relative}");
+    }
+    assert_eq!(fit.degrees_of_freedom, 0);
+}
+
+#[test]
+fn a_measured_static_peak_determines_the_static_coefficient() {
+    let mut problem = problem(Coefficients::Single);
+    measured_by_the_model(&mut problem, 0.25, true);
+    problem.static_over_dynamic = 2.0; // not used: every measurement has its peak
+    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let pair = fit.pairs[0];
+    // The peak follows mu_s with a slope well below one: its error is larger than the peak's own.
+    let error = pair.static_std_error.unwrap();
+    assert!(error > 0.005 / 3.0_f64.sqrt() && error < 0.03, "{pair:?}");
+    assert!((pair.static_mean - 0.275).abs() < 2.0 * error, "{pair:?}");
+    assert!((pair.dynamic_mean / 0.25 - 1.0).abs() < 0.01, "{pair:?}");
+}
+
+#[test]
+fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
+    let mut problem = problem(Coefficients::Single);
+    measured_by_the_model(&mut problem, 0.25, false);
+    for (measured, factor) in problem.measurements.iter_mut().zip([0.9, 1.0, 1.1]) {
+        measured.mu_dynamic *= factor;
+    }
+    let fit = calibrate(&problem, &Unwatched).unwrap();
+    assert!(fit.chi_square > 50.0 && fit.degrees_of_freedom == 2);
+    assert!(fit.notes.iter().any(|note| note.contains("one pair of coefficients does not describe")));
+}
+
+#[test]
+fn measurements_without_meaning_are_refused() {
+    let mut problem = problem(Coefficients::Single);
+    problem.measurements[1].mu_dynamic_std = 0.0;
+    let refused = calibrate(&problem, &Unwatched).unwrap_err().to_string();
+    assert!(refused.contains("measurement 2") && refused.contains("mu_dynamic_std"), "{refused}");
+}
+
+/// A contact area curve that saturates: a(x) = 1 - exp(-x), nearly Persson's.
+fn unknown_law() -> AreaLawScale {
+    let pressure_over_scale: Vec<f64> = (0..160).map(|i| 1e-3 * 1.07_f64.powi(i)).collect();
+    AreaLawScale {
+        area_fraction: pressure_over_scale.iter().map(|x| -(-x).exp_m1()).collect(),
+        pressure_over_scale,
+        bounds_pa: [0.5e6, 50e6],
+    }
+}
+
+/// Six loads of a short specimen whose law is unknown, with static peaks.
+fn scaled_problem() -> Problem {
+    let mut problem = problem(Coefficients::Single);
+    problem.area_law = None;
+    problem.area_law_scale = Some(unknown_law());
+    problem.measurements = [0.637e6, 1.0e6, 1.5e6, 2.5e6, 4.0e6, 6.0e6]
+        .map(|pressure_pa| Measurement {
+            pressure_pa,
+            speed_m_s: 2e-3,
+            mu_dynamic: 0.2,
+            mu_dynamic_std: 0.002,
+            static_peak: Some(StaticPeak { mu: 0.2, std: 0.004 }),
+        })
+        .to_vec();
+    problem
+}
+
+#[test]
+fn intervals_cover_the_truth_as_often_as_they_say() {
+    const REPLICATES: usize = 200;
+    let (truth, scale_pa): (f64, f64) = (0.25, 6e6);
+    let mut problem = scaled_problem();
+    let layout = Layout::new(&problem);
+    let count = problem.measurements.len();
+    // Dynamic runs enter as fixed corrections; a peak follows mu_s with the slope of one half.
+    let line = |i: usize| PeakLine { at_current: 0.22 - 0.01 * i as f64, slope: 0.5, current: 0.275 };
+    let corrections = Corrections {
+        delta: vec![1.015; count],
+        relative_stderr: vec![0.0; count],
+        peaks: (0..count).map(|i| Some(line(i))).collect(),
+    };
+    let means = vec![truth; count];
+    let clean: Vec<f64> = {
+        let exact = Problem { area_law: problem.law_at(scale_pa).unwrap(), ..problem.clone() };
+        let pairs = vec![LocalFriction::new(0.275, truth, 0.05).unwrap(); count];
+        flat::steady(&exact, &pairs).unwrap().iter().map(|mu| 1.015 * mu).collect()
+    };
+    let settings = problem.clone();
+    let emulator = Emulator::new(&settings, &means).unwrap();
+    let mut noise = Noise::new(20);
+    let mut covered = [[0; 2]; 3];
+    let mut chi_square = 0.0;
+    for _ in 0..REPLICATES {
+        for (i, measured) in problem.measurements.iter_mut().enumerate() {
+            measured.mu_dynamic = clean[i] + measured.mu_dynamic_std * noise.normal();
+            measured.static_peak = Some(StaticPeak { mu: line(i).at_current + 0.004 * noise.normal(), std: 0.004 });
+        }
+        let model = Model { problem: &problem, layout: &layout, corrections: &corrections, emulator: &emulator };
+        let solution = model.fit(&[0.2, 0.2, (2e6_f64).ln()], true).unwrap();
+        let parameters = profile::parameters(&model, &solution).unwrap();
+        chi_square += solution.chi_square();
+        for ((covered, parameter), truth) in covered.iter_mut().zip(&parameters).zip([truth, 0.275, scale_pa]) {
+            let [from, to] = parameter.interval;
+            let within = from.is_none_or(|from| from <= truth) && to.is_none_or(|to| truth <= to);
+            covered[0] += usize::from(within);
+            let curvature = (parameter.value - truth).abs() < 1.959_964 * parameter.std_error;
+            covered[1] += usize::from(curvature);
+        }
+    }
+    println!("covered by profile and by curvature, of {REPLICATES}: {covered:?}");
+    // 95 % of 200 is 190 +- 3.1.
+    for parameter in covered {
+        assert!((181..=199).contains(&parameter[0]), "{covered:?}");
+    }
+    assert!((178..=199).contains(&covered[0][1]) && (181..=199).contains(&covered[1][1]), "{covered:?}");
+    // Twelve numbers less three: chi-square is 9 +- 4.2 / sqrt(200).
+    assert!((chi_square / REPLICATES as f64 - 9.0).abs() < 1.2, "{}", chi_square / REPLICATES as f64);
+}
+
+#[test]
+fn the_emulator_is_the_steady_sample() {
+    let problem = scaled_problem();
+    let emulator = Emulator::new(&problem, &[0.25; 6]).unwrap();
+    for (mean, scale_pa) in [(0.25, 6e6), (0.22, 1.3e6), (0.3, 20e6)] {
+        let law = problem.law_at(scale_pa).unwrap();
+        let exact = Problem { area_law: law.clone(), ..problem.clone() };
+        let solved = flat::steady(&exact, &vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6]).unwrap();
+        for (i, mu) in solved.iter().enumerate() {
+            let emulated = emulator.steady(i, mean, law.as_ref(), scale_pa.ln());
+            // A tenth of the best measured standard deviation, in a specimen whose ends are a tenth of it.
+            assert!((emulated / mu - 1.0).abs() < 5e-4, "{mean} {scale_pa} {i}: {emulated} {mu}");
+        }
+    }
+}
+
+#[test]
+fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
+    // Two light loads: f is 1 at both but for a per cent.
+    let mut problem = scaled_problem();
+    problem.measurements.truncate(2);
+    for measured in &mut problem.measurements {
+        measured.static_peak = None;
+    }
+    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let scale = fit.parameters.last().unwrap();
+    assert_eq!(scale.name, "area_law_scale_pa");
+    assert!(scale.interval.contains(&None), "{scale:?}");
+    assert!(fit.notes.iter().any(|note| note.contains("area law: not determined by the data")), "{:?}", fit.notes);
+    // A pair a load, or one load, cannot tell a law at all.
+    let each = Problem { coefficients: Coefficients::PerCondition, ..problem.clone() };
+    assert!(matches!(calibrate(&each, &Unwatched), Err(CalibrationError::AreaLawNotIdentifiable { .. })));
+    problem.measurements.truncate(1);
+    assert!(matches!(calibrate(&problem, &Unwatched), Err(CalibrationError::AreaLawNotIdentifiable { .. })));
+}

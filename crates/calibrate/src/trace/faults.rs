@@ -1,0 +1,207 @@
+//! Why a trace was refused, and what is odd about one that was not.
+
+use std::fmt;
+
+/// Why nothing can be read from a trace. Times are seconds since the first sample.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TraceError {
+    /// A number that was not measured.
+    #[error("sample {sample}: {channel} is {value}: expected a finite number")]
+    NotFinite {
+        /// Its number, from 1.
+        sample: usize,
+        /// Which channel.
+        channel: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// Channels of unequal lengths.
+    #[error("{channel} has {found} samples: expected {expected}, as time")]
+    LengthMismatch {
+        /// Which channel.
+        channel: &'static str,
+        /// Its samples.
+        found: usize,
+        /// Samples of time.
+        expected: usize,
+    },
+    /// The clock goes back.
+    #[error("the clock goes back at sample {sample}: from {from_s} s to {to_s} s")]
+    ClockBack {
+        /// Number of the later sample, from 1.
+        sample: usize,
+        /// Time before.
+        from_s: f64,
+        /// Time after.
+        to_s: f64,
+    },
+    /// The averaging window has no length or begins before the trace.
+    #[error("the window from {from_s} to {to_s} s has no meaning: expected two increasing times from 0 on")]
+    Window {
+        /// Its beginning.
+        from_s: f64,
+        /// Its end.
+        to_s: f64,
+    },
+    /// The trace ends before the averaging window does.
+    #[error("the trace ends at {end_s:.2} s: expected one that covers the window up to {window_end_s} s")]
+    TooShort {
+        /// Time of the last sample.
+        end_s: f64,
+        /// End of the window.
+        window_end_s: f64,
+    },
+    /// Too few samples in the window for a mean with an error.
+    #[error("the window holds {found} samples: expected at least {expected}")]
+    TooFewSamples {
+        /// Samples there are.
+        found: usize,
+        /// Samples needed.
+        expected: usize,
+    },
+    /// Samples are missing inside the window.
+    #[error("no samples from {from_s:.2} to {to_s:.2} s, inside the averaging window")]
+    Gap {
+        /// Last sample before.
+        from_s: f64,
+        /// First sample after.
+        to_s: f64,
+    },
+    /// No load in the window.
+    #[error("the normal force falls to {force_n} N at {time_s:.2} s, of {usual_n:.2} N: expected a sample under load")]
+    NoLoad {
+        /// When.
+        time_s: f64,
+        /// The force there.
+        force_n: f64,
+        /// Median force in the window.
+        usual_n: f64,
+    },
+    /// The load is not the one that was meant.
+    #[error("the normal force is {found_n:.2} N in the window: expected about {nominal_n} N, as the condition says")]
+    WrongLoad {
+        /// Mean force in the window.
+        found_n: f64,
+        /// Nominal force.
+        nominal_n: f64,
+    },
+    /// Friction along the motion in part of the window.
+    #[error(
+        "friction changes its sign in the window ({opposite} of {samples} samples are against the mean): expected \
+         sliding in one direction"
+    )]
+    WrongSign {
+        /// Samples of the other sign.
+        opposite: usize,
+        /// Samples in the window.
+        samples: usize,
+    },
+    /// The sensor stands at the end of its range.
+    #[error("the {channel} stands at {value} in {samples} samples of the window: expected a sensor within its range")]
+    Saturated {
+        /// Which channel.
+        channel: &'static str,
+        /// The value, in the channel's SI unit.
+        value: f64,
+        /// Samples with exactly this value.
+        samples: usize,
+    },
+    /// A torque without the radius at which it acts.
+    #[error(
+        "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
+    )]
+    Radius {
+        /// The radius given.
+        value_m: f64,
+    },
+}
+
+/// What is odd about a trace from which something was read all the same.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TraceFlag {
+    /// Friction drifts through the window.
+    Drift {
+        /// Change of mu over the window, relative to the mean.
+        relative: f64,
+        /// Its standard error.
+        stderr: f64,
+    },
+    /// Friction is recorded with a negative sign; it has been turned.
+    FrictionTurned,
+    /// The normal force is recorded as negative; it has been turned.
+    LoadTurned,
+    /// The normal force departs from the nominal one.
+    LoadOff {
+        /// Mean force in the window, in newtons.
+        found_n: f64,
+        /// Nominal force, in newtons.
+        nominal_n: f64,
+    },
+    /// The normal force is unsteady.
+    LoadUnsteady {
+        /// Its standard deviation in the window over its mean.
+        relative_std: f64,
+    },
+    /// Samples are missing where the mean hardly notices.
+    Gap {
+        /// Last sample before.
+        from_s: f64,
+        /// First sample after.
+        to_s: f64,
+    },
+    /// The sensor was at the end of its range before the window: no static peak is taken.
+    PeakSaturated {
+        /// The value, in the channel's SI unit.
+        value: f64,
+    },
+    /// The static peak rests on few samples: it may have been higher.
+    PeakCoarse {
+        /// Samples in its upper quarter.
+        samples: usize,
+    },
+    /// The recorded numbers are rounded so much that few different ones occur.
+    Coarse {
+        /// Different values in the window.
+        levels: usize,
+    },
+    /// A regular oscillation that is no stick-slip: it falls as slowly as it rises.
+    Oscillation {
+        /// Peak to peak.
+        amplitude: f64,
+        /// Period.
+        period_s: f64,
+    },
+}
+
+impl fmt::Display for TraceFlag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Drift { relative, stderr } => write!(
+                f,
+                "friction drifts by {:+.1} +- {:.1} % over the window: the mean depends on when it is taken",
+                100.0 * relative,
+                100.0 * stderr
+            ),
+            Self::FrictionTurned => f.write_str("friction is recorded as negative and was turned"),
+            Self::LoadTurned => f.write_str("the normal force is recorded as negative and was turned"),
+            Self::LoadOff { found_n, nominal_n } => {
+                write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")
+            }
+            Self::LoadUnsteady { relative_std } => {
+                write!(f, "the normal force varies by {:.1} % in the window", 100.0 * relative_std)
+            }
+            Self::Gap { from_s, to_s } => write!(f, "no samples from {from_s:.2} to {to_s:.2} s"),
+            Self::PeakSaturated { value } => {
+                write!(f, "the sensor stood at {value} before the window: no static peak is taken")
+            }
+            Self::PeakCoarse { samples } => {
+                write!(f, "the static peak rests on {samples} samples: it may have been higher")
+            }
+            Self::Coarse { levels } => write!(f, "only {levels} different values occur in the window"),
+            Self::Oscillation { amplitude, period_s } => write!(
+                f,
+                "an oscillation of {amplitude:.4} with a period of {period_s:.2} s that rises as fast as it falls: no stick-slip"
+            ),
+        }
+    }
+}

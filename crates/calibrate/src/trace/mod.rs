@@ -1,0 +1,340 @@
+//! Tribometer traces: from torque or friction force and normal force against time to what a fit takes.
+//!
+//! | type | role |
+//! |---|---|
+//! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
+//! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
+//! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
+//! | [`average`], [`Repeats`] | repeats of one condition |
+
+mod faults;
+mod peak;
+mod repeats;
+mod series;
+mod stick_slip;
+mod window;
+
+pub use faults::{TraceError, TraceFlag};
+pub use peak::TracePeak;
+pub use repeats::{MeanStd, Repeats, average};
+pub use stick_slip::StickSlip;
+pub use window::WindowMean;
+
+use series::median;
+
+/// Samples in the window below which no mean is taken: two in each batch of its error.
+const FEWEST_SAMPLES: usize = 20;
+/// A pause between samples this many times the usual one is a gap ...
+const GAP_FACTOR: f64 = 10.0;
+/// ... and one of this part of the window is too long to be bridged by a line.
+const GAP_IN_WINDOW: f64 = 0.02;
+/// Normal force over its median in the window below which a sample carries no load.
+const UNLOADED: f64 = 0.5;
+/// Departure of the mean normal force from the nominal one that is flagged, and that is refused.
+const LOAD_OFF: (f64, f64) = (0.05, 0.5);
+/// Standard deviation of the normal force over its mean that is flagged.
+const LOAD_UNSTEADY: f64 = 0.05;
+/// Share of samples in the window against the mean's sign that is taken for noise.
+const OTHER_SIGN: f64 = 0.05;
+/// A sensor is at its end where this many samples in a row are exactly its greatest value ...
+const SATURATED_RUN: usize = 5;
+/// ... unless rounding leaves so few different values that this happens by chance.
+const COARSE_LEVELS: usize = 10;
+/// Drift over the window that is flagged, relative to the mean, if it also exceeds this many of its standard
+/// errors (the 99 % point of Student's t for eight degrees of freedom).
+const DRIFT: (f64, f64) = (0.02, 3.36);
+
+/// What the tribometer recorded of friction.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tangential {
+    /// Torque about the axis, in newton metres.
+    TorqueNm(Vec<f64>),
+    /// Friction force, in newtons.
+    ForceN(Vec<f64>),
+}
+
+impl Tangential {
+    fn values(&self) -> &[f64] {
+        match self {
+            Self::TorqueNm(values) | Self::ForceN(values) => values,
+        }
+    }
+
+    const fn name(&self) -> &'static str {
+        match self {
+            Self::TorqueNm(_) => "torque",
+            Self::ForceN(_) => "friction force",
+        }
+    }
+}
+
+/// A trace as recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceChannels {
+    /// Time of every sample, in seconds.
+    pub time_s: Vec<f64>,
+    /// Friction.
+    pub tangential: Tangential,
+    /// Normal force on the whole sample holder, in newtons.
+    pub normal_force_n: Vec<f64>,
+}
+
+/// How a trace is read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TraceOptions {
+    /// Averaging window, in seconds since the first sample.
+    pub window_s: [f64; 2],
+    /// Distance r_eff from the axis to the centre of a specimen, in metres; needed for a torque.
+    pub effective_radius_m: f64,
+    /// Nominal normal force on the whole sample holder, in newtons, where known.
+    pub nominal_force_n: Option<f64>,
+}
+
+/// The averaging window of Balestra et al., J. Tribol. 144, 031704: 10 to 40 s.
+pub const DEFAULT_WINDOW_S: [f64; 2] = [10.0, 40.0];
+
+/// What a trace says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceFindings {
+    /// Time of every loaded sample, in seconds since the first sample of the trace.
+    pub time_s: Vec<f64>,
+    /// Friction coefficient there, positive against the motion.
+    pub mu: Vec<f64>,
+    /// Averaging window, in seconds since the first sample.
+    pub window_s: [f64; 2],
+    /// Mean, error and drift over the window.
+    pub window: WindowMean,
+    /// Static peak, where friction stands out before the window.
+    pub static_peak: Option<TracePeak>,
+    /// Stick-slip in the window.
+    pub stick_slip: Option<StickSlip>,
+    /// Mean normal force in the window, in newtons.
+    pub normal_force_n: f64,
+    /// Samples in the window.
+    pub samples: usize,
+    /// What is odd.
+    pub flags: Vec<TraceFlag>,
+}
+
+/// Reads dynamic friction, static peak and stick-slip from a trace.
+///
+/// # Errors
+/// [`TraceError`] names what makes the trace unusable.
+pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<TraceFindings, TraceError> {
+    check_channels(channels, options)?;
+    let start = channels.time_s[0];
+    let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - start).collect();
+    let inside = window_samples(&time_s, options.window_s)?;
+    let mut flags = gaps(&time_s, options.window_s)?;
+    let (usual_n, load_turned) = load(channels, &time_s, &inside, options, &mut flags)?;
+    saturation(channels, &inside, &mut flags)?;
+
+    let load_sign = if load_turned { -1.0 } else { 1.0 };
+    let arm_m = match channels.tangential {
+        Tangential::TorqueNm(_) => options.effective_radius_m,
+        Tangential::ForceN(_) => 1.0,
+    };
+    // Loaded samples alone: before the load is there, torque over force means nothing.
+    let loaded: Vec<usize> =
+        (0..time_s.len()).filter(|&i| load_sign * channels.normal_force_n[i] >= UNLOADED * usual_n).collect();
+    // mu = T / (F r_eff), equation (1) of the paper
+    let coefficient = |i: usize| channels.tangential.values()[i] / (load_sign * channels.normal_force_n[i] * arm_m);
+    let mut mu: Vec<f64> = loaded.iter().map(|&i| coefficient(i)).collect();
+    let time_s: Vec<f64> = loaded.iter().map(|&i| time_s[i]).collect();
+    if turn(&time_s, &mut mu, options.window_s)? {
+        flags.push(TraceFlag::FrictionTurned);
+    }
+
+    let window = window::window_mean(&time_s, &mu, options.window_s);
+    if window.drift.abs() > (DRIFT.0 * window.mu).max(DRIFT.1 * window.drift_stderr) {
+        flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
+    }
+    let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
+    let static_peak = peak::static_peak(&time_s, &mu, options.window_s[0]).filter(|_| !saturated);
+    if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
+        flags.push(TraceFlag::PeakCoarse { samples: peak.samples_at_top });
+    }
+    let in_window = between(&time_s, options.window_s);
+    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu);
+    if let Some(swing) = swing.filter(|swing| !swing.is_relaxation()) {
+        flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
+    }
+    Ok(TraceFindings {
+        time_s,
+        mu,
+        window_s: options.window_s,
+        window,
+        static_peak,
+        stick_slip: swing.filter(StickSlip::is_relaxation),
+        normal_force_n: usual_n,
+        samples: inside.len(),
+        flags,
+    })
+}
+
+fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<(), TraceError> {
+    let time_s = &channels.time_s;
+    let name = channels.tangential.name();
+    let columns =
+        [("time", &time_s[..]), (name, channels.tangential.values()), ("normal force", &channels.normal_force_n[..])];
+    for (channel, values) in columns {
+        if values.len() != time_s.len() {
+            return Err(TraceError::LengthMismatch { channel, found: values.len(), expected: time_s.len() });
+        }
+        if let Some(i) = values.iter().position(|value| !value.is_finite()) {
+            return Err(TraceError::NotFinite { sample: i + 1, channel, value: values[i] });
+        }
+    }
+    if time_s.len() < FEWEST_SAMPLES {
+        return Err(TraceError::TooFewSamples { found: time_s.len(), expected: FEWEST_SAMPLES });
+    }
+    if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
+        return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });
+    }
+    let [from_s, to_s] = options.window_s;
+    if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
+        return Err(TraceError::Window { from_s, to_s });
+    }
+    let radius = options.effective_radius_m;
+    if matches!(channels.tangential, Tangential::TorqueNm(_)) && !(radius.is_finite() && radius > 0.0) {
+        return Err(TraceError::Radius { value_m: radius });
+    }
+    Ok(())
+}
+
+/// Samples from one time to another.
+fn between(time_s: &[f64], [from, to]: [f64; 2]) -> std::ops::Range<usize> {
+    time_s.partition_point(|&t| t < from)..time_s.partition_point(|&t| t <= to)
+}
+
+fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<std::ops::Range<usize>, TraceError> {
+    let end_s = time_s[time_s.len() - 1];
+    // One usual pause short of the window's end is still at its end.
+    if end_s + usual_pause(time_s) < window_s[1] {
+        return Err(TraceError::TooShort { end_s, window_end_s: window_s[1] });
+    }
+    let inside = between(time_s, window_s);
+    if inside.len() < FEWEST_SAMPLES {
+        return Err(TraceError::TooFewSamples { found: inside.len(), expected: FEWEST_SAMPLES });
+    }
+    Ok(inside)
+}
+
+fn usual_pause(time_s: &[f64]) -> f64 {
+    median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect())
+}
+
+fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
+    let usual = usual_pause(time_s);
+    let mut flags = Vec::new();
+    for pair in time_s.windows(2) {
+        let (from_s, to_s) = (pair[0], pair[1]);
+        if to_s - from_s <= GAP_FACTOR * usual || from_s >= window_s[1] {
+            continue;
+        }
+        let missing = to_s.min(window_s[1]) - from_s.max(window_s[0]);
+        if missing > GAP_IN_WINDOW * (window_s[1] - window_s[0]) {
+            return Err(TraceError::Gap { from_s, to_s });
+        }
+        flags.push(TraceFlag::Gap { from_s, to_s });
+    }
+    Ok(flags)
+}
+
+/// Median normal force in the window, and whether it is recorded as negative.
+fn load(
+    channels: &TraceChannels,
+    time_s: &[f64],
+    inside: &std::ops::Range<usize>,
+    options: &TraceOptions,
+    flags: &mut Vec<TraceFlag>,
+) -> Result<(f64, bool), TraceError> {
+    let recorded = &channels.normal_force_n[inside.clone()];
+    let middle = median(recorded.to_vec());
+    let turned = middle < 0.0;
+    let usual_n = middle.abs();
+    let sign = if turned { -1.0 } else { 1.0 };
+    let lost = recorded.iter().position(|force| sign * force < UNLOADED * usual_n || usual_n == 0.0);
+    if let Some(i) = lost {
+        return Err(TraceError::NoLoad { time_s: time_s[inside.start + i], force_n: recorded[i], usual_n });
+    }
+    if turned {
+        flags.push(TraceFlag::LoadTurned);
+    }
+    let count = recorded.len() as f64;
+    let mean = recorded.iter().map(|force| sign * force).sum::<f64>() / count;
+    if let Some(nominal_n) = options.nominal_force_n {
+        let off = (mean / nominal_n - 1.0).abs();
+        if off > LOAD_OFF.1 {
+            return Err(TraceError::WrongLoad { found_n: mean, nominal_n });
+        }
+        if off > LOAD_OFF.0 {
+            flags.push(TraceFlag::LoadOff { found_n: mean, nominal_n });
+        }
+    }
+    let variance = recorded.iter().map(|force| (sign * force - mean).powi(2)).sum::<f64>() / count;
+    let relative_std = variance.sqrt() / mean;
+    if relative_std > LOAD_UNSTEADY {
+        flags.push(TraceFlag::LoadUnsteady { relative_std });
+    }
+    Ok((usual_n, turned))
+}
+
+/// Refuses a friction sensor at the end of its range in the window; flags one that was there before.
+fn saturation(
+    channels: &TraceChannels,
+    inside: &std::ops::Range<usize>,
+    flags: &mut Vec<TraceFlag>,
+) -> Result<(), TraceError> {
+    let values = channels.tangential.values();
+    let window = &values[inside.clone()];
+    let mut distinct = window.to_vec();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup();
+    let levels = distinct.len();
+    // A sensor that never moves is at the end of its range, or is none.
+    let stuck = levels == 1;
+    if let Some((value, samples)) = run_at_extreme(window).filter(|_| stuck || levels > COARSE_LEVELS) {
+        return Err(TraceError::Saturated { channel: channels.tangential.name(), value, samples });
+    }
+    if levels <= COARSE_LEVELS {
+        flags.push(TraceFlag::Coarse { levels });
+    } else if let Some((value, _)) = run_at_extreme(&values[..inside.start]).filter(|(value, _)| {
+        // At rest a sensor shows the same small value for long; only the largest friction is an end.
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+        value.abs() >= largest(window)
+    }) {
+        flags.push(TraceFlag::PeakSaturated { value });
+    }
+    Ok(())
+}
+
+/// The greatest or the least value, where it comes many times in a row, and how often it occurs.
+fn run_at_extreme(values: &[f64]) -> Option<(f64, usize)> {
+    let extremes = [f64::max as fn(f64, f64) -> f64, f64::min]
+        .map(|extreme| values.iter().copied().reduce(extreme).unwrap_or(f64::NAN));
+    extremes.into_iter().find_map(|end| {
+        let longest = values.chunk_by(|a, b| a == b).filter(|run| run[0] == end).map(<[f64]>::len).max();
+        let all = values.iter().filter(|&&value| value == end).count();
+        longest.filter(|&run| run >= SATURATED_RUN).map(|_| (end, all))
+    })
+}
+
+/// Turns friction that is recorded as negative; says whether it was.
+fn turn(time_s: &[f64], mu: &mut [f64], window_s: [f64; 2]) -> Result<bool, TraceError> {
+    let inside = between(time_s, window_s);
+    let window = &mu[inside];
+    let negative = window.iter().filter(|&&value| value < 0.0).count();
+    let opposite = negative.min(window.len() - negative);
+    if opposite as f64 > OTHER_SIGN * window.len() as f64 {
+        return Err(TraceError::WrongSign { opposite, samples: window.len() });
+    }
+    let turned = 2 * negative > window.len();
+    if turned {
+        mu.iter_mut().for_each(|value| *value = -*value);
+    }
+    Ok(turned)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,80 @@
+//! Values against time, at samples that need not be even.
+
+/// Mean over time of the line through the samples, from `from` to `to`. Beyond the samples the nearest
+/// one holds.
+pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
+    let at = |t: f64| {
+        let next = time_s.partition_point(|&sample| sample <= t);
+        if next == 0 {
+            return values[0];
+        }
+        if next == time_s.len() {
+            return values[next - 1];
+        }
+        let share = (t - time_s[next - 1]) / (time_s[next] - time_s[next - 1]);
+        values[next - 1] + share * (values[next] - values[next - 1])
+    };
+    let inside = time_s.partition_point(|&t| t <= from)..time_s.partition_point(|&t| t < to);
+    let (mut last, mut area) = ((from, at(from)), 0.0);
+    for i in inside {
+        area += (time_s[i] - last.0) * (values[i] + last.1) / 2.0;
+        last = (time_s[i], values[i]);
+    }
+    area += (to - last.0) * (at(to) + last.1) / 2.0;
+    area / (to - from)
+}
+
+/// The middle of some values, the upper one of an even count; zero of none.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Each value replaced by the median of itself and its neighbours: single outliers go, edges stay.
+pub fn median_of_three(values: &[f64]) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    (0..values.len())
+        .map(|i| {
+            let (a, b, c) = (values[i.saturating_sub(1)], values[i], values[(i + 1).min(last)]);
+            a.max(b).min(a.min(b).max(c))
+        })
+        .collect()
+}
+
+/// Standard deviation of what changes from sample to sample, by the median of second differences: slow
+/// changes and rare jumps do not count.
+pub fn sample_noise(values: &[f64]) -> f64 {
+    // y[i-1] - 2 y[i] + y[i+1] of white noise s has the deviation sqrt(6) s; the median of its size is
+    // 0.67449 of that.
+    let second = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).collect();
+    median(second) / (0.674_489_75 * 6.0_f64.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_a_line_is_exact_between_samples() {
+        let time = [0.0, 1.0, 1.5, 4.0];
+        let values = time.map(|t| 2.0 + 3.0 * t);
+        assert!((mean_between(&time, &values, 0.25, 3.75) - 8.0).abs() < 1e-12);
+        assert!((mean_between(&time, &values, 1.1, 1.2) - 5.45).abs() < 1e-12);
+    }
+
+    #[test]
+    fn medians_remove_outliers() {
+        assert_eq!(median_of_three(&[1.0, 9.0, 1.0, 2.0, 2.0, -5.0]), [1.0, 1.0, 2.0, 2.0, 2.0, -5.0]);
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+    }
+
+    #[test]
+    fn noise_is_found_under_a_sawtooth() {
+        let mut noise = crate::noise::Noise::new(3);
+        let values: Vec<f64> = (0..3000).map(|i| f64::from(i % 60) * 1e-3 + 2e-3 * noise.normal()).collect();
+        assert!((sample_noise(&values) / 2e-3 - 1.0).abs() < 0.07, "{}", sample_noise(&values));
+    }
+}

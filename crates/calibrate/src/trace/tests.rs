@@ -1,0 +1,181 @@
+use super::*;
+use crate::noise::Noise;
+
+const RADIUS_M: f64 = 0.0381;
+
+/// 45 s at 20 Hz under 150 N: a peak of 0.31 at half a second, 0.25 after it, 1 % of noise.
+fn good() -> TraceChannels {
+    let mut noise = Noise::new(42);
+    let time_s: Vec<f64> = (0..=900).map(|i| 100.0 + f64::from(i) * 0.05).collect();
+    let normal_force_n: Vec<f64> = time_s.iter().map(|_| 150.0 + 0.5 * noise.normal()).collect();
+    let torque = time_s
+        .iter()
+        .zip(&normal_force_n)
+        .map(|(clock, force)| {
+            let t = clock - 100.0;
+            let mu = if t < 0.5 { 0.31 * t / 0.5 } else { 0.25 + 0.06 * (-(t - 0.5)).exp() };
+            (mu + 0.0025 * noise.normal()) * force * RADIUS_M
+        })
+        .collect();
+    TraceChannels { time_s, tangential: Tangential::TorqueNm(torque), normal_force_n }
+}
+
+const OPTIONS: TraceOptions =
+    TraceOptions { window_s: DEFAULT_WINDOW_S, effective_radius_m: RADIUS_M, nominal_force_n: Some(150.0) };
+
+fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
+    match &mut channels.tangential {
+        Tangential::TorqueNm(values) | Tangential::ForceN(values) => values,
+    }
+}
+
+#[test]
+fn torque_over_force_and_radius_is_friction() {
+    let found = analyse(&good(), &OPTIONS).unwrap();
+    assert!((found.window.mu - 0.25).abs() < 4.0 * found.window.stderr && found.window.stderr < 3e-4, "{found:?}");
+    let peak = found.static_peak.unwrap();
+    assert!((peak.mu - 0.31).abs() < 2.0 * peak.std && (peak.time_s - 0.5).abs() < 0.11, "{peak:?}");
+    assert_eq!((found.stick_slip, found.flags.as_slice()), (None, &[][..]));
+    assert_eq!(found.samples, 601);
+    assert!((found.normal_force_n - 150.0).abs() < 0.2);
+    // The same as a friction force.
+    let mut force = good();
+    force.tangential = Tangential::ForceN(torque(&mut force).iter().map(|t| t / RADIUS_M).collect());
+    let force = analyse(&force, &TraceOptions { effective_radius_m: f64::NAN, ..OPTIONS }).unwrap();
+    assert!((force.window.mu - found.window.mu).abs() < 1e-12);
+}
+
+#[test]
+fn recorded_signs_are_turned_and_said() {
+    let mut both = good();
+    torque(&mut both).iter_mut().for_each(|t| *t = -*t);
+    let found = analyse(&both, &OPTIONS).unwrap();
+    assert_eq!(found.flags, [TraceFlag::FrictionTurned]);
+    both.normal_force_n.iter_mut().for_each(|force| *force = -*force);
+    let turned = analyse(&both, &OPTIONS).unwrap();
+    assert_eq!(turned.flags, [TraceFlag::LoadTurned, TraceFlag::FrictionTurned]);
+    let straight = analyse(&good(), &OPTIONS).unwrap();
+    assert_eq!((turned.window, found.window), (straight.window, straight.window));
+}
+
+#[test]
+fn bad_traces_are_refused_by_name() {
+    let spoiled = |spoil: &dyn Fn(&mut TraceChannels)| {
+        let mut channels = good();
+        spoil(&mut channels);
+        analyse(&channels, &OPTIONS).unwrap_err()
+    };
+    assert!(matches!(
+        spoiled(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.43))),
+        TraceError::Saturated { channel: "torque", value: 1.43, .. }
+    ));
+    assert!(matches!(spoiled(&|c| torque(c).fill(1.5)), TraceError::Saturated { samples: 601, .. }));
+    assert!(matches!(spoiled(&|c| c.time_s[500] = 124.0), TraceError::ClockBack { sample: 501, .. }));
+    assert!(matches!(
+        spoiled(&|c| c.time_s[400..].iter_mut().for_each(|t| *t += 2.0)),
+        TraceError::Gap { from_s, to_s } if (from_s - 19.95).abs() < 1e-9 && (to_s - 22.0).abs() < 1e-9
+    ));
+    assert!(matches!(spoiled(&|c| c.normal_force_n.fill(0.0)), TraceError::NoLoad { .. }));
+    assert!(matches!(
+        spoiled(&|c| c.normal_force_n[600..].fill(1.0)),
+        TraceError::NoLoad { time_s, .. } if (time_s - 30.0).abs() < 1e-9
+    ));
+    assert!(matches!(
+        spoiled(&|c| torque(c)[500..].iter_mut().for_each(|t| *t = -*t)),
+        TraceError::WrongSign { opposite: 300..=302, samples: 601 }
+    ));
+    assert!(matches!(
+        spoiled(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 3.0)),
+        TraceError::WrongLoad { nominal_n: 150.0, .. }
+    ));
+    assert!(matches!(spoiled(&|c| torque(c)[7] = f64::NAN), TraceError::NotFinite { sample: 8, .. }));
+    assert!(matches!(spoiled(&|c| torque(c).truncate(800)), TraceError::LengthMismatch { found: 800, .. }));
+    let mut short = good();
+    short.time_s.truncate(700);
+    short.normal_force_n.truncate(700);
+    torque(&mut short).truncate(700);
+    assert!(matches!(analyse(&short, &OPTIONS), Err(TraceError::TooShort { .. })));
+    let few = TraceOptions { window_s: [10.0, 10.5], ..OPTIONS };
+    assert!(matches!(analyse(&good(), &few), Err(TraceError::TooFewSamples { found: 11, .. })));
+    for window_s in [[10.0, 10.0], [-1.0, 5.0], [0.0, f64::NAN]] {
+        assert!(matches!(analyse(&good(), &TraceOptions { window_s, ..OPTIONS }), Err(TraceError::Window { .. })));
+    }
+    let armless = TraceOptions { effective_radius_m: 0.0, ..OPTIONS };
+    assert!(matches!(analyse(&good(), &armless), Err(TraceError::Radius { .. })));
+}
+
+#[test]
+fn odd_traces_are_read_and_flagged() {
+    let flags = |spoil: &dyn Fn(&mut TraceChannels)| {
+        let mut channels = good();
+        spoil(&mut channels);
+        analyse(&channels, &OPTIONS).unwrap().flags
+    };
+    let drifting = flags(&|c| {
+        let time = c.time_s.clone();
+        torque(c).iter_mut().zip(time).for_each(|(t, clock)| *t *= 1.0 + 0.003 * (clock - 100.0));
+    });
+    // 0.003 per second of 30 s over the mean factor 1.075.
+    assert!(
+        matches!(drifting[..], [TraceFlag::Drift { relative, .. }] if (relative - 0.09 / 1.075).abs() < 0.01),
+        "{drifting:?}"
+    );
+    let off = flags(&|c| c.normal_force_n.iter_mut().for_each(|f| *f *= 1.1));
+    assert!(matches!(off[..], [TraceFlag::LoadOff { nominal_n: 150.0, .. }]), "{off:?}");
+    let gap = flags(&|c| c.time_s[60..].iter_mut().for_each(|t| *t += 1.0));
+    assert!(matches!(gap[..], [TraceFlag::Gap { .. }]), "{gap:?}");
+    let clipped = flags(&|c| torque(c).iter_mut().for_each(|t| *t = t.min(1.62)));
+    assert!(matches!(clipped[..], [TraceFlag::PeakSaturated { value: 1.62 }]), "{clipped:?}");
+    let coarse = flags(&|c| torque(c).iter_mut().for_each(|t| *t = (*t * 50.0).round() / 50.0));
+    assert!(coarse.iter().any(|flag| matches!(flag, TraceFlag::Coarse { levels: 2..=10 })), "{coarse:?}");
+    let uneven = flags(&|c| {
+        let forces = c.normal_force_n.iter_mut().zip(0_u32..);
+        forces.for_each(|(force, i)| *force *= 1.0 + 0.1 * (0.3 * f64::from(i)).sin());
+    });
+    assert!(uneven.iter().any(|flag| matches!(flag, TraceFlag::LoadUnsteady { .. })), "{uneven:?}");
+}
+
+#[test]
+fn samples_before_the_load_do_not_count() {
+    let mut channels = good();
+    channels.normal_force_n[..6].fill(0.01);
+    torque(&mut channels)[..6].fill(0.2);
+    let found = analyse(&channels, &OPTIONS).unwrap();
+    assert_eq!(found.time_s.len(), 895);
+    assert!(found.static_peak.unwrap().mu < 0.32);
+}
+
+#[test]
+fn stick_slip_in_a_trace_is_reported() {
+    let mut channels = good();
+    let forces = channels.normal_force_n.clone();
+    let times = channels.time_s.clone();
+    for ((t, force), clock) in torque(&mut channels).iter_mut().zip(forces).zip(times) {
+        let phase = ((clock - 100.0) / 1.9).fract();
+        *t = (0.25 + 0.05 * if phase < 0.95 { phase / 0.95 } else { (1.0 - phase) / 0.05 }) * force * RADIUS_M;
+    }
+    let found = analyse(&channels, &OPTIONS).unwrap().stick_slip.unwrap();
+    assert!((found.amplitude - 0.05).abs() < 0.003 && (found.period_s - 1.9).abs() < 0.06, "{found:?}");
+}
+
+#[test]
+fn repeats_have_their_mean_and_deviation() {
+    let one = analyse(&good(), &OPTIONS).unwrap();
+    let with = |mu: f64| {
+        let mut found = one.clone();
+        found.window.mu = mu;
+        found
+    };
+    let three = average(&[with(0.24), with(0.25), with(0.26)]).unwrap();
+    assert!((three.mu_dynamic.mean - 0.25).abs() < 1e-15 && (three.mu_dynamic.std - 0.01).abs() < 1e-12);
+    assert_eq!((three.count, three.peaks, three.stick_slips), (3, 3, 0));
+    // Equal repeats still have the error of each; a single one has it alone.
+    let equal = average(&[one.clone(), one.clone()]).unwrap();
+    let single = average(std::slice::from_ref(&one)).unwrap();
+    assert!((equal.mu_dynamic.std - one.window.stderr).abs() < 1e-15);
+    assert!((single.mu_dynamic.std - one.window.stderr).abs() < 1e-15);
+    let mut without = one.clone();
+    without.static_peak = None;
+    assert_eq!(average(&[one, without]).unwrap().mu_static, None);
+    assert_eq!(average(&[]), None);
+}

@@ -1,0 +1,72 @@
+use super::*;
+
+fn parsed(text: &str) -> Result<TraceFile, String> {
+    parse(Path::new("t.csv"), text, Some(0.04)).map_err(|error| error.to_string())
+}
+
+#[test]
+fn separators_decimal_signs_units_and_comments() {
+    let plain = parsed("time_s,torque_nm,normal_force_n\n0,0.5,50\n0.5,0.25,51\n").unwrap();
+    let expected = TraceChannels {
+        time_s: vec![0.0, 0.5],
+        tangential: Tangential::TorqueNm(vec![0.5, 0.25]),
+        normal_force_n: vec![50.0, 51.0],
+    };
+    assert_eq!((plain.repeats.len(), &plain.repeats[0].channels), (1, &expected));
+    for text in [
+        "\u{feff}Test: LDPE; operator 7\n# made today\nZeit [s];Drehmoment [Nm];Normalkraft [N]\r\n0;0,5;50\r\n0,5;0,25;51\r\n",
+        "Time\tTz\tFz\tCOF\ns\tN m\tN\t-\n0\t5e-1\t50\t0.25\n% pause\n0,5\t2,5E-1\t51\t0.2\n",
+        "\"Time (ms)\",\"Tz (mN·m)\",\"Fz (kN)\"\n\"0\",\"500\",\"0,05\"\n500,250,\"0,051\"\n",
+        "# comment, with, commas\nnormal_force,time,torque\n50,0.0,0.5\n\n51,0.5,0.25\n",
+    ] {
+        let found = parsed(text).unwrap();
+        let channels = &found.repeats[0].channels;
+        let close = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        let Tangential::TorqueNm(torque) = &channels.tangential else { panic!("{text}") };
+        assert!(close(&channels.time_s, &[0.0, 0.5]) && close(torque, &[0.5, 0.25]), "{text}");
+        assert!(close(&channels.normal_force_n, &[50.0, 51.0]), "{text}");
+    }
+}
+
+#[test]
+fn repeats_speed_and_humidity() {
+    let rows = "0,0.5,50,2.0,15\n1,0.5,50,2.2,17\n";
+    let header = "time_s,friction_force_n,normal_force_n,speed_mm_s,humidity_pct\n";
+    let twice = parsed(&format!("{header}{rows}{header}{rows}")).unwrap();
+    assert_eq!((twice.repeats.len(), twice.repeats[1].number), (2, 2));
+    let second = &twice.repeats[1];
+    assert!((second.speed_m_s.unwrap() - 2.1e-3).abs() < 1e-15 && (second.humidity.unwrap() - 0.16).abs() < 1e-15);
+    assert_eq!(second.channels.tangential, Tangential::ForceN(vec![0.5, 0.5]));
+    let labelled = parsed("run;time;Tz;Fz;Drehzahl [1/min]\n1;0;1;2;30\n1;1;1;2;30\n2;0;1;2;30\n").unwrap();
+    assert_eq!(labelled.repeats.iter().map(|r| r.channels.time_s.len()).collect::<Vec<_>>(), [2, 1]);
+    // 30 revolutions a minute at 40 mm: pi / s x 0.04 m
+    assert!((labelled.repeats[0].speed_m_s.unwrap() - std::f64::consts::PI * 0.04).abs() < 1e-12);
+}
+
+#[test]
+fn what_was_not_measured_is_left_out_and_counted() {
+    let found = parsed("time,Tz,Fz,Temp\n0,1,2,20\n1,,2,20\n2,NaN,2,x\n3,1,2,\n").unwrap();
+    let repeat = &found.repeats[0];
+    assert_eq!((repeat.channels.time_s.as_slice(), repeat.incomplete_rows), (&[0.0, 3.0][..], 2));
+    assert_eq!(found.unused, ["Temp"]);
+}
+
+#[test]
+fn refusals_name_line_and_column() {
+    for (text, message) in [
+        ("", "t.csv: has no line that names its columns"),
+        ("a,b,c\n1,2,3\n", "t.csv: has no line that names its columns"),
+        ("time,Tz,Fz\n", "t.csv: has no rows"),
+        ("time,Tz,Fz\n0,x,2\n", "t.csv:2: Tz: \"x\" is no number"),
+        ("time,Tz,Fz\n0,1\n", "t.csv:2: has 2 values; expected 3"),
+        ("time,Tz,Temp\n0,1,2\n", "t.csv:1: no column is the normal force"),
+        ("time,Fz,Temp\n0,1,2\n", "t.csv:1: no column is the torque or the friction force"),
+        ("time,Tz,Fz,Fx\n0,1,2,3\n", "t.csv:1: has both a torque and a friction force"),
+        ("time;Tz;Fz\ns;lbf ft;N\n0;1;2\n", "t.csv:2: Tz: has the unit \"lbf ft\", which is not known"),
+    ] {
+        let refused = parsed(text).unwrap_err();
+        assert!(refused.starts_with(message), "{refused}");
+    }
+    let armless = parse(Path::new("t.csv"), "time,Tz,Fz\n0,1,2\n", None).unwrap_err().to_string();
+    assert!(armless.contains("no effective radius is given"), "{armless}");
+}
