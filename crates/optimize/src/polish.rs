@@ -115,6 +115,12 @@ impl Descent {
         Self { grid, start, cost, method, edge: FIRST_EDGE }
     }
 
+    /// The same with its first simplex smaller or larger by `factor`.
+    pub(crate) const fn with_edge(mut self, factor: f64) -> Self {
+        self.edge *= factor;
+        self
+    }
+
     /// Descends until nothing is gained; `None`, or, where the notebook was interrupted, the descent
     /// that would continue this one.
     pub(crate) fn run(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
