@@ -127,6 +127,10 @@ fn scenes() {
             case("seed = 1", "seed = 1.5", ":26: run.seed: 1.5 ", "whole number"),
             case("seed = 1", "dimensions = 4", ":26: run.dimensions: 4 ", "2 or 3"),
             case("\"cell\"", "\"sample\"\ndimensions = 3", ":26: run.dimensions: 3 ", "extent = \"cell\""),
+            case("\"steady\"", "\"reference\"\ndimensions = 3", ":25: run.dimensions: 3 ", "\"dynamic\""),
+            case("seed = 1", "draws = 0", ":26: run.draws: 0 ", "from 1 to 64"),
+            case("seed = 1", "draws = 65", ":26: run.draws: 65 ", "from 1 to 64"),
+            case("seed = 1", "draws = 1.5", ":26: run.draws: 1.5 ", "whole number"),
             case("seed = 1", "liftoff = 1", ":26: run.liftoff: 1 ", "true or false"),
             case("seed = 1", "seed = 1\nseed = 2", ":27: ", "duplicate"),
             case("seed = 1", "seed = = 1", ":26: ", ""),
@@ -139,7 +143,7 @@ fn scenes() {
 #[test]
 fn scenes_in_the_vertical_plane() {
     let asked = format!("{SCENE}dimensions = 2\n");
-    let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"");
+    let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("\"cell\"", "\"sample\"");
     for scene in [&asked, &dynamic] {
         let cases = [
             case("\"groove\"", "\"disc\"", ":15: pattern.planform: \"disc\" needs a three-dimensional", "\"square\""),
@@ -152,7 +156,8 @@ fn scenes_in_the_vertical_plane() {
         ];
         refuse_all("scene.toml", scene, &[], "simulate", &cases);
     }
-    let lifting = [case("\"groove\"\n", "\"square\"\n", ": lift-off in three dimensions", "dimensions = 2")];
+    let lifting =
+        [case("\"groove\"\n", "\"square\"\n", ": lift-off in steady sliding in three dimensions", "dimensions = 2")];
     refuse_all("scene.toml", &format!("{SCENE}liftoff = true\n"), &[], "simulate", &lifting);
 }
 

@@ -58,7 +58,7 @@ pub use dynamics::MOST_STEPS;
 pub use error::SceneError;
 pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
-pub use scene::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
 pub use simulate::simulate;
 pub use solid::{

@@ -89,6 +89,8 @@ pub struct SurfaceOutcome {
     pub mu_dynamic: Option<f64>,
     /// Its standard error; absent for steady runs, which have none.
     pub mu_dynamic_stderr: Option<f64>,
+    /// Mean friction across the sliding direction over the normal force; dynamic runs in three dimensions only.
+    pub mu_across: Option<f64>,
     /// Time since the drive started from which mu_dynamic was averaged, up to the end of the run, in
     /// seconds; absent for steady runs and where there is no mean.
     pub averaged_from_s: Option<f64>,
@@ -122,6 +124,7 @@ impl SurfaceOutcome {
             status,
             mu_dynamic: None,
             mu_dynamic_stderr: None,
+            mu_across: None,
             averaged_from_s: None,
             mu_static: None,
             peak_pressure_pa: 0.0,

@@ -121,9 +121,12 @@ pub struct RunOptions {
     pub warm_start: bool,
     /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
     pub springs: Option<Springs>,
-    /// 2: the vertical plane along the sliding direction, 3: the three-dimensional cell, which steady cells have.
-    /// What the pattern needs when absent, where there is a choice.
+    /// 2: the vertical plane along the sliding direction, 3: the three-dimensional cell, which steady and dynamic cells
+    /// have. What the pattern needs when absent, where there is a choice.
     pub dimensions: Option<u8>,
+    /// Surfaces of a dynamic run, with the seeds `seed`, `seed` + 1 and so on: their mean is reported, their scatter
+    /// gives its standard error.
+    pub draws: u64,
 }
 
 impl Default for RunOptions {
@@ -140,6 +143,7 @@ impl Default for RunOptions {
             warm_start: false,
             springs: None,
             dimensions: None,
+            draws: 1,
         }
     }
 }
@@ -185,6 +189,8 @@ fn whole(ratio: f64) -> usize {
 
 /// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
 const MOST_BLOCKS: f64 = 4e7;
+/// Most surfaces of one scene: its standard error falls with the root of their number.
+pub const MOST_DRAWS: u64 = 64;
 /// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
 /// pull.
 const LEAST_PITCH: f64 = 1.2;
@@ -193,7 +199,7 @@ const WHOLE_BLOCKS_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
     /// Dimensions in which the scene is solved: those asked for, otherwise those that its pattern needs if it is
-    /// a steady cell; anything else is solved in the vertical plane. A flat layer is uniform in either.
+    /// a steady or a dynamic cell; anything else is solved in the vertical plane. A flat layer is uniform in either.
     #[must_use]
     pub fn dimensions(&self) -> u8 {
         let Some(pattern) = &self.pattern else { return 2 };
@@ -203,7 +209,12 @@ impl Scene {
 
     /// Whether a three-dimensional cell can solve it.
     fn has_solid_cell(&self) -> bool {
-        self.run.fidelity == Fidelity::Steady && self.run.extent == Extent::Cell
+        self.run.extent == Extent::Cell
+            && match self.run.fidelity {
+                Fidelity::Steady => true,
+                Fidelity::Dynamic => self.run.springs != Some(Springs::Exact),
+                Fidelity::Reference => false,
+            }
     }
 
     /// Checks every number for a meaning.
@@ -255,19 +266,23 @@ impl Scene {
         if let Some(mu_stderr) = self.run.mu_stderr {
             positive("mu_stderr", mu_stderr)?;
         }
+        if !(1..=MOST_DRAWS).contains(&self.run.draws) {
+            let value = self.run.draws as f64;
+            return Err(SceneError::OutOfRange { quantity: "draws", value, expected: "a whole number from 1 to 64" });
+        }
         if self.run.dimensions.is_some_and(|dimensions| !(2..=3).contains(&dimensions)) {
             let value = f64::from(self.run.dimensions.unwrap_or_default());
             return Err(SceneError::OutOfRange { quantity: "dimensions", value, expected: "2 or 3" });
         }
         if self.run.dimensions == Some(3) && !self.has_solid_cell() {
             return Err(SceneError::Unsupported {
-                what: "the three-dimensional cell in dynamic runs and whole samples",
-                instead: "ask for a steady cell, or for dimensions = 2",
+                what: "the three-dimensional cell in whole samples, with exact springs and by the reference integration",
+                instead: "ask for a steady or a dynamic cell, or for dimensions = 2",
             });
         }
-        if self.dimensions() == 3 && self.run.liftoff {
+        if self.dimensions() == 3 && self.run.fidelity == Fidelity::Steady && self.run.liftoff {
             return Err(SceneError::Unsupported {
-                what: "lift-off in three dimensions",
+                what: "lift-off in steady sliding in three dimensions",
                 instead: "ask for dimensions = 2, or leave blocks under tension pinned",
             });
         }

@@ -1,5 +1,8 @@
 //! From a scene to its results: which lattices are needed, what runs on them, what is compared.
 
+mod averaging;
+mod space;
+
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
@@ -35,7 +38,10 @@ const UNIFORM_COLUMNS: usize = 3;
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     scene.validate()?;
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
-        return solid(scene, pattern, monitor);
+        return match scene.run.fidelity {
+            Fidelity::Steady => solid(scene, pattern, monitor),
+            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(scene, pattern, monitor),
+        };
     }
     let mut simulation = match scene.run.fidelity {
         Fidelity::Steady => steady(scene, monitor)?,
@@ -172,15 +178,7 @@ fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simu
         })
         .collect();
     let [nx, ny] = model.columns(pattern);
-    let why = if scene.run.dimensions == Some(3) {
-        "as asked for".to_owned()
-    } else {
-        format!(
-            "as {} cavities{} need",
-            pattern.planform(),
-            if pattern.length_m().is_none() { " along or aslant the sliding direction" } else { "" }
-        )
-    };
+    let why = why_solid(scene, pattern);
     let mut statements = vec![
         "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction"
             .to_owned(),
@@ -203,6 +201,15 @@ fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simu
     }
     describe_law(scene, &mut statements);
     Ok(Simulation { model: statements, loads })
+}
+
+/// Why `pattern` is solved in three dimensions.
+fn why_solid(scene: &Scene, pattern: &Pattern) -> String {
+    if scene.run.dimensions == Some(3) {
+        return "as asked for".to_owned();
+    }
+    let aslant = if pattern.length_m().is_none() { " along or aslant the sliding direction" } else { "" };
+    format!("as {} cavities{aslant} need", pattern.planform())
 }
 
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
@@ -236,31 +243,22 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
 
     let surfaces = lattices.len();
-    let runs = surfaces * scene.loads.len();
+    let draws = scene.run.draws as usize;
+    let runs = surfaces * draws * scene.loads.len();
     let share = 1.0 / runs as f64;
     // Threads that find no run of their own help with another's.
     let threads = rayon::current_num_threads() / runs;
-    let mut outcomes: Vec<SurfaceOutcome> = (0..runs)
+    let outcomes: Vec<SurfaceOutcome> = (0..runs)
         .into_par_iter()
         .map(|task| {
-            let (load, surface) = (task / surfaces, task % surfaces);
-            let (load, lattice, scheme) = (&scene.loads[load], &lattices[surface], schemes[surface]);
-            DynamicRun { scene, load, lattice, scheme, threads, share }.run(monitor)
+            let (draw, surface) = (task / surfaces % draws, task % surfaces);
+            let load = &scene.loads[task / (surfaces * draws)];
+            let (lattice, scheme) = (&lattices[surface], schemes[surface]);
+            let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
+            DynamicRun { scene, load, lattice, scheme, threads, share, seed, stderr_share }.run(monitor)
         })
         .collect();
-    let mut loads = Vec::with_capacity(scene.loads.len());
-    for (load, correction) in scene.loads.iter().zip(&corrections).rev() {
-        let flat = if surfaces == 2 { outcomes.pop() } else { None };
-        if let Some(own) = outcomes.pop() {
-            let mut outcome = compare(load, own, flat);
-            if let (Some(ratio), Some(flat)) = (&mut outcome.ratio, &outcome.flat) {
-                *ratio += correction;
-                outcome.surface.mu_dynamic = flat.mu_dynamic.map(|mu| *ratio * mu);
-            }
-            loads.push(outcome);
-        }
-    }
-    loads.reverse();
+    let loads = collect(scene, surfaces, &corrections, outcomes);
 
     let scheme = schemes[0];
     let mut model = vec![format!(
@@ -283,6 +281,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
         model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
     }
     describe_extent(scene, &mut model);
+    describe_draws(scene, &mut model);
     if scene.run.warm_start {
         model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
     }
@@ -296,6 +295,47 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     }
     describe_law(scene, &mut model);
     Ok(Simulation { model, loads })
+}
+
+/// Seed of the local coefficients of draw number `draw`.
+const fn seed_of(scene: &Scene, draw: usize) -> u64 {
+    scene.run.seed.wrapping_add(draw as u64)
+}
+
+/// Standard error over dynamic mu at which the run of one draw may end: that of their mean is the one asked for.
+fn stderr_share(scene: &Scene) -> Option<f64> {
+    scene.run.mu_stderr.map(|wanted| wanted * (scene.run.draws as f64).sqrt())
+}
+
+/// One record per load from runs by load, draw and surface, the patterned one first; `corrections` of the ratio by load.
+fn collect(scene: &Scene, surfaces: usize, corrections: &[f64], outcomes: Vec<SurfaceOutcome>) -> Vec<LoadOutcome> {
+    let mut outcomes = outcomes.into_iter();
+    let mut loads = Vec::with_capacity(scene.loads.len());
+    for (load, correction) in scene.loads.iter().zip(corrections) {
+        let mut draws = Vec::new();
+        for _ in 0..scene.run.draws {
+            let Some(own) = outcomes.next() else { break };
+            let flat = if surfaces == 2 { outcomes.next() } else { None };
+            let mut outcome = compare(load, own, flat);
+            if let (Some(ratio), Some(flat)) = (&mut outcome.ratio, &outcome.flat) {
+                *ratio += correction;
+                outcome.surface.mu_dynamic = flat.mu_dynamic.map(|mu| *ratio * mu);
+            }
+            draws.push(outcome);
+        }
+        loads.extend(averaging::mean(draws));
+    }
+    loads
+}
+
+fn describe_draws(scene: &Scene, model: &mut Vec<String>) {
+    if scene.run.draws > 1 {
+        model.push(format!(
+            "mean of {} draws of the local coefficients, seeds from {}; standard errors from their scatter, or from \
+             within the runs where that gives more",
+            scene.run.draws, scene.run.seed
+        ));
+    }
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.

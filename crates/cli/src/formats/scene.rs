@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Friction, Material, MaterialError};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, SceneError, Springs};
+use slipgrid_springblock::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, SceneError, Springs};
 use toml::Spanned;
 
 use super::document::Document;
@@ -111,6 +111,9 @@ pub struct RunFile {
     /// 2 or 3; the planform decides when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<Spanned<u64>>,
+    /// Surfaces with coefficients of their own in dynamic runs, 1 to 64.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub draws: Option<Spanned<u64>>,
 }
 
 /// Choices of the command line that override a scene's.
@@ -402,14 +405,22 @@ fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result
     if let Some(dimensions) = &file.dimensions {
         match dimensions.get_ref() {
             2 => {}
-            3 if fidelity == Fidelity::Steady && extent == Extent::Cell => {}
+            3 if fidelity != Fidelity::Reference && extent == Extent::Cell && springs != Some(Springs::Exact) => {}
             3 => {
                 return Err(document
-                    .refuse(dimensions.span(), "is solved for fidelity = \"steady\" and extent = \"cell\" alone")
+                    .refuse(
+                        dimensions.span(),
+                        "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" alone",
+                    )
                     .expected("2, which models the vertical section along the sliding direction"));
             }
             _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
         }
+    }
+    if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MOST_DRAWS).contains(draws.get_ref())) {
+        return Err(document
+            .refuse(draws.span(), "is no number of draws")
+            .expected(format!("a whole number from 1 to {MOST_DRAWS}")));
     }
     Ok(RunOptions {
         fidelity,
@@ -423,5 +434,6 @@ fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result
         warm_start: file.warm_start.unwrap_or(default.warm_start),
         springs,
         dimensions: file.dimensions.as_ref().map(|dimensions| if *dimensions.get_ref() == 3 { 3 } else { 2 }),
+        draws: file.draws.as_ref().map_or(default.draws, |draws| *draws.get_ref()),
     })
 }

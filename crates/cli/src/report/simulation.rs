@@ -41,6 +41,8 @@ pub struct SimulationReport {
     pub speed_mm_s: f64,
     /// Seed of the local coefficients.
     pub seed: u64,
+    /// Surfaces with local coefficients of their own, of which results are the mean.
+    pub draws: u64,
     /// Seconds.
     pub wall_s: f64,
     /// Threads that computed.
@@ -147,6 +149,9 @@ pub struct LoadReport {
     pub mu_dynamic: Option<f64>,
     /// Its standard error; null for steady.
     pub mu_dynamic_stderr: Option<f64>,
+    /// Friction across the sliding direction over normal force; dynamic runs in three dimensions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_across: Option<f64>,
     /// Static friction coefficient; null for steady.
     pub mu_static: Option<f64>,
     /// Dynamic friction coefficient of the flat surface; null for a flat scene.
@@ -207,6 +212,7 @@ impl LoadReport {
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
             mu_dynamic: surface.mu_dynamic,
             mu_dynamic_stderr: surface.mu_dynamic_stderr,
+            mu_across: surface.mu_across,
             mu_static: surface.mu_static,
             mu_flat: load.flat.as_ref().and_then(|flat| flat.mu_dynamic),
             mu_flat_stderr: load.flat.as_ref().and_then(|flat| flat.mu_dynamic_stderr),
@@ -294,6 +300,7 @@ impl SimulationReport {
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
             speed_mm_s: crate::units::SPEED_MM_S.from_si(scene.speed_m_s),
             seed: scene.run.seed,
+            draws: scene.run.draws,
             wall_s,
             threads,
             results: load_reports(simulation, sectioned, outside),

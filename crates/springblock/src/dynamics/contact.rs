@@ -173,6 +173,8 @@ impl ContactBlock {
 pub struct ContactSums {
     /// Friction, positive against the drive.
     pub friction: f64,
+    /// Friction across the drive; none in the vertical plane.
+    pub across: f64,
     /// Normal forces of compressive blocks.
     pub normal: f64,
 }
@@ -181,6 +183,7 @@ impl ContactSums {
     /// Takes the sums of another part of the row.
     pub fn add(&mut self, other: Self) {
         self.friction += other.friction;
+        self.across += other.across;
         self.normal += other.normal;
     }
 

@@ -148,7 +148,7 @@ impl<'a> ContactStrip<'a> {
                 }
             }
         }
-        ContactSums { friction: fixed_sum(&self.friction), normal: fixed_sum(&self.normal) }
+        ContactSums { friction: fixed_sum(&self.friction), normal: fixed_sum(&self.normal), ..ContactSums::default() }
     }
 
     fn kick_block(&mut self, i: usize, force: [f64; 2], kept: f64) {

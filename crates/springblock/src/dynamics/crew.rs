@@ -224,7 +224,8 @@ impl<'scope, 'a: 'scope> Crew<'scope, 'a> {
         self.call(Turn::Step);
         let mut sums = ContactSums::default();
         for strip in &self.board.strips {
-            sums.add(ContactSums { friction: strip.friction.read(), normal: strip.normal.read() });
+            let (friction, normal) = (strip.friction.read(), strip.normal.read());
+            sums.add(ContactSums { friction, normal, ..ContactSums::default() });
         }
         sums
     }

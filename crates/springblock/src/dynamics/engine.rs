@@ -20,9 +20,6 @@ pub struct Setup<'a> {
 
 /// An integrator with its state.
 pub trait Engine {
-    /// Starts from given displacements over l, by (i, j), every block at rest.
-    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
-
     /// The bulk begins to move: blocks that slipped under the rising load count as not yet slipped.
     fn begin_drive(&mut self);
 
@@ -31,6 +28,9 @@ pub trait Engine {
 
     /// Whether every contact block has slipped since the drive began.
     fn all_have_slipped(&self) -> bool;
+
+    /// Number of contact blocks.
+    fn contacts(&self) -> usize;
 
     /// Forces on the contact blocks at the last force evaluation, left to right.
     fn contact_forces(&mut self) -> Vec<ContactForce>;
@@ -43,6 +43,12 @@ pub trait Engine {
 
     /// Force evaluations per step.
     fn evaluations_per_step(&self) -> u64;
+}
+
+/// An integrator of the vertical plane.
+pub trait PlaneEngine: Engine {
+    /// Starts from given displacements over l, by (i, j), every block at rest.
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]);
 
     /// Vertical displacement of block (i, j) over l.
     fn rise(&self, i: usize, j: usize) -> f64;

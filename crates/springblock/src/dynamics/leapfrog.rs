@@ -9,7 +9,7 @@
 
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums, Motion};
-use super::engine::{Engine, Setup};
+use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
@@ -87,13 +87,6 @@ impl<'a> BondLeapfrog<'a> {
 }
 
 impl Engine for BondLeapfrog<'_> {
-    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        for number in 0..self.inverse_mass.len() {
-            [self.displacement[0][number], self.displacement[1][number]] =
-                displacement(number % self.nx, number / self.nx);
-        }
-    }
-
     fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }
@@ -135,6 +128,10 @@ impl Engine for BondLeapfrog<'_> {
         self.contact.all_have_slipped()
     }
 
+    fn contacts(&self) -> usize {
+        self.contact.blocks.len()
+    }
+
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.contact.forces()
     }
@@ -145,6 +142,15 @@ impl Engine for BondLeapfrog<'_> {
 
     fn evaluations_per_step(&self) -> u64 {
         1
+    }
+}
+
+impl PlaneEngine for BondLeapfrog<'_> {
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+        for number in 0..self.inverse_mass.len() {
+            [self.displacement[0][number], self.displacement[1][number]] =
+                displacement(number % self.nx, number / self.nx);
+        }
     }
 
     fn rise(&self, i: usize, j: usize) -> f64 {

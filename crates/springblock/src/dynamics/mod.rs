@@ -15,12 +15,15 @@
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | the largest eigenfrequency |
 //! | `recorder` | history and averages |
-//! | `run` | one run from start to end |
+//! | `drive` | an integrator from start to end |
+//! | `run` | one run in the vertical plane |
+//! | `solid` | the three-dimensional cell |
 
 mod bonds;
 mod contact;
 mod contact_strip;
 mod crew;
+mod drive;
 mod engine;
 mod leapfrog;
 mod protocol;
@@ -29,13 +32,16 @@ mod rows;
 mod run;
 mod runge_kutta;
 mod scales;
+mod solid;
 mod stability;
 mod stencil;
 mod strip;
 mod strip_leapfrog;
 mod sweep;
 
-pub use run::{DynamicRun, MOST_STEPS, Plan, Scheme};
+pub use drive::{MOST_STEPS, Plan};
+pub use run::{DynamicRun, Scheme};
+pub use solid::{SolidRun, SolidScheme};
 
 #[cfg(test)]
 mod front_speed;

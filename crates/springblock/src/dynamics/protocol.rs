@@ -1,5 +1,8 @@
 //! What is imposed on the bulk: pressure ramps from zero, rests, then the bulk moves.
 
+use super::scales::Scales;
+use crate::scene::Scene;
+
 /// Ramp of the pressure, in seconds (paper: 2 us).
 pub const RAMP_S: f64 = 2e-6;
 /// Rest at full pressure before the bulk moves, in seconds (paper: 10 us).
@@ -19,6 +22,15 @@ pub struct Protocol {
 }
 
 impl Protocol {
+    /// The protocol of `scene` under `load`, full load over k l: ramp, rest and drive, or the drive at once where the
+    /// start is warm.
+    #[must_use]
+    pub fn of(scene: &Scene, scales: &Scales, load: f64) -> Self {
+        let (ramp, start) =
+            if scene.run.warm_start { (0.0, 0.0) } else { (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s) };
+        Self { ramp, start, load, speed: scene.speed_m_s * scales.time_s / scales.length_m }
+    }
+
     /// Load on the bulk at `time`.
     #[must_use]
     pub fn load(&self, time: f64) -> f64 {

@@ -17,6 +17,7 @@ const INTERFACE_EVERY: u64 = 64;
 #[derive(Clone, Copy, Debug, Default)]
 struct Bin {
     friction: f64,
+    across: f64,
     normal: f64,
 }
 
@@ -33,6 +34,8 @@ pub struct WindowMean {
     pub mu: f64,
     /// Its standard error.
     pub stderr: f64,
+    /// Mean of the friction across the drive over the normal force.
+    pub mu_across: f64,
     /// Time since the drive started at which the first batch begins, in units of sqrt(m/k).
     pub from: f64,
 }
@@ -74,6 +77,7 @@ impl Recorder {
     /// Takes note of one step. `window_bin`: first bin that the averaging window may hold.
     pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine, window_bin: usize) {
         self.open.friction += sums.friction;
+        self.open.across += sums.across;
         self.open.normal += sums.normal;
         self.steps += 1;
         if self.onset_bin.is_none() {
@@ -148,7 +152,10 @@ impl Recorder {
         let mu = batch_mu.iter().sum::<f64>() / n;
         let variance = batch_mu.iter().map(|b| (b - mu).powi(2)).sum::<f64>() / (n - 1.0);
         let from = first as f64 * self.bin_time();
-        mu.is_finite().then_some(WindowMean { mu, stderr: (variance / n).sqrt(), from })
+        let (across, normal) =
+            self.bins[first..].iter().fold((0.0, 0.0), |(a, n), bin| (a + bin.across, n + bin.normal));
+        let stderr = (variance / n).sqrt();
+        mu.is_finite().then_some(WindowMean { mu, stderr, mu_across: across / normal, from })
     }
 
     /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
@@ -189,13 +196,15 @@ mod tests {
     struct OneBlock(bool);
 
     impl Engine for OneBlock {
-        fn start_sheared(&mut self, _: &dyn Fn(usize, usize) -> [f64; 2]) {}
         fn begin_drive(&mut self) {}
         fn step(&mut self) -> ContactSums {
             ContactSums::default()
         }
         fn all_have_slipped(&self) -> bool {
             self.0
+        }
+        fn contacts(&self) -> usize {
+            1
         }
         fn contact_forces(&mut self) -> Vec<ContactForce> {
             vec![ContactForce::default()]
@@ -205,9 +214,6 @@ mod tests {
         }
         fn evaluations_per_step(&self) -> u64 {
             1
-        }
-        fn rise(&self, _: usize, _: usize) -> f64 {
-            0.0
         }
     }
 
@@ -220,7 +226,11 @@ mod tests {
         for _ in 0..n {
             bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            recorder.record(ContactSums { friction: 0.3 + noise, normal: 1.0 }, &mut contact, 0);
+            recorder.record(
+                ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() },
+                &mut contact,
+                0,
+            );
         }
         let mean = recorder.window_mean(0).unwrap();
         let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();
@@ -236,7 +246,7 @@ mod tests {
         // mu = t, 107 intervals of 1.5: from interval 50 on, 57 make 20 batches of 2 and leave 17 out.
         for step in 0..107 * steps_per_bin {
             let mu = (step as f64 + 0.5) * time_step;
-            recorder.record(ContactSums { friction: mu, normal: 1.0 }, &mut contact, 50);
+            recorder.record(ContactSums { friction: mu, normal: 1.0, ..ContactSums::default() }, &mut contact, 50);
         }
         let mean = recorder.window_mean(50).unwrap();
         let end = 107.0 * 1.5;
@@ -251,7 +261,7 @@ mod tests {
         let mut contact = OneBlock(false);
         let mut recorder = Recorder::new(1, 1, 1.0);
         for _ in 0..1000 {
-            recorder.record(ContactSums { friction: 0.3, normal: 1.0 }, &mut contact, 10);
+            recorder.record(ContactSums { friction: 0.3, normal: 1.0, ..ContactSums::default() }, &mut contact, 10);
         }
         assert_eq!((recorder.window_mean(10), recorder.peak_mu()), (None, None));
     }

@@ -90,7 +90,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    fn zero(size: usize) -> Self {
+    pub(super) fn zero(size: usize) -> Self {
         let values = vec![0.0; size + LINE];
         // A clone may lie otherwise: slower, not wrong.
         let skip = values.as_ptr().align_offset(LINE_BYTES).min(LINE);

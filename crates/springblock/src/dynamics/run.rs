@@ -1,12 +1,10 @@
 //! One dynamic run: builds the integrator, drives it through the protocol, records, reports.
 
-use slipgrid_material::AreaLaw;
-
 use super::contact::{ContactRow, LocalLaw};
-use super::engine::{Engine, Setup};
+use super::drive::{Drive, MOST_STEPS, Plan};
+use super::engine::{PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
-use super::protocol::{Protocol, RAMP_S, REST_S};
-use super::recorder::{Recorder, WINDOW_START, WindowMean};
+use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::scales::Scales;
 use super::stability::largest_frequency;
@@ -15,7 +13,7 @@ use crate::SceneError;
 use crate::draws;
 use crate::lattice::Lattice;
 use crate::monitor::Monitor;
-use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
+use crate::outcome::{DynamicCost, Status, SurfaceOutcome};
 use crate::scene::{Fidelity, Load, Scene, Springs};
 use crate::steady::{SteadyLoad, SteadyModel};
 
@@ -34,49 +32,6 @@ const REFERENCE_STEP_S: f64 = 1e-9;
 const LEAPFROG_LIMIT: f64 = 2.0;
 /// Stability limit of the classical Runge-Kutta method on the imaginary axis.
 const RUNGE_KUTTA_LIMIT: f64 = 2.828;
-/// Intervals in which the planned run is recorded.
-const BINS: u64 = 2000;
-/// Steps between two looks at the monitor.
-const STEPS_PER_LOOK: u64 = 256;
-/// A run that is extended until its standard error is small enough gives up after this many times the
-/// planned travel.
-const MOST_EXTENSION: u64 = 20;
-/// Time after the rest that a run without motion is watched, in seconds.
-const WATCH_AT_REST_S: f64 = 20e-6;
-/// Most time steps of one run: a whole sample of 20,000 blocks takes about an hour for them, the paper's
-/// run a quarter of a million. What would take more is not begun and says so.
-pub const MOST_STEPS: u64 = 100_000_000;
-/// Periods of the layer's first shear mode that an average must hold: one mode alone swings mu by a
-/// tenth, and its mean over n periods departs by up to 1/(pi n) of that.
-const LEAST_PERIODS: f64 = 10.0;
-
-/// Steps that a run is planned to take.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// Steps of the ramp and the rest before the bulk moves.
-    pub preparation: u64,
-    /// Steps of the travel asked for.
-    pub travel: u64,
-}
-
-impl Plan {
-    /// The steps of `scene` at `step_s` seconds each.
-    #[must_use]
-    pub fn new(scene: &Scene, step_s: f64) -> Self {
-        // The cast saturates: a number of steps beyond 2^64 stays beyond every limit.
-        let steps_in = |time_s: f64| (time_s / step_s).ceil() as u64;
-        let travel_s = if scene.speed_m_s > 0.0 { scene.run.sliding_m / scene.speed_m_s } else { WATCH_AT_REST_S };
-        let preparation_s = if scene.run.warm_start { 0.0 } else { RAMP_S + REST_S };
-        Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
-    }
-
-    /// All steps.
-    #[must_use]
-    pub const fn total(&self) -> u64 {
-        self.preparation.saturating_add(self.travel)
-    }
-}
-
 /// The integration scheme of a scene and its step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scheme {
@@ -126,6 +81,10 @@ pub struct DynamicRun<'a> {
     pub threads: usize,
     /// Share of all work that this run is, for the progress report.
     pub share: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Standard error over dynamic mu at which it may end.
+    pub stderr_share: Option<f64>,
 }
 
 impl DynamicRun<'_> {
@@ -140,11 +99,12 @@ impl DynamicRun<'_> {
             return self.not_run(Status::TooManySteps, monitor);
         }
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
-        let coefficients = draws::draw(&self.load.friction, scene.run.seed, self.lattice.nx());
+        let coefficients = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
         let law = LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa);
         let setup = Setup {
             contact: ContactRow::new(self.lattice.contacts(), &coefficients, law),
-            protocol: self.protocol(&scales),
+            // load over k l = P L l / (k l), L in lattice spacings
+            protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * self.lattice.length()),
             time_step: self.scheme.step_s / scales.time_s,
             damping: scene.run.damping,
             liftoff: scene.run.liftoff,
@@ -171,21 +131,6 @@ impl DynamicRun<'_> {
         SurfaceOutcome { cost: Some(cost), ..unsolved }
     }
 
-    fn protocol(&self, scales: &Scales) -> Protocol {
-        let (ramp, start) = if self.scene.run.warm_start {
-            (0.0, 0.0)
-        } else {
-            (RAMP_S / scales.time_s, (RAMP_S + REST_S) / scales.time_s)
-        };
-        Protocol {
-            ramp,
-            start,
-            // load over k l = P L l / (k l), L in lattice spacings
-            load: self.load.pressure_pa / scales.pressure_pa * self.lattice.length(),
-            speed: self.scene.speed_m_s * scales.time_s / scales.length_m,
-        }
-    }
-
     /// Displacements of steady sliding over l, by row and column.
     fn steady_displacements(&self) -> Vec<[f64; 2]> {
         let run = &self.scene.run;
@@ -195,7 +140,7 @@ impl DynamicRun<'_> {
             self.scene.elastic.youngs_modulus_pa(),
             run.liftoff,
         );
-        let dynamic_mu: Vec<f64> = draws::draw(&self.load.friction, run.seed, self.lattice.nx())
+        let dynamic_mu: Vec<f64> = draws::draw(&self.load.friction, self.seed, self.lattice.nx())
             .iter()
             .map(|drawn| drawn.dynamic_mu)
             .collect();
@@ -206,134 +151,30 @@ impl DynamicRun<'_> {
         })
     }
 
-    fn drive(&self, mut engine: impl Engine, scales: &Scales, monitor: &dyn Monitor) -> SurfaceOutcome {
-        let run = &self.scene.run;
+    fn drive(&self, mut engine: impl PlaneEngine, scales: &Scales, monitor: &dyn Monitor) -> SurfaceOutcome {
         let started_s = monitor.seconds();
-        if run.warm_start {
+        if self.scene.run.warm_start {
             let displacements = self.steady_displacements();
             let nx = self.lattice.nx();
             engine.start_sheared(&|i, j| displacements[j * nx + i]);
         }
-        let Plan { preparation, travel: planned } = Plan::new(self.scene, self.scheme.step_s);
-        let steps_per_bin = planned.div_ceil(BINS).max(1);
-        let window_bin = (WINDOW_START * planned as f64 / steps_per_bin as f64).ceil() as usize;
-        let mut recorder = Recorder::new(self.lattice.contacts().count(), steps_per_bin, engine.time_step());
-        let most =
-            if run.mu_stderr.is_some() { planned.saturating_mul(MOST_EXTENSION).min(MOST_STEPS) } else { planned };
-
-        let mut status = Status::Converged;
-        let mut steps: u64 = 0;
-        let share_per_step = self.share / (preparation + planned) as f64;
-        loop {
-            if steps.is_multiple_of(STEPS_PER_LOOK) {
-                if steps > 0 && steps <= preparation + planned {
-                    monitor.advance(share_per_step * STEPS_PER_LOOK as f64);
-                }
-                if monitor.cancelled() {
-                    status = Status::Cancelled;
-                    break;
-                }
-            }
-            if steps >= preparation + planned {
-                let driven = steps - preparation;
-                let precise = match (run.mu_stderr, recorder.window_mean(window_bin)) {
-                    (Some(wanted), Some(mean)) => mean.stderr <= wanted * mean.mu.abs(),
-                    (Some(_), None) => false,
-                    (None, _) => true,
-                };
-                // A longer run is judged anew after every tenth of the planned travel.
-                if (precise && driven.is_multiple_of((planned / 10).max(1))) || run.mu_stderr.is_none() {
-                    break;
-                }
-                if driven >= most {
-                    status = Status::StderrNotReached;
-                    break;
-                }
-            }
-            if steps == preparation && !run.warm_start {
-                engine.begin_drive();
-            }
-            let sums = engine.step();
-            steps += 1;
-            if !(sums.friction.is_finite() && sums.normal.is_finite()) {
-                status = Status::Diverged;
-                break;
-            }
-            if steps > preparation {
-                recorder.record(sums, &mut engine, window_bin);
-            }
-        }
-        let cost = DynamicCost {
-            steps,
-            dt_s: self.scheme.step_s,
-            site_updates: steps * engine.evaluations_per_step() * (self.lattice.nx() * self.lattice.ny()) as u64,
-            wall_s: monitor.seconds() - started_s,
+        let drive = Drive {
+            scene: self.scene,
+            step_s: self.scheme.step_s,
+            share: self.share,
+            stderr_share: self.stderr_share,
+            blocks: (self.lattice.nx() * self.lattice.ny()) as u64,
+            shear_period: shear_period(self.lattice),
+            started_s,
         };
-        let mean = recorder.window_mean(window_bin);
-        if status == Status::Converged {
-            let window = |mean: &WindowMean| (steps - preparation) as f64 * engine.time_step() - mean.from;
-            status = match &mean {
-                None => Status::NoOnset,
-                Some(mean) if window(mean) < LEAST_PERIODS * shear_period(self.lattice) => Status::ShortWindow,
-                // Sums of nothing but zeros.
-                Some(mean) if mean.mu == 0.0 && mean.stderr == 0.0 => Status::NoFriction,
-                Some(_) => Status::Converged,
-            };
-        }
-        self.observe(engine, &recorder, status, mean, cost, scales)
-    }
-
-    fn observe(
-        &self,
-        mut engine: impl Engine,
-        recorder: &Recorder,
-        status: Status,
-        mean: Option<WindowMean>,
-        cost: DynamicCost,
-        scales: &Scales,
-    ) -> SurfaceOutcome {
-        let last = engine.contact_forces();
+        let driven = drive.run(&mut engine, monitor);
         engine.finish();
-        let mut interface: Vec<InterfacePoint> = self
-            .lattice
-            .contacts()
-            .zip(recorder.interface(&last))
-            .map(|(column, mean)| InterfacePoint {
-                x_m: (column as f64 + 0.5) * scales.length_m,
-                y_m: 0.0,
-                pressure_pa: mean.normal * scales.pressure_pa,
-                friction_pa: mean.friction * scales.pressure_pa,
-            })
-            .collect();
-        if status == Status::Diverged {
-            // Forces of a state that is no longer finite mean nothing.
-            for point in &mut interface {
-                (point.pressure_pa, point.friction_pa) = (0.0, 0.0);
-            }
-        }
-        let reached = mean.filter(|_| status != Status::Diverged && status != Status::Cancelled);
-        let law: Option<&AreaLaw> = self.scene.area_law.as_ref();
-        let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
-        SurfaceOutcome {
-            status,
-            mu_dynamic: reached.map(|mean| mean.mu),
-            mu_dynamic_stderr: reached.map(|mean| mean.stderr),
-            averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
-            mu_static: if self.scene.run.warm_start { None } else { recorder.peak_mu() },
-            peak_pressure_pa,
-            tension_blocks: last.iter().filter(|force| force.normal < 0.0).count(),
-            cavity_closed: self.is_closed(&engine),
-            area_law_extrapolated: law.is_some_and(|law| law.is_extrapolated(peak_pressure_pa)),
-            residual: None,
-            iterations: 0,
-            cost: Some(cost),
-            interface,
-            trace: recorder.trace(scales.time_s),
-        }
+        let centres_m = self.lattice.contacts().map(|column| [(column as f64 + 0.5) * scales.length_m, 0.0]);
+        driven.outcome(self.scene, scales, centres_m, self.is_closed(&engine))
     }
 
     /// Whether a ceiling lies on or below the counterface at the end of the run.
-    fn is_closed(&self, engine: &impl Engine) -> bool {
+    fn is_closed(&self, engine: &impl PlaneEngine) -> bool {
         self.lattice
             .columns()
             .iter()

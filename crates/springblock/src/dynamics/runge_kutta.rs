@@ -9,7 +9,7 @@ mod balance;
 
 use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums, Motion, slip_direction};
-use super::engine::{Engine, Setup};
+use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
@@ -137,12 +137,6 @@ impl<'a> RungeKutta<'a> {
 }
 
 impl Engine for RungeKutta<'_> {
-    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        for number in 0..self.inverse_mass.len() {
-            [self.state.u[0][number], self.state.u[1][number]] = displacement(number % self.nx, number / self.nx);
-        }
-    }
-
     fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }
@@ -208,6 +202,10 @@ impl Engine for RungeKutta<'_> {
         self.contact.all_have_slipped()
     }
 
+    fn contacts(&self) -> usize {
+        self.contact.blocks.len()
+    }
+
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.contact.forces()
     }
@@ -218,6 +216,14 @@ impl Engine for RungeKutta<'_> {
 
     fn evaluations_per_step(&self) -> u64 {
         4
+    }
+}
+
+impl PlaneEngine for RungeKutta<'_> {
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+        for number in 0..self.inverse_mass.len() {
+            [self.state.u[0][number], self.state.u[1][number]] = displacement(number % self.nx, number / self.nx);
+        }
     }
 
     fn rise(&self, i: usize, j: usize) -> f64 {

@@ -14,11 +14,23 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Units of a lattice of spacing `block_m`.
+    /// Units of a lattice of the vertical plane with the spacing `block_m`.
     #[must_use]
     pub fn new(elastic: &Elastic, block_m: f64) -> Self {
-        // k = 3/4 E l, m = rho l^3: m/k = rho l^2 / (3/4 E)
-        let pressure_pa = 0.75 * elastic.youngs_modulus_pa();
+        // k = 3/4 E l
+        Self::of(0.75 * elastic.youngs_modulus_pa(), elastic, block_m)
+    }
+
+    /// Units of a lattice in space with the spacing `block_m`.
+    #[must_use]
+    pub fn solid(elastic: &Elastic, block_m: f64) -> Self {
+        // k = 2/5 E l
+        Self::of(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
+    }
+
+    /// `pressure_pa` is k/l.
+    fn of(pressure_pa: f64, elastic: &Elastic, block_m: f64) -> Self {
+        // m = rho l^3: m/k = rho l^2 / (k/l)
         Self { length_m: block_m, time_s: block_m * (elastic.density_kg_m3() / pressure_pa).sqrt(), pressure_pa }
     }
 }

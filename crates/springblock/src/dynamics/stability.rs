@@ -10,40 +10,53 @@ const LANCZOS_STEPS: usize = 80;
 
 /// Largest eigenfrequency of the lattice over sqrt(k/m); blocks on the counterface move vertically only
 /// if `liftoff`.
-///
-/// Lanczos recursion on M^-1/2 K M^-1/2, the largest eigenvalue of its tridiagonal matrix by
-/// bisection on Sturm counts.
 #[must_use]
 pub fn largest_frequency(lattice: &Lattice, liftoff: bool) -> f64 {
     let mut bonds = Bonds::new(lattice, Springs::Linear);
     let root: Vec<f64> = bonds.inverse_mass().iter().map(|inverse| inverse.sqrt()).collect();
     let blocks = root.len();
-    // Weight of every unknown: 0 for removed blocks and pinned directions.
     let mut weight: Vec<f64> = root.iter().chain(&root).copied().collect();
     if !liftoff {
         for i in lattice.contacts() {
             weight[blocks + i] = 0.0;
         }
     }
+    let mut u = [vec![0.0; blocks], vec![0.0; blocks]];
+    largest_of(&weight, |displacement, force| {
+        for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(blocks)) {
+            u.copy_from_slice(displacement);
+        }
+        bonds.evaluate(&u, 0.0, 0.0);
+        for (force, own) in force.chunks_exact_mut(blocks).zip(bonds.forces()) {
+            force.copy_from_slice(own);
+        }
+    })
+}
+
+/// Largest eigenfrequency of unknowns with the inverse root masses `weight`, 0 for removed blocks and pinned
+/// directions; `forces` gives the spring forces at displacements.
+///
+/// Lanczos recursion on M^-1/2 K M^-1/2, the largest eigenvalue of its tridiagonal matrix by
+/// bisection on Sturm counts.
+#[must_use]
+pub fn largest_of(weight: &[f64], mut forces: impl FnMut(&[f64], &mut [f64])) -> f64 {
+    let unknowns = weight.len();
     // A fixed start without symmetry, so that no mode is missed.
-    let mut q: Vec<f64> = (0..2 * blocks)
+    let mut q: Vec<f64> = (0..unknowns)
         .map(|n| if weight[n] > 0.0 { (n as f64 * 2.399_963).sin() + if n % 2 == 0 { 1.0 } else { -1.0 } } else { 0.0 })
         .collect();
     scale_to_unit(&mut q);
-    let mut previous = vec![0.0; 2 * blocks];
+    let mut previous = vec![0.0; unknowns];
     let (mut diagonal, mut beside): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-    let mut u = [vec![0.0; blocks], vec![0.0; blocks]];
-    for _ in 0..LANCZOS_STEPS.min(2 * blocks) {
-        for c in 0..2 {
-            for n in 0..blocks {
-                u[c][n] = weight[c * blocks + n] * q[c * blocks + n];
-            }
+    let (mut u, mut force) = (vec![0.0; unknowns], vec![0.0; unknowns]);
+    for _ in 0..LANCZOS_STEPS.min(unknowns) {
+        for ((u, weight), q) in u.iter_mut().zip(weight).zip(&q) {
+            *u = weight * q;
         }
-        bonds.evaluate(&u, 0.0, 0.0);
+        forces(&u, &mut force);
         // w = M^-1/2 K M^-1/2 q - beta q_previous
         let beta = beside.last().copied().unwrap_or(0.0);
-        let mut w: Vec<f64> =
-            (0..2 * blocks).map(|n| -weight[n] * bonds.forces()[n / blocks][n % blocks] - beta * previous[n]).collect();
+        let mut w: Vec<f64> = (0..unknowns).map(|n| -weight[n] * force[n] - beta * previous[n]).collect();
         let alpha: f64 = w.iter().zip(&q).map(|(w, q)| w * q).sum();
         for (w, q) in w.iter_mut().zip(&q) {
             *w -= alpha * q;

@@ -11,7 +11,7 @@ use std::thread::Scope;
 
 use super::contact::{ContactForce, ContactSums};
 use super::crew::Crew;
-use super::engine::{Engine, Setup};
+use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::stencil::{BulkBalance, strips};
 use super::strip::{BulkPlace, Strip};
@@ -31,6 +31,7 @@ pub struct StripLeapfrog<'scope, 'env, 'a> {
     time_step: f64,
     steps: u64,
     periodic: bool,
+    contacts: usize,
 }
 
 impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
@@ -41,12 +42,13 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
         let kick = Kick::new(time_step, damping);
         let (stencils, balance) = strips(lattice);
         let (blocks, law) = contact.into_parts();
+        let contacts = blocks.len();
         let strips = stencils
             .into_iter()
             .map(|stencil| Strip::new(stencil, lattice.ny(), &blocks, law, kick, liftoff))
             .collect();
         let periodic = lattice.is_periodic();
-        Self { strips, crew: None, threads: None, balance, protocol, time_step, steps: 0, periodic }
+        Self { strips, crew: None, threads: None, balance, protocol, time_step, steps: 0, periodic, contacts }
     }
 
     /// The same, advanced by at most `threads` threads of `scope` with the caller's.
@@ -71,12 +73,6 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
 }
 
 impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
-    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
-        for strip in &mut self.strips {
-            strip.start(displacement);
-        }
-    }
-
     fn begin_drive(&mut self) {
         self.crew().begin_drive();
     }
@@ -94,6 +90,10 @@ impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
         self.crew.as_ref().is_some_and(Crew::all_have_slipped)
     }
 
+    fn contacts(&self) -> usize {
+        self.contacts
+    }
+
     fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.crew().contact_forces()
     }
@@ -108,6 +108,14 @@ impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
 
     fn evaluations_per_step(&self) -> u64 {
         1
+    }
+}
+
+impl<'scope, 'a: 'scope> PlaneEngine for StripLeapfrog<'scope, '_, 'a> {
+    fn start_sheared(&mut self, displacement: &dyn Fn(usize, usize) -> [f64; 2]) {
+        for strip in &mut self.strips {
+            strip.start(displacement);
+        }
     }
 
     fn rise(&self, i: usize, j: usize) -> f64 {

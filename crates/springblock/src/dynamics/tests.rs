@@ -3,7 +3,7 @@ use slipgrid_pattern::{Pattern, Planform};
 
 use super::bonds::Bonds;
 use super::contact::{ContactRow, LocalLaw};
-use super::engine::{Engine, Setup};
+use super::engine::{Engine, PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
@@ -99,7 +99,7 @@ fn any_number_of_threads_takes_the_same_steps() {
 }
 
 /// Height of a block in a frictionless swing after a fixed time.
-fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn Engine>, time_step: f64) -> f64 {
+fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn PlaneEngine>, time_step: f64) -> f64 {
     let lattice = patterned(true);
     let mut setup = setup(&lattice, time_step, 0.0);
     let coefficients = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; lattice.nx()];
@@ -114,9 +114,10 @@ fn swing(make: impl Fn(&Lattice, Setup<'static>) -> Box<dyn Engine>, time_step: 
 
 #[test]
 fn leapfrog_is_of_second_and_runge_kutta_of_fourth_order_without_friction() {
-    let leapfrog =
-        |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> { Box::new(StripLeapfrog::new(lattice, setup)) };
-    let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn Engine> {
+    let leapfrog = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
+        Box::new(StripLeapfrog::new(lattice, setup))
+    };
+    let runge_kutta = |lattice: &Lattice, setup: Setup<'static>| -> Box<dyn PlaneEngine> {
         Box::new(RungeKutta::new(lattice, Springs::Linear, setup))
     };
     let exact = swing(runge_kutta, 0.0125);

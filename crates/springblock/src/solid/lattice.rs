@@ -111,6 +111,26 @@ impl SolidLattice {
         Self { columns, rows, spacing, coverage, depth }
     }
 
+    /// The same cell in whole cubes: columns that are cavity by half or more are cavity, depth is the nearest number
+    /// of rows that is not 0 and leaves one. What time integration runs on.
+    #[must_use]
+    pub fn nearest_whole(&self) -> Self {
+        let depth = self.depth.round().max(1.0).min((self.rows - 1) as f64);
+        // The least covered column stays, so that something touches.
+        let least = self.coverage.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_cavity = |share: f64| depth > 0.0 && share >= 0.5 && share > least;
+        let coverage: Vec<f64> = self.coverage.iter().map(|share| f64::from(u8::from(is_cavity(*share)))).collect();
+        let depth = if coverage.contains(&1.0) { depth } else { 0.0 };
+        Self { spacing: [1.0; 2], coverage, depth, ..self.clone() }
+    }
+
+    /// The same cell `count` times along y.
+    #[must_use]
+    pub fn repeated_along_y(&self, count: usize) -> Self {
+        let columns = [self.columns[0], self.columns[1] * count];
+        Self { columns, coverage: self.coverage.repeat(count), ..self.clone() }
+    }
+
     /// Columns along x and along y.
     #[must_use]
     pub const fn columns(&self) -> [usize; 2] {
@@ -296,6 +316,23 @@ mod tests {
         assert!((total - 20.0 * 2.5).abs() < 1e-12);
         // A post of one column weighs no less than an eighth.
         assert_eq!(squares(20.0, 10.0, 20.0).mass(2, 2, 0), 0.125);
+    }
+
+    #[test]
+    fn nearest_whole_blocks_are_the_lattice_itself_or_half_a_block_away() {
+        let plain = squares(130.0, 370.0, 20.0);
+        assert_eq!(plain.nearest_whole(), plain);
+        let whole = squares(133.3, 371.9, 14.0).nearest_whole();
+        assert!(whole.is_plain() && whole.columns() == [51; 2] && whole.depth() == 1.0);
+        assert_eq!((0..51 * 51).filter(|n| whole.contact_share(n % 51, n / 51) == 0.0).count(), 13 * 13);
+        // Cavities below half a block vanish, posts below it do not.
+        assert_eq!(squares(4.0, 46.0, 20.0).nearest_whole(), SolidLattice::flat([5; 2], 20));
+        let post = squares(46.0, 4.0, 20.0).nearest_whole();
+        assert!((0..25).any(|n| post.contact_share(n % 5, n / 5) == 1.0));
+        assert!(squares(100.0, 100.0, 199.0).nearest_whole().depth() == 19.0);
+        let groove = SolidLattice::cell(&Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(), 10e-6, 5);
+        let long = groove.repeated_along_y(4);
+        assert!((0..20).all(|n| long.contact_share(n % 5, n / 5) == groove.contact_share(n % 5, 0)));
     }
 
     #[test]

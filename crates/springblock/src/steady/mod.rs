@@ -191,6 +191,7 @@ impl SteadyModel {
             },
             mu_dynamic: mu,
             mu_dynamic_stderr: None,
+            mu_across: None,
             averaged_from_s: None,
             mu_static: None,
             peak_pressure_pa,

@@ -59,6 +59,7 @@ impl DesignScene<'_> {
                 mu_stderr: self.run.mu_stderr.map(number),
                 warm_start: self.run.warm_start.then_some(true),
                 dimensions: self.run.dimensions.map(|dimensions| unplaced(u64::from(dimensions))),
+                draws: (self.run.draws > 1).then(|| unplaced(self.run.draws)),
                 ..RunFile::default()
             },
         };

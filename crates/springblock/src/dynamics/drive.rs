@@ -1,0 +1,204 @@
+//! Drives an integrator through the protocol: steps, records, decides when to stop.
+
+use super::contact::ContactForce;
+use super::engine::Engine;
+use super::protocol::{RAMP_S, REST_S};
+use super::recorder::{Recorder, WINDOW_START, WindowMean};
+use super::scales::Scales;
+use crate::monitor::Monitor;
+use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
+use crate::scene::Scene;
+
+/// Intervals in which the planned run is recorded.
+const BINS: u64 = 2000;
+/// Steps between two looks at the monitor.
+const STEPS_PER_LOOK: u64 = 256;
+/// A run that is extended until its standard error is small enough gives up after this many times the
+/// planned travel.
+const MOST_EXTENSION: u64 = 20;
+/// Time after the rest that a run without motion is watched, in seconds.
+const WATCH_AT_REST_S: f64 = 20e-6;
+/// Most time steps of one run: a whole sample of 20,000 blocks takes about an hour for them, the paper's
+/// run a quarter of a million. What would take more is not begun and says so.
+pub const MOST_STEPS: u64 = 100_000_000;
+/// Periods of the layer's first shear mode that an average must hold: one mode alone swings mu by a
+/// tenth, and its mean over n periods departs by up to 1/(pi n) of that.
+const LEAST_PERIODS: f64 = 10.0;
+
+/// Steps that a run is planned to take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Steps of the ramp and the rest before the bulk moves.
+    pub preparation: u64,
+    /// Steps of the travel asked for.
+    pub travel: u64,
+}
+
+impl Plan {
+    /// The steps of `scene` at `step_s` seconds each.
+    #[must_use]
+    pub fn new(scene: &Scene, step_s: f64) -> Self {
+        // The cast saturates: a number of steps beyond 2^64 stays beyond every limit.
+        let steps_in = |time_s: f64| (time_s / step_s).ceil() as u64;
+        let travel_s = if scene.speed_m_s > 0.0 { scene.run.sliding_m / scene.speed_m_s } else { WATCH_AT_REST_S };
+        let preparation_s = if scene.run.warm_start { 0.0 } else { RAMP_S + REST_S };
+        Self { preparation: steps_in(preparation_s), travel: steps_in(travel_s).max(1) }
+    }
+
+    /// All steps.
+    #[must_use]
+    pub const fn total(&self) -> u64 {
+        self.preparation.saturating_add(self.travel)
+    }
+}
+
+/// One run of an integrator.
+#[derive(Clone, Copy, Debug)]
+pub struct Drive<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Time step, in seconds.
+    pub step_s: f64,
+    /// Share of all work that this run is, for the progress report.
+    pub share: f64,
+    /// Standard error over dynamic mu at which the run may end, after the planned travel.
+    pub stderr_share: Option<f64>,
+    /// Blocks of the lattice.
+    pub blocks: u64,
+    /// Period of the layer's first shear mode over sqrt(m/k).
+    pub shear_period: f64,
+    /// The monitor's clock when the run was set up.
+    pub started_s: f64,
+}
+
+/// A run that has ended.
+#[derive(Clone, Debug)]
+pub struct Driven {
+    /// How it ended.
+    pub status: Status,
+    /// What was recorded.
+    pub recorder: Recorder,
+    /// Mean of mu over the window, if there is one.
+    pub mean: Option<WindowMean>,
+    /// What it cost.
+    pub cost: DynamicCost,
+    /// Forces on the contact blocks at the last instant.
+    pub last: Vec<ContactForce>,
+}
+
+impl Drive<'_> {
+    /// Runs `engine` from its start to the end.
+    pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> Driven {
+        let Plan { preparation, travel: planned } = Plan::new(self.scene, self.step_s);
+        let steps_per_bin = planned.div_ceil(BINS).max(1);
+        let window_bin = (WINDOW_START * planned as f64 / steps_per_bin as f64).ceil() as usize;
+        let mut recorder = Recorder::new(engine.contacts(), steps_per_bin, engine.time_step());
+        let most =
+            if self.stderr_share.is_some() { planned.saturating_mul(MOST_EXTENSION).min(MOST_STEPS) } else { planned };
+
+        let mut status = Status::Converged;
+        let mut steps: u64 = 0;
+        let share_per_step = self.share / (preparation + planned) as f64;
+        loop {
+            if steps.is_multiple_of(STEPS_PER_LOOK) {
+                if steps > 0 && steps <= preparation + planned {
+                    monitor.advance(share_per_step * STEPS_PER_LOOK as f64);
+                }
+                if monitor.cancelled() {
+                    status = Status::Cancelled;
+                    break;
+                }
+            }
+            if steps >= preparation + planned {
+                let driven = steps - preparation;
+                let Some(wanted) = self.stderr_share else { break };
+                // A longer run is judged anew after every tenth of the planned travel.
+                if driven.is_multiple_of((planned / 10).max(1))
+                    && recorder.window_mean(window_bin).is_some_and(|mean| mean.stderr <= wanted * mean.mu.abs())
+                {
+                    break;
+                }
+                if driven >= most {
+                    status = Status::StderrNotReached;
+                    break;
+                }
+            }
+            if steps == preparation && !self.scene.run.warm_start {
+                engine.begin_drive();
+            }
+            let sums = engine.step();
+            steps += 1;
+            if !(sums.friction.is_finite() && sums.normal.is_finite()) {
+                status = Status::Diverged;
+                break;
+            }
+            if steps > preparation {
+                recorder.record(sums, engine, window_bin);
+            }
+        }
+        let cost = DynamicCost {
+            steps,
+            dt_s: self.step_s,
+            site_updates: steps * engine.evaluations_per_step() * self.blocks,
+            wall_s: monitor.seconds() - self.started_s,
+        };
+        let mean = recorder.window_mean(window_bin);
+        if status == Status::Converged {
+            let window = |mean: &WindowMean| (steps - preparation) as f64 * engine.time_step() - mean.from;
+            status = match &mean {
+                None => Status::NoOnset,
+                Some(mean) if window(mean) < LEAST_PERIODS * self.shear_period => Status::ShortWindow,
+                // Sums of nothing but zeros.
+                Some(mean) if mean.mu == 0.0 && mean.stderr == 0.0 => Status::NoFriction,
+                Some(_) => Status::Converged,
+            };
+        }
+        let last = engine.contact_forces();
+        Driven { status, recorder, mean, cost, last }
+    }
+}
+
+impl Driven {
+    /// What is reported of the run; `centres_m`: where the contact blocks are, along x and y.
+    #[must_use]
+    pub fn outcome(
+        &self,
+        scene: &Scene,
+        scales: &Scales,
+        centres_m: impl Iterator<Item = [f64; 2]>,
+        cavity_closed: bool,
+    ) -> SurfaceOutcome {
+        let Self { status, recorder, mean, cost, last } = self;
+        // Forces of a state that is no longer finite mean nothing.
+        let unit_pa = if *status == Status::Diverged { 0.0 } else { scales.pressure_pa };
+        let in_pa = |force: f64| if unit_pa == 0.0 { 0.0 } else { force * unit_pa };
+        let interface: Vec<InterfacePoint> = centres_m
+            .zip(recorder.interface(last))
+            .map(|([x_m, y_m], mean)| InterfacePoint {
+                x_m,
+                y_m,
+                pressure_pa: in_pa(mean.normal),
+                friction_pa: in_pa(mean.friction),
+            })
+            .collect();
+        let reached = mean.filter(|_| *status != Status::Diverged && *status != Status::Cancelled);
+        let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
+        SurfaceOutcome {
+            status: *status,
+            mu_dynamic: reached.map(|mean| mean.mu),
+            mu_dynamic_stderr: reached.map(|mean| mean.stderr),
+            mu_across: reached.map(|mean| mean.mu_across).filter(|_| scene.dimensions() == 3),
+            averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
+            mu_static: if scene.run.warm_start { None } else { recorder.peak_mu() },
+            peak_pressure_pa,
+            tension_blocks: last.iter().filter(|force| force.normal < 0.0).count(),
+            cavity_closed,
+            area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(peak_pressure_pa)),
+            residual: None,
+            iterations: 0,
+            cost: Some(*cost),
+            interface,
+            trace: recorder.trace(scales.time_s),
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! Friction on the contact layer, in vectors.
+//!
+//! As in the vertical plane nearly all blocks go on as they were: at rest below their threshold, or sliding on, on the
+//! same interval of the area law. One pass does these; the few others take [`SlipBlock::kick`] one by one.
+
+use pulp::{Simd, WithSimd};
+
+use super::super::contact::{ContactForce, ContactSums, GripPiece, LocalLaw, Motion};
+use super::super::stencil::fixed_sum;
+use super::super::sweep::{Kick, vectorized};
+use super::slip::{Push, SlipBlock};
+
+/// Numbers of every column that the pass reads, structure of arrays.
+#[derive(Clone, Debug)]
+struct Columns {
+    /// Friction per unit coefficient is constant + linear F_n + quadratic F_n^2 ...
+    constant: Vec<f64>,
+    linear: Vec<f64>,
+    quadratic: Vec<f64>,
+    /// ... for normal forces from `from`, above zero, up to `to`. Infinity keeps a block out of the pass.
+    from: Vec<f64>,
+    to: Vec<f64>,
+    starting_mu: Vec<f64>,
+    dynamic_mu: Vec<f64>,
+    /// Displacement per step that a unit force adds.
+    kick: Vec<f64>,
+}
+
+impl Columns {
+    fn piece(&self, i: usize) -> GripPiece {
+        GripPiece {
+            from: self.from[i],
+            to: self.to[i],
+            constant: self.constant[i],
+            linear: self.linear[i],
+            quadratic: self.quadratic[i],
+        }
+    }
+
+    fn set_piece(&mut self, i: usize, piece: GripPiece) {
+        self.from[i] = piece.from.max(f64::MIN_POSITIVE);
+        self.to[i] = piece.to;
+        self.constant[i] = piece.constant;
+        self.linear[i] = piece.linear;
+        self.quadratic[i] = piece.quadratic;
+    }
+}
+
+/// The contact blocks, with their velocities. Arrays hold row by row, each padded to whole cache lines.
+#[derive(Clone, Debug)]
+pub struct ContactLayer<'a> {
+    blocks: Vec<SlipBlock>,
+    law: LocalLaw<'a>,
+    /// Sliding direction.
+    direction: [f64; 2],
+    /// Position in `blocks` by place; only contacts are looked up.
+    number: Vec<usize>,
+    columns: Columns,
+    /// Horizontal velocities times the step.
+    velocity: [Vec<f64>; 2],
+    normal: Vec<f64>,
+    friction: [Vec<f64>; 2],
+    /// 1 for a block that the pass has left to the scalar law, 0 for others.
+    left: Vec<f64>,
+    /// Blocks that have not slipped since the drive began.
+    holding: usize,
+}
+
+impl<'a> ContactLayer<'a> {
+    /// `blocks` at rest; `inverse_mass` over the whole layer.
+    #[must_use]
+    pub fn new(
+        blocks: Vec<SlipBlock>,
+        law: LocalLaw<'a>,
+        direction: [f64; 2],
+        inverse_mass: impl Iterator<Item = f64>,
+        kick: Kick,
+    ) -> Self {
+        let kick: Vec<f64> = inverse_mass.map(|inverse| kick.kick * inverse).collect();
+        let places = kick.len();
+        let zero = || vec![0.0; places];
+        // What no block of the counterface stands for passes as at rest without forces.
+        let mut columns = Columns {
+            constant: zero(),
+            linear: zero(),
+            quadratic: zero(),
+            from: vec![f64::NEG_INFINITY; places],
+            to: vec![f64::INFINITY; places],
+            starting_mu: zero(),
+            dynamic_mu: zero(),
+            kick,
+        };
+        let mut number = vec![usize::MAX; places];
+        for (n, block) in blocks.iter().enumerate() {
+            number[block.place] = n;
+            columns.from[block.place] = f64::INFINITY;
+            columns.starting_mu[block.place] = block.coefficients.starting_mu();
+            columns.dynamic_mu[block.place] = block.coefficients.dynamic_mu;
+        }
+        let holding = blocks.iter().filter(|block| !block.has_slipped).count();
+        Self {
+            blocks,
+            law,
+            direction,
+            number,
+            columns,
+            velocity: [zero(), zero()],
+            normal: zero(),
+            friction: [zero(), zero()],
+            left: zero(),
+            holding,
+        }
+    }
+
+    /// Number of contact blocks.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Starts the account of which blocks have slipped: the bulk begins to move.
+    pub fn begin_drive(&mut self) {
+        for block in &mut self.blocks {
+            block.has_slipped = false;
+            // Whatever slides must pass the scalar law to be counted.
+            self.columns.from[block.place] = f64::INFINITY;
+        }
+        self.holding = self.blocks.len();
+    }
+
+    /// Whether every block has slipped since the drive began.
+    #[must_use]
+    pub const fn all_have_slipped(&self) -> bool {
+        self.holding == 0
+    }
+
+    /// Normal force, negative under tension, and friction along x and y of every block at the last force evaluation.
+    pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; 2])> + '_ {
+        self.blocks.iter().map(|block| {
+            let i = block.place;
+            if self.columns.from[i] == f64::INFINITY {
+                (block.normal, block.friction)
+            } else {
+                (self.normal[i], [self.friction[0][i], self.friction[1][i]])
+            }
+        })
+    }
+
+    /// Normal force and friction against the drive of every block.
+    pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
+        let [x, y] = self.direction;
+        self.vectors().map(move |(normal, [fx, fy])| ContactForce { normal, friction: x * fx + y * fy })
+    }
+
+    /// Horizontal displacements of the last step, x and y.
+    pub fn velocity(&self) -> [&[f64]; 2] {
+        [&self.velocity[0], &self.velocity[1]]
+    }
+
+    /// One leapfrog kick by the spring forces; the sums over the layer.
+    pub fn kick(&mut self, force: [&[f64]; 3], kept: f64) -> ContactSums {
+        let left = vectorized(Pass {
+            columns: &self.columns,
+            velocity: &mut self.velocity,
+            normal: &mut self.normal,
+            friction: &mut self.friction,
+            left: &mut self.left,
+            force,
+            kept,
+        });
+        if left {
+            for place in 0..self.left.len() {
+                if self.left[place] != 0.0 {
+                    self.kick_block(place, force.map(|force| force[place]), kept);
+                }
+            }
+        }
+        let ([x, y], [sum_x, sum_y]) = (self.direction, [0, 1].map(|c: usize| fixed_sum(&self.friction[c])));
+        ContactSums { friction: x * sum_x + y * sum_y, across: x * sum_y - y * sum_x, normal: fixed_sum(&self.normal) }
+    }
+
+    fn kick_block(&mut self, place: usize, force: [f64; 3], kept: f64) {
+        let Self { blocks, law, columns, .. } = self;
+        // What is no block has no friction, even where displacements are no longer finite.
+        let Some(block) = blocks.get_mut(self.number[place]) else { return };
+        let had_slipped = block.has_slipped;
+        let mut piece = columns.piece(place);
+        let push = Push { kept, kick: columns.kick[place], force };
+        let v = block.kick([self.velocity[0][place], self.velocity[1][place]], push, |normal| {
+            if !(piece.from <= normal && normal < piece.to) {
+                piece = law.piece(normal);
+            }
+            piece
+        });
+        self.holding -= usize::from(block.has_slipped && !had_slipped);
+        for c in 0..2 {
+            self.velocity[c][place] = v[c];
+            self.friction[c][place] = block.friction[c];
+        }
+        // The sum of normal forces counts compressive blocks only.
+        self.normal[place] = block.normal.max(0.0);
+        let goes_on = match block.motion {
+            Motion::Rest => true,
+            // Without velocity the pass would take it for a block at rest.
+            Motion::Slip => v != [0.0; 2] && block.normal > 0.0,
+            Motion::Lifted => false,
+        };
+        if goes_on {
+            columns.set_piece(place, piece);
+        } else {
+            columns.from[place] = f64::INFINITY;
+        }
+    }
+
+    /// Blocks that may be in the air or under tension: those that the pass leaves alone.
+    pub fn unsettled(&mut self) -> impl Iterator<Item = &mut SlipBlock> {
+        let from = &self.columns.from;
+        self.blocks.iter_mut().filter(|block| from[block.place] == f64::INFINITY)
+    }
+}
+
+/// The pass over blocks that go on as they were; whether it left any.
+struct Pass<'a> {
+    columns: &'a Columns,
+    velocity: &'a mut [Vec<f64>; 2],
+    normal: &'a mut [f64],
+    friction: &'a mut [Vec<f64>; 2],
+    left: &'a mut [f64],
+    force: [&'a [f64]; 3],
+    kept: f64,
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { columns: c, velocity: [vx, vy], normal, friction: [rx, ry], left, force: [fx, fy, fz], kept } = self;
+        let vectors = normal.len() / S::F64_LANES;
+        let column = |values| &S::as_simd_f64s(values).0[..vectors];
+        let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
+        let (vx, vy, normal) = (column_mut(vx), column_mut(vy), column_mut(normal));
+        let (rx, ry, left) = (column_mut(rx), column_mut(ry), column_mut(left));
+        let (fx, fy, fz, kick) = (column(fx), column(fy), column(fz), column(&c.kick));
+        let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
+        let (from, to) = (column(&c.from), column(&c.to));
+        let (starting_mu, dynamic_mu) = (column(&c.starting_mu), column(&c.dynamic_mu));
+        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
+        let dot = |a: [S::f64s; 2], b: [S::f64s; 2]| add(mul(a[0], b[0]), mul(a[1], b[1]));
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let kept = simd.splat_f64s(kept);
+        let mut any = zero;
+        for i in 0..vectors {
+            let (v, force, pressing) = ([vx[i], vy[i]], [fx[i], fy[i]], simd.neg_f64s(fz[i]));
+            let grip = add(constant[i], mul(pressing, add(linear[i], mul(pressing, quadratic[i]))));
+            let known =
+                simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
+            let at_rest = simd.and_m64s(simd.equal_f64s(v[0], zero), simd.equal_f64s(v[1], zero));
+            let threshold = mul(starting_mu[i], grip);
+            let held = simd.less_than_or_equal_f64s(dot(force, force), mul(threshold, threshold));
+            let free = [0, 1].map(|c: usize| add(mul(kept, v[c]), mul(kick[i], force[c])));
+            // mu_d f(p) F_n against the mean of the velocities before and after the step
+            let along = [add(free[0], v[0]), add(free[1], v[1])];
+            let per_length = simd.div_f64s(mul(dynamic_mu[i], grip), simd.sqrt_f64s(dot(along, along)));
+            let resistance = along.map(|along| mul(per_length, along));
+            let slowed = [0, 1].map(|c: usize| sub(free[c], mul(kick[i], resistance[c])));
+            let slides_on =
+                simd.and_m64s(simd.less_than_f64s(zero, dot(free, v)), simd.less_than_f64s(zero, dot(slowed, v)));
+            // At rest v is 0 and it cannot slide on.
+            let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
+            let moves = simd.and_m64s(goes_on, slides_on);
+            vx[i] = simd.select_f64s(moves, slowed[0], v[0]);
+            vy[i] = simd.select_f64s(moves, slowed[1], v[1]);
+            rx[i] = simd.select_f64s(at_rest, force[0], resistance[0]);
+            ry[i] = simd.select_f64s(at_rest, force[1], resistance[1]);
+            normal[i] = pressing;
+            left[i] = simd.select_f64s(goes_on, zero, one);
+            any = add(any, left[i]);
+        }
+        simd.reduce_sum_f64s(any) > 0.0
+    }
+}

@@ -1,0 +1,87 @@
+//! Displacements of the blocks of a periodic cell in space, at two instants.
+
+use super::super::rows::{LINE, Plane};
+
+/// x, y and z displacements: at an instant, and one step before it or after it.
+///
+/// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`: the row before row 0 and the
+/// one behind the last hold images of the rows at the other side, and so do the values beside a row's columns. Layer
+/// nz is the bulk.
+#[derive(Clone, Debug)]
+pub struct Field {
+    pub nx: usize,
+    pub ny: usize,
+    pub nz: usize,
+    pub stride: usize,
+    pub layer: usize,
+    pub now: [Plane; 3],
+    /// One step earlier; a sweep replaces it by one step later, and [`Field::turn`] makes that the present.
+    pub other: [Plane; 3],
+}
+
+impl Field {
+    /// A cell of nx x ny columns and nz rows at rest.
+    #[must_use]
+    pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
+        // An odd number of lines a row: rows do not meet in the same sets of a cache.
+        let stride = ((nx + 2).div_ceil(LINE) | 1) * LINE;
+        let layer = (ny + 2) * stride;
+        let plane = || Plane::zero(layer * (nz + 1) + 2 * LINE);
+        let planes = || [plane(), plane(), plane()];
+        Self { nx, ny, nz, stride, layer, now: planes(), other: planes() }
+    }
+
+    /// Index of block (i, j, k) in [`Plane::rows`].
+    #[inline(always)]
+    #[must_use]
+    pub const fn at(&self, i: usize, j: usize, k: usize) -> usize {
+        LINE + k * self.layer + (j + 1) * self.stride + i
+    }
+
+    /// Displacements of block (i, j, k).
+    #[must_use]
+    pub fn displacement(&self, [i, j, k]: [usize; 3]) -> [f64; 3] {
+        let at = self.at(i, j, k);
+        [0, 1, 2].map(|component: usize| self.now[component].rows()[at])
+    }
+
+    /// Places block (i, j, k) at rest.
+    pub fn place(&mut self, [i, j, k]: [usize; 3], displacement: [f64; 3]) {
+        let at = self.at(i, j, k);
+        for (component, u) in displacement.into_iter().enumerate() {
+            self.now[component].rows_mut()[at] = u;
+            self.other[component].rows_mut()[at] = u;
+        }
+    }
+
+    /// Places the bulk.
+    pub fn place_bulk(&mut self, displacement: [f64; 3]) {
+        let from = self.at(0, 0, self.nz) - self.stride - 1;
+        for (plane, u) in self.now.iter_mut().zip(displacement) {
+            plane.rows_mut()[from..from + self.layer + 2].fill(u);
+        }
+    }
+
+    /// Fills the images of all layers of blocks.
+    pub fn join_sides(&mut self) {
+        let Self { nx, ny, nz, stride, layer, now, .. } = self;
+        for values in now.iter_mut().map(Plane::rows_mut) {
+            for k in 0..*nz {
+                let first = LINE + k * *layer;
+                // The image of the last column, then the columns, then the image of the first.
+                for row in values[first + *stride - 1..].chunks_exact_mut(*stride).take(*ny) {
+                    row[0] = row[*nx];
+                    row[*nx + 1] = row[1];
+                }
+                let whole = |row: usize| first + row * *stride - 1..first + row * *stride + *nx + 1;
+                values.copy_within(whole(*ny), whole(0).start);
+                values.copy_within(whole(1), whole(*ny + 1).start);
+            }
+        }
+    }
+
+    /// Makes what a sweep has written the present.
+    pub fn turn(&mut self) {
+        std::mem::swap(&mut self.now, &mut self.other);
+    }
+}

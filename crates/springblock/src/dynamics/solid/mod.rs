@@ -1,0 +1,28 @@
+//! Time integration of the three-dimensional cell.
+//!
+//! | module | what it holds |
+//! |---|---|
+//! | `bonds` | forces spring by spring: the judge |
+//! | `field` | displacements at two instants |
+//! | `stencil` | rows of inside blocks, and rows with a coefficient per spring |
+//! | `sweep` | one step for a row, in vectors |
+//! | `slip` | friction as a vector on one block |
+//! | `contact` | friction on the contact layer, in vectors |
+//! | `leapfrog` | the integrator |
+//! | `run` | one run of one cell |
+
+mod bonds;
+mod contact;
+mod field;
+mod leapfrog;
+mod run;
+mod slip;
+mod stencil;
+mod sweep;
+
+pub use run::{SolidRun, SolidScheme};
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod work_balance;

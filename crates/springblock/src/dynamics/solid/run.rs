@@ -1,0 +1,220 @@
+//! One dynamic run of one cell in space.
+
+use super::super::contact::LocalLaw;
+use super::super::drive::{Drive, MOST_STEPS, Plan};
+use super::super::protocol::Protocol;
+use super::super::scales::Scales;
+use super::super::stability::largest_of;
+use super::bonds::SolidBonds;
+use super::leapfrog::{SolidLeapfrog, SolidSetup};
+use crate::SceneError;
+use crate::draws;
+use crate::monitor::Monitor;
+use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
+use crate::scene::{Load, Scene};
+use crate::solid::SolidLattice;
+
+/// Default step over sqrt(m/k), k = 2/5 E l: that of the plane in seconds, 4 ns for the published polymer at l = 10 um.
+const LEAPFROG_STEP: f64 = 0.1644;
+/// Stability limit of the leapfrog times the largest eigenfrequency.
+const LEAPFROG_LIMIT: f64 = 2.0;
+
+/// Time step of the leapfrog on a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidScheme {
+    /// Time step, in seconds.
+    pub step_s: f64,
+    /// Largest stable time step, in seconds.
+    pub limit_s: f64,
+}
+
+impl SolidScheme {
+    /// The step that `scene` asks for on `lattice`.
+    ///
+    /// # Errors
+    /// [`SceneError::UnstableStep`] if it is beyond the stability limit.
+    pub fn choose(scene: &Scene, lattice: &SolidLattice) -> Result<Self, SceneError> {
+        let scales = Scales::solid(&scene.elastic, scene.layer.block_m);
+        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
+        let step_s = scene.run.step_s.unwrap_or(LEAPFROG_STEP * scales.time_s);
+        if step_s > limit_s {
+            return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
+        }
+        Ok(Self { step_s, limit_s })
+    }
+}
+
+/// Largest eigenfrequency of `lattice` over sqrt(k/m); blocks on the counterface move vertically only if `liftoff`.
+pub fn largest_frequency(lattice: &SolidLattice, liftoff: bool) -> f64 {
+    let bonds = SolidBonds::new(lattice);
+    let [nx, ny] = lattice.columns();
+    let blocks = bonds.mass().len();
+    let mut weight = vec![0.0; 3 * blocks];
+    for (number, mass) in bonds.mass().iter().enumerate() {
+        let held = number < nx * ny && lattice.contact_share(number % nx, number / nx) > 0.0 && !liftoff;
+        if *mass > 0.0 {
+            weight[3 * number..][..3].fill(1.0 / mass.sqrt());
+            if held {
+                weight[3 * number + 2] = 0.0;
+            }
+        }
+    }
+    let (mut u, mut f) = (vec![[0.0; 3]; blocks + 1], vec![[0.0; 3]; blocks + 1]);
+    largest_of(&weight, |displacement, force| {
+        for (u, displacement) in u.iter_mut().zip(displacement.chunks_exact(3)) {
+            u.copy_from_slice(displacement);
+        }
+        bonds.balance(&mut u, 0.0);
+        bonds.forces(&u, &mut f);
+        for (force, f) in force.chunks_exact_mut(3).zip(&f) {
+            force.copy_from_slice(f);
+        }
+    })
+}
+
+/// A cell under one load, ready to run.
+#[derive(Clone, Copy)]
+pub struct SolidRun<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The load.
+    pub load: &'a Load,
+    /// A plain lattice.
+    pub lattice: &'a SolidLattice,
+    /// Unit vector of the sliding direction.
+    pub direction: [f64; 2],
+    /// How to integrate.
+    pub scheme: SolidScheme,
+    /// Share of all work that this run is, for the progress report.
+    pub share: f64,
+    /// Seed of the local coefficients.
+    pub seed: u64,
+    /// Standard error over dynamic mu at which it may end.
+    pub stderr_share: Option<f64>,
+    /// Displacements over l to start from, x fastest, then y, then upward; the layer is unloaded without them.
+    pub start: Option<&'a [[f64; 3]]>,
+}
+
+impl SolidRun<'_> {
+    /// Runs to the end.
+    #[must_use]
+    pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let Self { scene, lattice, .. } = self;
+        if self.load.pressure_pa == 0.0 || self.contacts().next().is_none() {
+            return self.not_run(Status::NoLoad, monitor);
+        }
+        if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
+            return self.not_run(Status::TooManySteps, monitor);
+        }
+        let started_s = monitor.seconds();
+        let scales = Scales::solid(&scene.elastic, scene.layer.block_m);
+        let plane = Scales::new(&scene.elastic, scene.layer.block_m);
+        let [nx, ny] = lattice.columns();
+        let coefficients = draws::draw(&self.load.friction, self.seed, nx * ny);
+        let mut engine = SolidLeapfrog::new(
+            lattice,
+            SolidSetup {
+                coefficients: &coefficients,
+                law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
+                // P l^2 a column
+                protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * (nx * ny) as f64),
+                direction: self.direction,
+                time_step: self.scheme.step_s / scales.time_s,
+                // The same rate in 1/s as in the plane, whose k is another.
+                damping: scene.run.damping * scales.time_s / plane.time_s,
+                liftoff: scene.run.liftoff,
+            },
+        );
+        if let Some(start) = self.start {
+            engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
+        }
+        let drive = Drive {
+            scene,
+            step_s: self.scheme.step_s,
+            share: self.share,
+            stderr_share: self.stderr_share,
+            blocks: (nx * ny * lattice.rows()) as u64,
+            // 4 h / c_s, c_s = sqrt(C44/rho) = l sqrt(k/m)
+            shear_period: 4.0 * lattice.rows() as f64,
+            started_s,
+        };
+        let driven = drive.run(&mut engine, monitor);
+        driven.outcome(scene, &scales, self.contacts(), self.is_closed(&engine))
+    }
+
+    /// Centres of the contact blocks, x fastest, in metres.
+    fn contacts(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let [nx, ny] = self.lattice.columns();
+        (0..nx * ny)
+            .map(move |column| [column % nx, column / nx])
+            .filter(|[i, j]| self.lattice.contact_share(*i, *j) > 0.0)
+            .map(|column| column.map(|number| (number as f64 + 0.5) * self.scene.layer.block_m))
+    }
+
+    /// What is said of a run that was not begun, because nothing could come of it.
+    fn not_run(&self, status: Status, monitor: &dyn Monitor) -> SurfaceOutcome {
+        monitor.advance(self.share);
+        let cost = DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 };
+        let at = |[x_m, y_m]: [f64; 2]| InterfacePoint { x_m, y_m, pressure_pa: 0.0, friction_pa: 0.0 };
+        let interface = self.contacts().map(at).collect();
+        SurfaceOutcome { cost: Some(cost), interface, ..SurfaceOutcome::unsolved(status, std::iter::empty()) }
+    }
+
+    /// Whether a ceiling lies on or below the counterface at the end of the run.
+    fn is_closed(&self, engine: &SolidLeapfrog) -> bool {
+        let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
+        ceiling < self.lattice.rows()
+            && (0..nx * ny).map(|column| [column % nx, column / nx]).any(|[i, j]| {
+                self.lattice.contact_share(i, j) == 0.0
+                    && ceiling as f64 + engine.displacement([i, j, ceiling])[2] <= 0.0
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::{Pattern, Planform};
+
+    #[test]
+    fn the_largest_frequency_is_that_of_the_dense_matrix() {
+        let pattern = Pattern::new(Planform::Square, 20e-6, 30e-6, 10e-6).unwrap();
+        for lattice in [SolidLattice::cell(&pattern, 10e-6, 3), SolidLattice::flat([4, 4], 3)] {
+            let bonds = SolidBonds::new(&lattice);
+            let blocks = bonds.mass().len();
+            let unknowns: Vec<(usize, usize)> = (0..3 * blocks)
+                .map(|n| (n / 3, n % 3))
+                .filter(|(n, c)| {
+                    bonds.mass()[*n] > 0.0 && (*c < 2 || *n >= lattice.columns()[0] * lattice.columns()[1])
+                })
+                .collect();
+            let mut matrix = nalgebra::DMatrix::<f64>::zeros(unknowns.len(), unknowns.len());
+            let mut force = vec![[0.0; 3]; blocks + 1];
+            for (column, (n, c)) in unknowns.iter().enumerate() {
+                let mut u = vec![[0.0; 3]; blocks + 1];
+                u[*n][*c] = 1.0;
+                bonds.balance(&mut u, 0.0);
+                bonds.forces(&u, &mut force);
+                for (row, (m, d)) in unknowns.iter().enumerate() {
+                    matrix[(row, column)] = -force[*m][*d] / (bonds.mass()[*n] * bonds.mass()[*m]).sqrt();
+                }
+            }
+            assert!((&matrix - matrix.transpose()).abs().max() < 1e-12);
+            let expected = matrix.symmetric_eigenvalues().max().sqrt();
+            let found = largest_frequency(&lattice, false);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn the_stability_limit_leaves_the_default_step_room() {
+        // Inside: [100] waves of the shortest length, m w^2 = 12 k.
+        let flat = largest_frequency(&SolidLattice::flat([8, 8], 20), false);
+        assert!(flat > 12.0_f64.sqrt() && flat < 4.5, "{flat}");
+        let pattern = Pattern::new(Planform::Square, 40e-6, 80e-6, 20e-6).unwrap();
+        let patterned = largest_frequency(&SolidLattice::cell(&pattern, 10e-6, 10), false);
+        // Edges of lands weigh a quarter and keep most of their springs.
+        assert!(patterned > flat && patterned < 5.2, "{patterned}");
+        assert!(LEAPFROG_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
+    }
+}

@@ -1,0 +1,132 @@
+//! A cell cut into rows: those of inside blocks alone, and those with a coefficient per spring.
+//!
+//! Units: k = 1, l = 1, m = 1.
+
+use std::ops::Range;
+
+use super::super::rows::whole_lines;
+use crate::solid::SolidLattice;
+
+/// Springs of a block.
+pub const SPRINGS: usize = 18;
+
+/// Steps along x, y and upward to the neighbours: along the axes, ahead and behind, then for the planes xy, xz and yz
+/// the two rising diagonals and the two falling ones, that towards the second axis first.
+pub const STEPS: [[isize; 3]; SPRINGS] = [
+    [1, 0, 0],
+    [-1, 0, 0],
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+    [0, 0, -1],
+    [1, 1, 0],
+    [-1, -1, 0],
+    [-1, 1, 0],
+    [1, -1, 0],
+    [1, 0, 1],
+    [-1, 0, -1],
+    [-1, 0, 1],
+    [1, 0, -1],
+    [0, 1, 1],
+    [0, -1, -1],
+    [0, -1, 1],
+    [0, 1, -1],
+];
+
+/// Coefficients of a row: one array per spring, one entry per column, then zeros up to a whole number of cache lines.
+/// Those of the diagonals are halved.
+#[derive(Clone, Debug)]
+pub struct RowCoefficients {
+    springs: Vec<f64>,
+    pub inverse_mass: Vec<f64>,
+}
+
+impl RowCoefficients {
+    /// Coefficients of the spring of that number in [`STEPS`], by column.
+    #[inline(always)]
+    #[must_use]
+    pub fn spring(&self, number: usize) -> &[f64] {
+        let padded = self.inverse_mass.len();
+        &self.springs[number * padded..][..padded]
+    }
+
+    /// Row `j` of layer `k` of a plain lattice.
+    fn new(lattice: &SolidLattice, j: usize, k: usize) -> Self {
+        let [nx, _] = lattice.columns();
+        let padded = whole_lines(nx);
+        let mut springs = vec![0.0; SPRINGS * padded];
+        for (number, step) in STEPS.into_iter().enumerate() {
+            let scale = if number < 6 { 1.0 } else { 0.5 };
+            for i in 0..nx {
+                springs[number * padded + i] = scale * spring(lattice, [i, j, k], step);
+            }
+        }
+        let inverse = |i: usize| if i < nx { lattice.mass(i, j, k) } else { 0.0 };
+        let inverse_mass = (0..padded).map(inverse).map(|mass| if mass > 0.0 { 1.0 / mass } else { 0.0 }).collect();
+        Self { springs, inverse_mass }
+    }
+
+    /// Whether all blocks of the row are like those inside the lattice.
+    fn is_inside(lattice: &SolidLattice, j: usize, k: usize) -> bool {
+        let inside = |i: usize| {
+            lattice.mass(i, j, k) == 1.0 && STEPS.into_iter().all(|step| spring(lattice, [i, j, k], step) == 1.0)
+        };
+        k > 0 && (0..lattice.columns()[0]).all(inside)
+    }
+}
+
+/// Stiffness over k of the spring of block `block` towards `step`: there where both blocks are.
+fn spring(lattice: &SolidLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f64 {
+    let [nx, ny] = lattice.columns();
+    let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
+    let Some(above) = k.checked_add_signed(step[2]) else { return 0.0 };
+    let there = |i, j, k| k >= lattice.rows() || lattice.presence(i, j, k) > 0.0;
+    let both = there(i, j, k) && there(wrap(i, step[0], nx), wrap(j, step[1], ny), above);
+    if both { 1.0 } else { 0.0 }
+}
+
+/// A row that is not of inside blocks alone.
+#[derive(Clone, Debug)]
+pub struct GeneralRow {
+    /// Its layer, from the counterface up, and its place along y.
+    pub layer: usize,
+    pub row: usize,
+    pub coefficients: RowCoefficients,
+}
+
+/// Rows of a cell.
+#[derive(Clone, Debug)]
+pub struct Stencil {
+    /// The lowest layer, by row.
+    pub contact: Vec<RowCoefficients>,
+    /// General rows above it.
+    pub general: Vec<GeneralRow>,
+    /// Rows of inside blocks, by layer: the lowest has none.
+    pub inside: Vec<Vec<Range<usize>>>,
+}
+
+impl Stencil {
+    /// The rows of a plain lattice (whole cubes).
+    #[must_use]
+    pub fn new(lattice: &SolidLattice) -> Self {
+        let [_, ny] = lattice.columns();
+        let contact = (0..ny).map(|j| RowCoefficients::new(lattice, j, 0)).collect();
+        let (mut general, mut inside) = (Vec::new(), vec![Vec::new()]);
+        for k in 1..lattice.rows() {
+            let mut ranges: Vec<Range<usize>> = Vec::new();
+            for j in 0..ny {
+                // What a cavity changes ends with the row above it.
+                if k > lattice.cavity_rows() || RowCoefficients::is_inside(lattice, j, k) {
+                    match ranges.last_mut() {
+                        Some(last) if last.end == j => last.end = j + 1,
+                        _ => ranges.push(j..j + 1),
+                    }
+                } else {
+                    general.push(GeneralRow { layer: k, row: j, coefficients: RowCoefficients::new(lattice, j, k) });
+                }
+            }
+            inside.push(ranges);
+        }
+        Self { contact, general, inside }
+    }
+}

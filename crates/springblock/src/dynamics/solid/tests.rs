@@ -1,0 +1,395 @@
+//! The cell's integrator against the sum over springs, closed forms, its symmetries, and the plane.
+
+use slipgrid_material::{AreaLaw, LocalFriction};
+use slipgrid_pattern::{Pattern, Planform, Texture};
+
+use super::super::contact::{ContactRow, ContactSums, LocalLaw};
+use super::super::engine::{Engine, PlaneEngine, Setup};
+use super::super::protocol::Protocol;
+use super::super::strip_leapfrog::StripLeapfrog;
+use super::bonds::SolidBonds;
+use super::leapfrog::{SolidLeapfrog, SolidSetup};
+use crate::columns;
+use crate::draws::{self, Coefficients};
+use crate::lattice::Lattice;
+use crate::solid::{SolidLattice, SolidLoad, SolidSteadyModel};
+
+/// A cell of `nx` columns along x and `ny` along y with one rectangular cavity, `rows` high.
+fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SolidLattice {
+    let um = |blocks: usize| blocks as f64 * 10e-6;
+    let texture = Texture::new(Planform::Rectangle).with_length_m(um(length)).unwrap();
+    let texture = texture.with_spacing_across_m(um(ny - length)).unwrap();
+    let pattern = Pattern::new(texture, um(width), um(nx - width), um(depth)).unwrap();
+    let lattice = SolidLattice::cell(&pattern, 10e-6, rows);
+    assert!(lattice.is_plain() && lattice.columns() == [nx, ny]);
+    lattice
+}
+
+fn coefficients(seed: u64, count: usize) -> Vec<Coefficients> {
+    draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), seed, count)
+}
+
+fn protocol(lattice: &SolidLattice, speed: f64) -> Protocol {
+    let [nx, ny] = lattice.columns();
+    Protocol { ramp: 20.0, start: 40.0, load: 0.005 * (nx * ny) as f64, speed }
+}
+
+fn setup<'a>(coefficients: &'a [Coefficients], protocol: Protocol, direction: [f64; 2]) -> SolidSetup<'a> {
+    SolidSetup {
+        coefficients,
+        law: LocalLaw::new(None, 1.0),
+        protocol,
+        direction,
+        time_step: 0.15,
+        damping: 0.01,
+        liftoff: false,
+    }
+}
+
+/// Numbers of a fixed sequence in (-1/2, 1/2).
+fn noise(number: usize, component: usize) -> f64 {
+    let mut bits = (3 * number + component) as u64 + 1;
+    for _ in 0..3 {
+        bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        bits ^= bits >> 29;
+    }
+    (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+}
+
+#[test]
+fn the_sweeps_are_the_sum_over_springs() {
+    let lattices = [
+        cell(4, 3, [12, 10], 2, 6),
+        cell(1, 1, [3, 2], 1, 3),
+        cell(9, 4, [17, 9], 4, 5),
+        SolidLattice::flat([1, 1], 1),
+        SolidLattice::flat([8, 5], 4),
+        cell(2, 2, [4, 4], 2, 4).repeated_along_y(2),
+    ];
+    for lattice in &lattices {
+        let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
+        let blocks = nx * ny * rows;
+        let drawn = coefficients(1, nx * ny);
+        let start = Protocol { ramp: 0.0, start: 0.0, load: 0.3, speed: 0.0 };
+        let mut setup = setup(&drawn, start, [1.0, 0.0]);
+        setup.damping = 0.0;
+        let dt = setup.time_step;
+        let mut engine = SolidLeapfrog::new(lattice, setup);
+        let there = |n: usize| lattice.presence(n % nx, n / nx % ny, n / (nx * ny)) > 0.0;
+        let touches = |n: usize| n < nx * ny && lattice.contact_share(n % nx, n / nx) > 0.0;
+        let mut u: Vec<[f64; 3]> = (0..=blocks)
+            .map(|n| {
+                let all = [0, 1, 2].map(|c| noise(n, c));
+                if n == blocks || !there(n) {
+                    [0.0; 3]
+                } else {
+                    [all[0], all[1], if touches(n) { 0.0 } else { all[2] }]
+                }
+            })
+            .collect();
+        engine.start_sheared(&|[i, j, k]| u[(k * ny + j) * nx + i]);
+        let bonds = SolidBonds::new(lattice);
+        bonds.balance(&mut u, 0.3);
+        let mut force = vec![[0.0; 3]; blocks + 1];
+        bonds.forces(&u, &mut force);
+        assert!((force[blocks][2] - 0.3).abs() < 1e-12, "the bulk's springs carry the load");
+        engine.step();
+        let mut contacts = engine.contact().vectors();
+        for n in 0..blocks {
+            let moved = engine.displacement([n % nx, n / nx % ny, n / (nx * ny)]);
+            if touches(n) {
+                let (normal, _) = contacts.next().unwrap();
+                assert!((normal.abs() - force[n][2].abs()).abs() < 1e-12, "{nx} {ny} {rows}: {normal} {:?}", force[n]);
+                continue;
+            }
+            let mass = bonds.mass()[n];
+            for c in 0..3 {
+                // u_1 - u_0 = dt^2 F / m
+                let expected = if mass > 0.0 { u[n][c] + dt * dt * force[n][c] / mass } else { 0.0 };
+                assert!((moved[c] - expected).abs() < 1e-14, "{nx} {ny} {rows} block {n}: {moved:?} {expected}");
+            }
+        }
+        assert!(contacts.next().is_none());
+    }
+}
+
+#[test]
+fn waves_along_axes_and_diagonals_have_their_dispersion() {
+    let n = 12;
+    let lattice = SolidLattice::flat([n, n], 7);
+    let drawn = coefficients(1, n * n);
+    let still = Protocol { ramp: 0.0, start: 0.0, load: 0.0, speed: 0.0 };
+    let half = |angle: f64| (0.5 * angle).sin().powi(2);
+    let (r, t) = (0.5_f64.sqrt(), (1.0_f64 / 3.0).sqrt());
+    for waves in 1..=6 {
+        let q = std::f64::consts::TAU * f64::from(waves) / n as f64;
+        let cases: [([f64; 3], [f64; 3], f64); 8] = [
+            ([q, 0.0, 0.0], [1.0, 0.0, 0.0], 12.0 * half(q)),
+            ([0.0, q, 0.0], [0.0, 1.0, 0.0], 12.0 * half(q)),
+            ([0.0, 0.0, q], [0.0, 0.0, 1.0], 12.0 * half(q)),
+            ([0.0, q, 0.0], [0.0, 0.0, 1.0], 4.0 * half(q)),
+            ([q, q, 0.0], [r, r, 0.0], 8.0 * half(q) + 4.0 * half(2.0 * q)),
+            ([0.0, q, q], [0.0, r, -r], 8.0 * half(q)),
+            ([q, q, q], [t, t, t], 4.0 * half(q) + 8.0 * half(2.0 * q)),
+            ([q, q, q], [r, 0.0, -r], 4.0 * half(q) + 2.0 * half(2.0 * q)),
+        ];
+        for (q, polarization, squared) in cases {
+            let mut setup = setup(&drawn, still, [1.0, 0.0]);
+            setup.damping = 0.0;
+            let dt = setup.time_step;
+            let mut engine = SolidLeapfrog::new(&lattice, setup);
+            let wave = |[i, j, k]: [usize; 3]| {
+                let phase = 0.3 + q[0] * i as f64 + q[1] * j as f64 + q[2] * k as f64;
+                polarization.map(|p| p * phase.cos())
+            };
+            engine.start_sheared(&wave);
+            engine.step();
+            // Beyond the neighbours of counterface and bulk: u_1 = (1 - w^2 dt^2) u_0.
+            for (i, j) in [(0, 0), (5, 3), (n - 1, n - 1)] {
+                let (before, after) = (wave([i, j, 3]), engine.displacement([i, j, 3]));
+                for c in 0..3 {
+                    let expected = (1.0 - squared * dt * dt) * before[c];
+                    assert!((after[c] - expected).abs() < 1e-13, "{q:?} {polarization:?}: {after:?} {expected}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn without_friction_the_leapfrog_is_of_second_order() {
+    let lattice = cell(3, 2, [6, 5], 1, 4);
+    let none = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; 30];
+    let still = Protocol { ramp: 0.0, start: 0.0, load: 0.15, speed: 0.0 };
+    let at = |dt: f64, steps: usize| {
+        let mut setup = setup(&none, still, [1.0, 0.0]);
+        setup.time_step = dt;
+        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        // A smooth push, small enough that every contact stays under pressure.
+        engine.start_sheared(&|[i, _, k]| [1e-4 * (i as f64).cos(), 2e-4 * (k as f64).sin(), -1.6e-3 * k as f64]);
+        for _ in 0..steps {
+            engine.step();
+        }
+        engine.displacement([1, 1, 2])
+    };
+    // At rest half a step before the start: after n steps the time is (n + 1/2) dt.
+    let found = [at(0.06, 121), at(0.02, 364), at(0.02 / 3.0, 1093), at(0.02 / 9.0, 3280)];
+    for c in 0..3 {
+        for three in found.windows(3) {
+            let [coarse, middle, fine] = [three[0][c], three[1][c], three[2][c]];
+            let order = ((coarse - middle) / (middle - fine)).abs().ln() / 3.0_f64.ln();
+            assert!((order - 2.0).abs() < 0.05, "{c}: {order} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn a_cell_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts() {
+    for liftoff in [false, true] {
+        let lattice = cell(3, 3, [8, 6], 2, 5);
+        let drawn = coefficients(1, 48);
+        let mut setup = setup(&drawn, protocol(&lattice, 0.0), [0.6, 0.8]);
+        setup.damping = 0.2;
+        setup.liftoff = liftoff;
+        let load = setup.protocol.load;
+        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        let mut sums = engine.step();
+        for _ in 0..10_000 {
+            sums = engine.step();
+        }
+        assert!((sums.normal / load - 1.0).abs() < 1e-9, "{} {load}", sums.normal);
+        // What friction there is holds locked-in stress: below the static threshold.
+        assert!(sums.friction.hypot(sums.across) < 0.3 * load);
+    }
+}
+
+#[test]
+fn a_steady_equilibrium_stays_where_it_is() {
+    let lattice = cell(4, 4, [12, 12], 2, 8);
+    let model = SolidSteadyModel::new(lattice.clone(), 10e-6, 0.38e9);
+    let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
+    let unit_pa = 0.4 * 0.38e9;
+    for direction in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8]] {
+        let load = SolidLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, area_law: Some(&law), direction };
+        let displacement = model.displacements(&load);
+        // Friction at rest may reach what the contact slides at.
+        let equal = vec![Coefficients { static_mu: 0.27000001, dynamic_mu: 0.27 }; 144];
+        let still = Protocol { ramp: 0.0, start: 0.0, load: 144.0 * 2.6e6 / unit_pa, speed: 0.0 };
+        let mut setup = setup(&equal, still, direction);
+        setup.law = LocalLaw::new(Some(&law), unit_pa);
+        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        engine.start_sheared(&|[i, j, k]| displacement[(k * 12 + j) * 12 + i]);
+        let sums = engine.step();
+        let steady = model.solve(&load).mu_dynamic.unwrap();
+        assert!((sums.friction / sums.normal - steady).abs() < 1e-8, "{} {steady}", sums.friction / sums.normal);
+        for _ in 0..20 {
+            engine.step();
+        }
+        for (number, expected) in displacement.iter().take(12 * 12 * 8).enumerate() {
+            let block = [number % 12, number / 12 % 12, number / 144];
+            if lattice.presence(block[0], block[1], block[2]) > 0.0 {
+                let found = engine.displacement(block);
+                for c in 0..3 {
+                    assert!((found[c] - expected[c]).abs() < 1e-10, "{block:?} {found:?} {expected:?}");
+                }
+            }
+        }
+    }
+}
+
+const STEPS: usize = 1500;
+
+/// Sums over the contact layer in time.
+fn slide(lattice: &SolidLattice, drawn: &[Coefficients], direction: [f64; 2], liftoff: bool) -> Vec<ContactSums> {
+    let mut setup = setup(drawn, protocol(lattice, 1e-4), direction);
+    setup.liftoff = liftoff;
+    let mut engine = SolidLeapfrog::new(lattice, setup);
+    (0..STEPS).map(|_| engine.step()).collect()
+}
+
+/// Largest difference of the sums, the part across of `b` times `sign`.
+fn difference(a: &[ContactSums], b: &[ContactSums], sign: f64) -> f64 {
+    let of = |(a, b): (&ContactSums, &ContactSums)| {
+        (a.friction - b.friction).abs().max((a.normal - b.normal).abs()).max((a.across - sign * b.across).abs())
+    };
+    assert!(a.iter().any(|sums| sums.across.abs() > 1e-5), "something happens across");
+    a.iter().zip(b).map(of).fold(0.0, f64::max)
+}
+
+#[test]
+fn sliding_along_y_is_sliding_along_x_on_the_transposed_cell() {
+    let (here, there) = (cell(4, 3, [10, 7], 2, 5), cell(3, 4, [7, 10], 2, 5));
+    let drawn = coefficients(3, 70);
+    let transposed: Vec<Coefficients> = (0..70).map(|n| drawn[(n % 7) * 10 + n / 7]).collect();
+    for liftoff in [false, true] {
+        let along_x = slide(&here, &drawn, [1.0, 0.0], liftoff);
+        let along_y = slide(&there, &transposed, [0.0, 1.0], liftoff);
+        // x across is to the left of y, y to the right of x.
+        let worst = difference(&along_x, &along_y, -1.0);
+        assert!(worst < 1e-9, "{worst}");
+    }
+}
+
+#[test]
+fn mirrored_cells_slide_alike() {
+    let lattice = cell(4, 3, [10, 7], 2, 5);
+    let drawn = coefficients(4, 70);
+    // 10 and 7 columns with cavities of 4 and 3: the cell is its own mirror image.
+    let across: Vec<Coefficients> = (0..70).map(|n| drawn[(6 - n / 10) * 10 + n % 10]).collect();
+    let back: Vec<Coefficients> = (0..70).map(|n| drawn[n / 10 * 10 + 9 - n % 10]).collect();
+    let own = slide(&lattice, &drawn, [1.0, 0.0], false);
+    let worst = difference(&own, &slide(&lattice, &across, [1.0, 0.0], false), -1.0);
+    assert!(worst < 1e-9, "{worst}");
+    let worst = difference(&own, &slide(&lattice, &back, [-1.0, 0.0], false), -1.0);
+    assert!(worst < 1e-9, "{worst}");
+    let oblique = slide(&lattice, &drawn, [0.6, 0.8], false);
+    let worst = difference(&oblique, &slide(&lattice, &across, [0.6, -0.8], false), -1.0);
+    assert!(worst < 1e-9, "{worst}");
+}
+
+/// Plane strain at nu = 1/4 is plane stress at nu = 1/3: where nothing changes along y, the springs of a column are
+/// those of the vertical plane with k doubled, bond by bond. Time is in units of sqrt(m/k): sqrt(2) of them to one.
+#[test]
+fn what_is_uniform_across_is_the_vertical_plane_to_rounding() {
+    let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
+    let lattice = SolidLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
+    let section = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
+    let (nx, ny) = (12, 3);
+    let row = coefficients(5, nx);
+    let drawn: Vec<Coefficients> = (0..nx * ny).map(|n| row[n % nx]).collect();
+    let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
+    let (root, unit_pa) = (2.0_f64.sqrt(), 0.4 * 0.38e9);
+    let own = protocol(&lattice, 1e-4);
+    let mut setup = setup(&drawn, own, [1.0, 0.0]);
+    setup.law = LocalLaw::new(Some(&law), unit_pa);
+    let (dt, damping) = (setup.time_step, setup.damping);
+    let mut engine = SolidLeapfrog::new(&lattice, setup);
+    let plane = Protocol {
+        ramp: own.ramp * root,
+        start: own.start * root,
+        load: own.load / ny as f64 / 2.0,
+        speed: own.speed / root,
+    };
+    let contact = ContactRow::new(section.contacts(), &row, LocalLaw::new(Some(&law), 2.0 * unit_pa));
+    let setup = Setup { contact, protocol: plane, time_step: dt * root, damping: damping / root, liftoff: false };
+    let mut flat = StripLeapfrog::new(&section, setup);
+    let mut moved = false;
+    for step in 0..2500 {
+        let (solid, plane) = (engine.step(), flat.step());
+        let worst = (solid.friction / 2.0 / ny as f64 - plane.friction).abs();
+        assert!(worst < 1e-11 && solid.across.abs() < 1e-11, "{step}: {solid:?} {plane:?}");
+        assert!((solid.normal / 2.0 / ny as f64 - plane.normal).abs() < 1e-11, "{step}");
+        moved |= engine.all_have_slipped();
+    }
+    assert!(moved, "every block has slipped");
+    for (i, k) in (0..nx).flat_map(|i| (0..6).map(move |k| (i, k))).filter(|(i, k)| lattice.presence(*i, 0, *k) > 0.0) {
+        let first = engine.displacement([i, 0, k]);
+        for j in 0..ny {
+            let other = engine.displacement([i, j, k]);
+            assert!((0..3).all(|c| (other[c] - first[c]).abs() < 1e-12), "{i} {j} {k}");
+        }
+        let [x, z] = flat.displacement(i, k);
+        assert!((first[0] - x).abs() < 1e-11 && (first[2] - z).abs() < 1e-11 && first[1].abs() < 1e-12);
+        assert_eq!(z, flat.rise(i, k));
+    }
+}
+
+#[test]
+fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
+    let lattice = cell(3, 3, [8, 8], 2, 5);
+    let limit = 2.0 / super::run::largest_frequency(&lattice, false);
+    // The fastest blocks are edges of the land: friction would hold them.
+    let drawn = vec![Coefficients { static_mu: 0.0, dynamic_mu: 0.0 }; 64];
+    let grows = |factor: f64| {
+        let mut setup = setup(&drawn, protocol(&lattice, 0.0), [1.0, 0.0]);
+        setup.damping = 0.0;
+        setup.time_step = factor * limit;
+        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        // Nothing of the lattice's symmetry: it would keep modes from growing.
+        let number = |[i, j, k]: [usize; 3]| (k * 8 + j) * 8 + i;
+        engine.start_sheared(&|block| {
+            let touches = block[2] == 0 || lattice.presence(block[0], block[1], block[2]) == 0.0;
+            [0, 1, 2].map(|c| if touches { 0.0 } else { 1e-3 * noise(number(block), c) })
+        });
+        for _ in 0..3000 {
+            engine.step();
+        }
+        let rise = engine.displacement([1, 1, 3])[2].abs();
+        rise.is_nan() || rise >= 1.0
+    };
+    assert!(!grows(0.99));
+    assert!(grows(1.03));
+}
+
+#[test]
+fn friction_never_gives_work_and_never_exceeds_its_law() {
+    let lattice = cell(4, 3, [10, 7], 2, 5);
+    let drawn = coefficients(6, 70);
+    let contacts: Vec<usize> = (0..70).filter(|n| lattice.contact_share(n % 10, n / 10) > 0.0).collect();
+    let mut engine = SolidLeapfrog::new(&lattice, setup(&drawn, protocol(&lattice, 1e-4), [0.8, 0.6]));
+    let place = |engine: &SolidLeapfrog, n: usize| engine.displacement([n % 10, n / 10, 0]);
+    let mut before: Vec<[f64; 3]> = contacts.iter().map(|n| place(&engine, *n)).collect();
+    let mut earlier = before.clone();
+    let (mut slides, mut stops) = (0, 0);
+    for _ in 0..3000 {
+        engine.step();
+        let forces: Vec<(f64, [f64; 2])> = engine.contact().vectors().collect();
+        for (number, n) in contacts.iter().enumerate() {
+            let (normal, friction) = forces[number];
+            let after = place(&engine, *n);
+            let way: [f64; 2] = [0, 1].map(|c: usize| after[c] - earlier[number][c]);
+            let magnitude = friction[0].hypot(friction[1]);
+            if after[..2] != before[number][..2] {
+                // Sliding on: mu_d F_n against the mean velocity.
+                assert!((magnitude - drawn[*n].dynamic_mu * normal).abs() < 1e-12 * normal.max(1.0));
+                assert!(friction[0] * way[0] + friction[1] * way[1] > 0.0);
+                slides += 1;
+            } else {
+                // At rest, or stopped within the step by no more than it takes.
+                stops += usize::from(before[number][..2] != earlier[number][..2]);
+            }
+            (earlier[number], before[number]) = (before[number], after);
+        }
+    }
+    assert!(slides > 1000 && stops > 100, "{slides} {stops}");
+}

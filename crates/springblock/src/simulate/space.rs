@@ -1,0 +1,337 @@
+//! Dynamic runs of the three-dimensional cell: which lattices, what runs on them, what is said.
+
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+
+use super::{
+    MOST_FACTOR_BYTES, coarse_ratios, collect, describe_draws, describe_law, seed_of, stderr_share, why_solid,
+};
+use crate::dynamics::{MOST_STEPS, Plan, SolidRun, SolidScheme};
+use crate::error::SceneError;
+use crate::monitor::Monitor;
+use crate::outcome::{Simulation, Status, SurfaceOutcome};
+use crate::scene::{Load, Scene};
+use crate::solid::{SolidLattice, SolidLoad, SolidModel, SolidSteadyModel};
+
+/// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
+const MOST_BLOCKS: f64 = 1e7;
+/// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
+/// hold the shortest waves.
+const FLAT_COLUMNS: usize = 8;
+/// Bytes a block of a warm start, which knows the displacements of all rows, as unknowns and as spectra.
+const WARM_BYTES_PER_BLOCK: f64 = 500.0;
+
+/// Dynamic runs of the cell of `pattern` and of a flat one.
+pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let rows = scene.layer.rows();
+    let [nx, ny] = SolidLattice::columns_of(pattern, scene.layer.block_m);
+    // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
+    let along = if pattern.length_m().is_none() { nx } else { ny };
+    let blocks = nx * along * rows as f64;
+    if blocks > MOST_BLOCKS {
+        return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
+    }
+    let (bytes, most_bytes) = (blocks * WARM_BYTES_PER_BLOCK, MOST_FACTOR_BYTES);
+    if scene.run.warm_start && bytes > most_bytes {
+        return Err(SceneError::TooLarge { bytes, most_bytes });
+    }
+    let exact = SolidLattice::cell(pattern, scene.layer.block_m, rows);
+    let whole = exact.nearest_whole();
+    let own = if pattern.length_m().is_none() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
+    let flat = SolidLattice::flat(own.columns(), rows);
+    let scheme = SolidScheme::choose(scene, &own)?;
+    SolidScheme::choose(scene, &SolidLattice::flat([FLAT_COLUMNS; 2], rows))?;
+
+    let model = SolidModel::new(scene);
+    let (steady, coarse) =
+        rayon::join(|| model.ratios(pattern), || coarse_ratios(scene, SolidModel::new, |model| model.ratios(pattern)));
+    let is_whole = exact == whole;
+    let corrections =
+        if is_whole { vec![0.0; scene.loads.len()] } else { corrections(scene, pattern, &whole, &steady) };
+
+    let lattices = [&own, &flat];
+    let surfaces = lattices.len();
+    let starts: Vec<Option<Vec<[f64; 3]>>> = (0..surfaces * scene.loads.len())
+        .into_par_iter()
+        .map(|task| {
+            let (load, lattice) = (&scene.loads[task / surfaces], lattices[task % surfaces]);
+            scene.run.warm_start.then(|| steady_model(scene, lattice).displacements(&solid_load(scene, pattern, load)))
+        })
+        .collect();
+    let draws = scene.run.draws as usize;
+    let runs = surfaces * draws * scene.loads.len();
+    let outcomes: Vec<SurfaceOutcome> = (0..runs)
+        .into_par_iter()
+        .map(|task| {
+            let (load, draw, surface) = (task / (surfaces * draws), task / surfaces % draws, task % surfaces);
+            SolidRun {
+                scene,
+                load: &scene.loads[load],
+                lattice: lattices[surface],
+                direction: pattern.sliding_direction(),
+                scheme,
+                share: 1.0 / runs as f64,
+                seed: seed_of(scene, draw),
+                stderr_share: stderr_share(scene),
+                start: starts[load * surfaces + surface].as_deref(),
+            }
+            .run(monitor)
+        })
+        .collect();
+    let mut loads = collect(scene, surfaces, &corrections, outcomes);
+    for ((load, steady), coarse) in loads.iter_mut().zip(&steady).zip(&coarse) {
+        load.ratio_discretization_error = steady.zip(*coarse).map(|(own, coarse)| (own - coarse).abs());
+    }
+    let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
+    Ok(Simulation { model, loads })
+}
+
+fn steady_model(scene: &Scene, lattice: &SolidLattice) -> SolidSteadyModel {
+    SolidSteadyModel::new(lattice.clone(), scene.layer.block_m, scene.elastic.youngs_modulus_pa())
+}
+
+fn solid_load<'a>(scene: &'a Scene, pattern: &Pattern, load: &Load) -> SolidLoad<'a> {
+    SolidLoad {
+        pressure_pa: load.pressure_pa,
+        dynamic_mu: load.friction.dynamic_mean(),
+        area_law: scene.area_law.as_ref(),
+        direction: pattern.sliding_direction(),
+    }
+}
+
+/// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
+fn corrections(scene: &Scene, pattern: &Pattern, whole: &SolidLattice, exact: &[Option<f64>]) -> Vec<f64> {
+    let loads: Vec<SolidLoad<'_>> = scene.loads.iter().map(|load| solid_load(scene, pattern, load)).collect();
+    let outcomes = steady_model(scene, whole).solve_all(&loads);
+    loads
+        .iter()
+        .zip(&outcomes)
+        .zip(exact)
+        .map(|((load, outcome), exact)| {
+            // mu_flat = mu_d f(P)
+            let flat = load.dynamic_mu * load.area_law.map_or(1.0, |law| law.factor(load.pressure_pa));
+            let solved = matches!(outcome.status, Status::Converged | Status::NoFriction) && flat > 0.0;
+            // Without a steady ratio on one side there is nothing to correct by.
+            exact.zip(outcome.mu_dynamic.filter(|_| solved)).map_or(0.0, |(exact, mu)| exact - mu / flat)
+        })
+        .collect()
+}
+
+fn statements(
+    scene: &Scene,
+    pattern: &Pattern,
+    own: &SolidLattice,
+    scheme: SolidScheme,
+    nearest: Option<&SolidLattice>,
+) -> Vec<String> {
+    let [nx, ny] = own.columns();
+    let mut model = vec![
+        format!(
+            "dynamic: linear springs, leapfrog with implicit damping at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m) of the vertical plane",
+            scheme.step_s * 1e9,
+            scheme.limit_s * 1e9,
+            scene.run.damping,
+        ),
+        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
+        format!(
+            "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
+            why_solid(scene, pattern),
+            scene.layer.rows(),
+        ),
+    ];
+    let steps = Plan::new(scene, scheme.step_s).total();
+    if steps > MOST_STEPS {
+        model.push(format!(
+            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
+            scene.run.sliding_m, scene.speed_m_s,
+        ));
+    }
+    if scene.speed_m_s == 0.0 {
+        model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
+    }
+    if pattern.length_m().is_none() {
+        model.push("grooves: as many columns along them as across, with coefficients of their own".to_owned());
+    }
+    if scene.run.draws == 1 {
+        model.push(
+            "one draw of the local coefficients: standard errors are those within the run, not between draws"
+                .to_owned(),
+        );
+    }
+    describe_draws(scene, &mut model);
+    if scene.run.warm_start {
+        model.push(
+            "warm start from the sheared steady equilibrium of mean coefficients, at rest: no ramp, no static friction"
+                .to_owned(),
+        );
+    }
+    if let Some(nearest) = nearest {
+        let share = 1.0
+            - (0..nx * nearest.columns()[1]).map(|n| nearest.contact_share(n % nx, n / nx)).sum::<f64>()
+                / (nx * nearest.columns()[1]) as f64;
+        model.push(format!(
+            "nearest whole blocks ({nx} x {} columns, {:.2} % cavity, {:.0} rows deep) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
+            nearest.columns()[1],
+            100.0 * share,
+            nearest.depth(),
+        ));
+    }
+    describe_law(scene, &mut model);
+    model
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_pattern::{Planform, Texture};
+
+    use super::*;
+    use crate::monitor::Unwatched;
+    use crate::scene::{Fidelity, Layer, RunOptions};
+    use crate::simulate;
+
+    /// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)).
+    fn law() -> AreaLaw {
+        let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
+        let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
+        AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
+    }
+
+    /// A warm dynamic run of squares `width_um` wide, 120 um apart from centre to centre, in a layer of 60 um.
+    fn scene(width_um: f64, friction: LocalFriction) -> Scene {
+        let pattern = Pattern::new(Planform::Square, width_um * 1e-6, (120.0 - width_um) * 1e-6, 20e-6).unwrap();
+        Scene {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            area_law: Some(law()),
+            pattern: Some(pattern),
+            layer: Layer { length_m: 960e-6, height_m: 60e-6, block_m: 10e-6 },
+            loads: vec![Load { pressure_pa: 2.6e6, friction }],
+            speed_m_s: 2e-3,
+            run: RunOptions {
+                fidelity: Fidelity::Dynamic,
+                sliding_m: 0.3e-6,
+                warm_start: true,
+                ..RunOptions::default()
+            },
+        }
+    }
+
+    fn usual() -> LocalFriction {
+        LocalFriction::new(0.3, 0.27, 0.05).unwrap()
+    }
+
+    #[test]
+    fn squares_slide_in_space_and_near_steady_sliding() {
+        let mut scene = scene(60.0, usual());
+        assert_eq!(scene.dimensions(), 3);
+        let found = simulate(&scene, &Unwatched).unwrap();
+        assert!(
+            found.model.iter().any(|line| line.starts_with("three dimensions, as square cavities need: 12 x 12 x 6"))
+        );
+        let load = &found.loads[0];
+        let flat = load.flat.as_ref().unwrap();
+        assert_eq!((load.surface.status, flat.status), (Status::Converged, Status::Converged));
+        assert!(load.surface.mu_across.unwrap().abs() < 0.002 && flat.mu_across.unwrap().abs() < 0.002);
+        assert_eq!((load.surface.interface.len(), flat.interface.len()), (144 - 36, 144));
+        assert!(load.surface.tension_blocks == 0 && !load.surface.cavity_closed);
+        scene.run.fidelity = Fidelity::Steady;
+        let steady = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
+        let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
+        println!("{ratio} {expected} {:?} {:?}", load.surface.mu_dynamic, flat.mu_dynamic);
+        assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
+        assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
+        // Micro-stick-slip lies above steady sliding.
+        let excess = flat.mu_dynamic.unwrap() / steady.flat.unwrap().mu_dynamic.unwrap() - 1.0;
+        assert!(excess > 0.0 && excess < 0.05, "{excess}");
+    }
+
+    #[test]
+    fn amontons_coulomb_with_equal_coefficients_gives_one() {
+        let mut scene = scene(60.0, LocalFriction::new(0.27, 0.27, 0.0).unwrap());
+        scene.area_law = None;
+        scene.run.warm_start = false;
+        scene.run.sliding_m = 0.6e-6;
+        for angle_deg in [0.0, 30.0] {
+            let texture = Texture::new(Planform::Square).with_sliding_angle_deg(angle_deg).unwrap();
+            scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
+            let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
+            assert_eq!(load.surface.status, Status::Converged);
+            println!("{:?} {:?} {:?}", load.surface.mu_dynamic, load.ratio, load.surface.mu_static);
+            assert!((load.ratio.unwrap() - 1.0).abs() < 2e-3, "{:?}", load.ratio);
+            assert!((load.surface.mu_dynamic.unwrap() - 0.27).abs() < 5e-4);
+        }
+    }
+
+    #[test]
+    fn draws_are_averaged_and_threads_change_nothing() {
+        let mut scene = scene(60.0, usual());
+        scene.run.sliding_m = 0.1e-6;
+        scene.run.draws = 2;
+        let threads = |count: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+            pool.install(|| simulate(&scene, &Unwatched).unwrap())
+        };
+        let both = threads(1);
+        assert_eq!(both, threads(3));
+        assert!(both.model.iter().any(|line| line.starts_with("mean of 2 draws")));
+        scene.run.draws = 1;
+        let ratios: Vec<f64> = [1, 2]
+            .into_iter()
+            .map(|seed| {
+                scene.run.seed = seed;
+                simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap()
+            })
+            .collect();
+        let load = &both.loads[0];
+        assert!((load.ratio.unwrap() - (ratios[0] + ratios[1]) / 2.0).abs() < 1e-15);
+        // The standard error of two is half their difference, or more.
+        assert!(load.ratio_stderr.unwrap() >= (ratios[0] - ratios[1]).abs() / 2.0 - 1e-15);
+    }
+
+    #[test]
+    fn dimensions_that_are_no_whole_blocks_are_corrected_by_the_steady_difference() {
+        let mut scene = scene(60.0, usual());
+        scene.run.sliding_m = 0.1e-6;
+        let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap();
+        let steady = |pattern: &Pattern| SolidModel::new(&scene).ratios(pattern)[0].unwrap();
+        let nearest = scene.pattern.unwrap();
+        let pattern = Pattern::new(Planform::Square, 62e-6, 58e-6, 18e-6).unwrap();
+        let difference = steady(&pattern) - steady(&nearest);
+        scene.pattern = Some(pattern);
+        let found = simulate(&scene, &Unwatched).unwrap();
+        assert!(difference.abs() > 1e-3 && (found.loads[0].ratio.unwrap() - whole - difference).abs() < 1e-12);
+        assert!(
+            found.model.iter().any(|line| line.starts_with("nearest whole blocks (12 x 12 columns, 25.00 % cavity"))
+        );
+    }
+
+    #[test]
+    fn grooves_along_the_sliding_direction_have_columns_along_them() {
+        let mut scene = scene(60.0, usual());
+        let texture = Texture::new(Planform::Groove).with_sliding_angle_deg(90.0).unwrap();
+        scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
+        scene.run.sliding_m = 0.1e-6;
+        let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
+        assert_eq!((load.surface.status, load.surface.interface.len()), (Status::Converged, 72));
+    }
+
+    #[test]
+    fn what_cannot_run_says_so() {
+        let mut scene = scene(60.0, usual());
+        scene.run.step_s = Some(20e-9);
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::UnstableStep { .. })));
+        scene.run.step_s = None;
+        scene.loads[0].pressure_pa = 0.0;
+        let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
+        assert_eq!((load.surface.status, load.surface.interface.len()), (Status::NoLoad, 108));
+        scene.loads[0].pressure_pa = 2.6e6;
+        scene.speed_m_s = 1e-15;
+        let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
+        assert_eq!(load.surface.status, Status::TooManySteps);
+        scene.run.dimensions = Some(3);
+        scene.run.fidelity = Fidelity::Reference;
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::Unsupported { .. })));
+        scene.run.draws = 65;
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::OutOfRange { quantity: "draws", .. })));
+    }
+}
