@@ -2,7 +2,7 @@
 
 use crate::guidance::{Correction, Guidance};
 use crate::ledger::{Evaluator, Interruption, Key, Ledger, Record, key};
-use crate::search::search_from;
+use crate::search::search_along;
 use crate::space::Grid;
 use crate::{
     COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, ForwardModel, ModelFailure, Response, SearchError,
@@ -63,7 +63,7 @@ pub fn search_guided(
         let correction = guidance.correction(&grid, target.points().len());
         let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
         let along = SearchOptions { max_evaluations: left, ..*options };
-        let found = search_from(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
+        let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
         if found.status == Status::Cancelled {
             ending = Status::Cancelled;
             break;

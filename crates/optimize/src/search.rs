@@ -41,12 +41,16 @@ struct Effort {
     bursts: usize,
     /// Edge of the first simplex over the usual one.
     edge: f64,
+    /// Scatter of costs, in tolerances, at which a simplex has collapsed, over the usual one.
+    collapsed: f64,
 }
 
 /// Nothing is known but the sample.
-const WHOLE: Effort = Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0 };
-/// The model has changed a little since the last search, whose finds are known.
-const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4 };
+const WHOLE: Effort = Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0, collapsed: 1.0 };
+/// The same of a guide, which is not worth following to its last digit.
+const ALONG: Effort = Effort { collapsed: 10.0, ..WHOLE };
+/// The guide has changed a little since the last search, whose finds are known.
+const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4, collapsed: 10.0 };
 
 /// Smallest distance of two starts, as a share of the (logarithmic) bounds.
 const START_DISTANCE: f64 = 0.15;
@@ -77,12 +81,27 @@ pub fn search(
     model: &dyn ForwardModel,
     progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
 ) -> Result<SearchOutcome, SearchError> {
-    search_from(&[], target, space, constraints, options, model, progress)
+    search_with(WHOLE, &[], target, space, constraints, options, model, progress)
 }
 
-/// As [`search`], with the designs `known` beside the sample: what an earlier search, with a model that hardly
-/// differs, rests on. With any it looks no further than around the best of them.
-pub(crate) fn search_from(
+/// As [`search`] along a guide, with the designs `known` beside the sample: those that earlier searches, when the
+/// guide was hardly different, rested on. With any it looks no further than around the best of them.
+pub(crate) fn search_along(
+    known: &[Pattern],
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    guide: &dyn ForwardModel,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
+    let effort = if known.is_empty() { ALONG } else { AGAIN };
+    search_with(effort, known, target, space, constraints, options, guide, progress)
+}
+
+#[allow(clippy::too_many_arguments, reason = "those of search, and what it begins with")]
+fn search_with(
+    effort: Effort,
     known: &[Pattern],
     target: &Target,
     space: &DesignSpace,
@@ -96,7 +115,6 @@ pub(crate) fn search_from(
     }
     let grid = Grid::new(space, constraints)?;
     let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
-    let effort = if known.is_empty() { WHOLE } else { AGAIN };
     let mut search =
         Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0, effort };
     let sample_is_whole = search.sample(known, options)?;
@@ -223,7 +241,7 @@ impl Search<'_> {
     }
 
     fn descent(&self, grid: Grid, start: Pattern, objective: Objective, method: Method) -> Descent {
-        Descent::new(grid, start, self.cost(objective), method).with_edge(self.effort.edge)
+        Descent::new(grid, start, self.cost(objective), method).with_simplex(self.effort.edge, self.effort.collapsed)
     }
 
     fn cost(&self, objective: Objective) -> Cost {

@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Candidate, DesignSpace, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Status,
-    search, search_guided,
+    Candidate, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Status, search,
+    search_guided,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -191,17 +191,17 @@ const MOST_TRAVEL_M: f64 = 8e-6;
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
 fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
     let bar = Progress::start("flat sample", console.quiet);
-    let run = RunOptions { warm_start: true, sliding_m: WARM_TRAVEL_M, ..scene.run };
+    // On the sample that the coefficients were calibrated on, in as many dimensions as there.
+    let run = RunOptions {
+        warm_start: true,
+        sliding_m: WARM_TRAVEL_M,
+        extent: Extent::Sample,
+        dimensions: None,
+        ..scene.run
+    };
     let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
     bar.finish();
     Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
-}
-
-/// Whether the run of `scene` is one in space for the patterns of `space`.
-fn moves_in_space(scene: &Scene, space: &DesignSpace) -> bool {
-    let [width_m, spacing_m, depth_m] = [space.width_m(), space.spacing_m(), space.depth_m()].map(|bounds| bounds[1]);
-    let pattern = Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok();
-    Scene { pattern, ..scene.clone() }.dimensions() == 3
 }
 
 impl Rounds {
@@ -225,8 +225,8 @@ impl Rounds {
         // Nobody asked for static friction: start where sliding is about to begin.
         let warm =
             RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
-        let mut confirming = if design.from_rest { from_rest } else { warm };
-        let mut scene = Scene {
+        let confirming = if design.from_rest { from_rest } else { warm };
+        let scene = Scene {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
             pattern: None,
@@ -235,12 +235,6 @@ impl Rounds {
             speed_m_s: design.speed_m_s,
             run: confirming,
         };
-        if is_solid && !moves_in_space(&scene, &design.space) {
-            // A section in time would judge another pattern.
-            confirming = RunOptions { fidelity: Fidelity::Steady, seed: design.seed, ..RunOptions::default() };
-            confirming.dimensions = design.dimensions;
-            scene.run = confirming;
-        }
         let started = Instant::now();
         let flat_mu = match design.target.quantity() {
             Quantity::Ratio => None,
@@ -316,12 +310,10 @@ impl Rounds {
             ),
             None => format!("searched in space: steady cells in blocks of {block_um} um"),
         }];
-        if self.confirming.fidelity != Fidelity::Steady {
-            statements.push(format!(
-                "confirmed on one cell in space: a specimen {} um long and wide is beyond reach",
-                um(self.scene.layer.length_m),
-            ));
-        }
+        statements.push(format!(
+            "confirmed in time on one cell in space: a specimen {} um long and as wide is beyond reach",
+            um(self.scene.layer.length_m),
+        ));
         statements
     }
 
