@@ -5,8 +5,12 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// What each shipped design ends with. A design without an entry fails the test.
-const ENDINGS: [(&str, u8, &str); 3] =
-    [("ldpe-lower-friction", 0, "met"), ("ldpe-target-mu", 0, "met"), ("ldpe-unreachable", 3, "unreachable")];
+const ENDINGS: [(&str, u8, &str); 4] = [
+    ("ldpe-lower-friction", 0, "met"),
+    ("ldpe-squares", 0, "met"),
+    ("ldpe-target-mu", 0, "met"),
+    ("ldpe-unreachable", 3, "unreachable"),
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

@@ -2,7 +2,7 @@
 
 use crate::{
     Candidate, Constraints, FailedTrial, ForwardModel, ModelFailure, Response, SearchError, SearchProgress, Stage,
-    Target, Violation,
+    Target,
 };
 use slipgrid_pattern::Pattern;
 use std::collections::BTreeMap;
@@ -12,9 +12,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// A design by the bits of its lengths.
-type Key = [u64; 3];
+pub(crate) type Key = [u64; 3];
 
-fn key(design: &Pattern) -> Key {
+pub(crate) fn key(design: &Pattern) -> Key {
     [design.width_m().to_bits(), design.spacing_m().to_bits(), design.depth_m().to_bits()]
 }
 
@@ -127,14 +127,7 @@ impl<'a> Evaluator<'a> {
     }
 
     fn judge(&self, design: &Pattern, response: Response) -> Candidate {
-        let mut violations: Vec<_> =
-            self.constraints.limits.violations(design).into_iter().map(Violation::Limit).collect();
-        if let Some(max_peak_pressure_pa) = self.constraints.max_peak_pressure_pa
-            && response.peak_pressure_pa > max_peak_pressure_pa
-        {
-            let peak_pressure_pa = response.peak_pressure_pa;
-            violations.push(Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa });
-        }
+        let violations = self.constraints.violations(design, &response);
         let misfit = self.target.misfit(&response.value);
         Candidate { design: *design, response, misfit, violations }
     }
@@ -193,6 +186,11 @@ impl Ledger {
                 self.records.push(record);
             }
         }
+    }
+
+    /// Whether `design` has been evaluated.
+    pub(crate) fn knows(&self, design: &Pattern) -> bool {
+        self.index.contains_key(&key(design))
     }
 
     fn find(&self, design: &Key) -> Option<&Record> {

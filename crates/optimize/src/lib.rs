@@ -11,6 +11,7 @@
 //! | [`DesignSpace`], [`Constraints`] | bounds; manufacturing limits and the largest peak pressure |
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
+//! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`SearchError`] | why there was nothing to search |
 //!
@@ -53,6 +54,8 @@
 
 mod error;
 mod gauss_newton;
+mod guidance;
+mod guided;
 mod ledger;
 mod model;
 mod outcome;
@@ -60,9 +63,12 @@ mod polish;
 mod search;
 mod sequence;
 mod space;
+mod summary;
 mod target;
 
 pub use error::SearchError;
+pub use guidance::Guidance;
+pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status, Violation};
 pub use search::{SearchOptions, search};

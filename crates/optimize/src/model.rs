@@ -61,6 +61,8 @@ pub enum Stage {
     Bursts,
     /// Looks for the lowest and the highest value there is.
     Extremes,
+    /// Asks the model itself of what its guide found.
+    Judging,
 }
 
 /// A glance at a running search, after an evaluation. Its numbers depend on timing; the outcome does not.

@@ -120,6 +120,10 @@ pub struct ReachableRange {
     pub lowest: f64,
     /// Highest value.
     pub highest: f64,
+    /// The design with the lowest value.
+    pub lowest_design: Pattern,
+    /// The design with the highest value.
+    pub highest_design: Pattern,
 }
 
 /// The best design after a number of evaluations.
@@ -144,6 +148,8 @@ pub struct SearchOutcome {
     pub alternatives: Vec<Candidate>,
     /// Distinct designs evaluated, failed trials included.
     pub evaluations: usize,
+    /// Distinct designs of which a guide was asked; 0 in a search without one.
+    pub guide_evaluations: usize,
     /// Designs that the model could not compute.
     pub failed_trials: Vec<FailedTrial>,
     /// Range of the value at each target pressure over all feasible designs tried; empty where none

@@ -108,11 +108,19 @@ pub(crate) struct Descent {
     pub(crate) cost: Cost,
     method: Method,
     edge: f64,
+    collapsed_std: f64,
 }
 
 impl Descent {
     pub(crate) const fn new(grid: Grid, start: Pattern, cost: Cost, method: Method) -> Self {
-        Self { grid, start, cost, method, edge: FIRST_EDGE }
+        Self { grid, start, cost, method, edge: FIRST_EDGE, collapsed_std: COLLAPSED_STD }
+    }
+
+    /// The same with a first simplex `edge` times as large, collapsed at `collapsed` times the scatter.
+    pub(crate) const fn with_simplex(mut self, edge: f64, collapsed: f64) -> Self {
+        self.edge *= edge;
+        self.collapsed_std *= collapsed;
+        self
     }
 
     /// Descends until nothing is gained; `None`, or, where the notebook was interrupted, the descent
@@ -168,7 +176,7 @@ impl Descent {
         if free.is_empty() {
             // One design: nothing to descend.
             let _ = (&problem).cost(&start);
-        } else if let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(COLLAPSED_STD) {
+        } else if let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(self.collapsed_std) {
             let comfortable = self.cost.comfortable();
             // An interruption or a stall surfaces as an error; what was seen before it stands in `visit`.
             let _ = Executor::new(&problem, solver)

@@ -2,8 +2,8 @@ use crate::ledger::{Evaluator, Interruption, Ledger, Notebook};
 use crate::polish::{Cost, Descent, Method, Objective};
 use crate::space::Grid;
 use crate::{
-    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, FailedTrial, ForwardModel, HistoryPoint, ReachableRange,
-    SearchError, SearchOutcome, SearchProgress, Stage, Status, Target, sequence,
+    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, ForwardModel, SearchError, SearchOutcome, SearchProgress,
+    Stage, Status, Target, sequence, summary,
 };
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -28,21 +28,36 @@ impl Default for SearchOptions {
 /// starts safer and cost what they cost: from 56 to 32 a search in three dimensions went from 100 to
 /// 75 evaluations, and no seed of any test fails with either.
 const SAMPLE: [usize; sequence::MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
-/// Descents started together, about ten evaluations each. More give more alternatives and survive more false valleys.
-const STARTS: usize = 5;
-/// Simplexes started from the best of these where Gauss-Newton steps did not suffice.
-const SIMPLEX_STARTS: usize = 2;
+/// How thoroughly a search is made.
+#[derive(Clone, Copy, Debug)]
+struct Effort {
+    /// Descents started together, about ten evaluations each. More give more alternatives and survive more false
+    /// valleys.
+    starts: usize,
+    /// Simplexes started from the best of these where Gauss-Newton steps did not suffice.
+    simplex_starts: usize,
+    /// Whole numbers of bursts, nearest to the best one, at which width and spacing are polished where the target
+    /// is not met.
+    bursts: usize,
+    /// Edge of the first simplex over the usual one.
+    edge: f64,
+    /// Scatter of costs, in tolerances, at which a simplex has collapsed, over the usual one.
+    collapsed: f64,
+}
+
+/// Nothing is known but the sample.
+const WHOLE: Effort = Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0, collapsed: 1.0 };
+/// The same of a guide, which is not worth following to its last digit.
+const ALONG: Effort = Effort { collapsed: 10.0, ..WHOLE };
+/// The guide has changed a little since the last search, whose finds are known.
+const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4, collapsed: 10.0 };
+
 /// Smallest distance of two starts, as a share of the (logarithmic) bounds.
 const START_DISTANCE: f64 = 0.15;
-/// Alternatives reported, and how unlike one another they are, as a share of the bounds.
-const ALTERNATIVES: usize = 4;
-const ALTERNATIVE_DISTANCE: f64 = 0.1;
 /// Penalty of a relative excess of 1, in median misfits of the sample: a constraint that changes by
 /// its own size over the box is then twenty times as steep as the misfit.
 const PENALTY_STEEPNESS: f64 = 20.0;
-/// Whole numbers of bursts, nearest to the best one, at which width and spacing are polished: where
-/// the target is not met, and where it is but not comfortably.
-const NEAREST_BURSTS: usize = 12;
+/// The same as [`Effort::bursts`] where the target is met, but not comfortably.
 const NEXT_BURSTS: usize = 3;
 /// Target points up to which every one has its extremes sought; beyond, the lowest and highest
 /// pressure and the one missed most.
@@ -66,13 +81,43 @@ pub fn search(
     model: &dyn ForwardModel,
     progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
 ) -> Result<SearchOutcome, SearchError> {
+    search_with(WHOLE, &[], target, space, constraints, options, model, progress)
+}
+
+/// As [`search`] along a guide, with the designs `known` beside the sample: those that earlier searches, when the
+/// guide was hardly different, rested on. With any it looks no further than around the best of them.
+pub(crate) fn search_along(
+    known: &[Pattern],
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    guide: &dyn ForwardModel,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
+    let effort = if known.is_empty() { ALONG } else { AGAIN };
+    search_with(effort, known, target, space, constraints, options, guide, progress)
+}
+
+#[allow(clippy::too_many_arguments, reason = "those of search, and what it begins with")]
+fn search_with(
+    effort: Effort,
+    known: &[Pattern],
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    model: &dyn ForwardModel,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
     if options.max_evaluations == 0 {
         return Err(SearchError::OutOfRange { quantity: "max_evaluations", value: 0.0, expected: "at least 1" });
     }
     let grid = Grid::new(space, constraints)?;
     let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
-    let mut search = Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0 };
-    let sample_is_whole = search.sample(options)?;
+    let mut search =
+        Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0, effort };
+    let sample_is_whole = search.sample(known, options)?;
     let status = match search.descend_in_stages() {
         Ok(()) if search.is_met() => Status::Met,
         Ok(()) if search.unfinished.is_empty() && sample_is_whole => Status::Unreachable,
@@ -81,7 +126,7 @@ pub fn search(
         Err(Interruption::Cancelled) => Status::Cancelled,
         Err(Interruption::Error(error)) => return Err(error),
     };
-    search.outcome(status)
+    summary::outcome(&search.ledger, &search.grid, target, status)
 }
 
 /// State of a search.
@@ -92,12 +137,13 @@ struct Search<'a> {
     /// Descents that a stage's share of the evaluations cut short.
     unfinished: Vec<Descent>,
     penalty: f64,
+    effort: Effort,
 }
 
 impl Search<'_> {
-    /// Evaluates the corners of the box and a low-discrepancy sample. Returns whether the
+    /// Evaluates the designs `known`, the corners of the box and a low-discrepancy sample. Returns whether the
     /// evaluations allowed sufficed for the sample as planned.
-    fn sample(&mut self, options: &SearchOptions) -> Result<bool, SearchError> {
+    fn sample(&mut self, known: &[Pattern], options: &SearchOptions) -> Result<bool, SearchError> {
         let free = self.grid.free_axes();
         let corners = 1_usize << free.len();
         let (planned, most) = (corners + SAMPLE[free.len()], options.max_evaluations.div_ceil(2));
@@ -117,7 +163,7 @@ impl Search<'_> {
                 shares
             }));
         }
-        let mut designs: Vec<Pattern> = Vec::new();
+        let mut designs: Vec<Pattern> = known[..known.len().min(most)].to_vec();
         for design in shares.iter().filter_map(|shares| self.grid.design(shares)) {
             // On a coarse grid two points can be one design.
             if !designs.contains(&design) {
@@ -140,15 +186,9 @@ impl Search<'_> {
         misfits.sort_by(f64::total_cmp);
         match misfits.get(misfits.len() / 2) {
             Some(median) => self.penalty = PENALTY_STEEPNESS * median.max(1.0),
-            None => return Err(self.every_trial_failed()),
+            None => return Err(summary::every_trial_failed(&self.ledger)),
         }
         Ok(is_whole)
-    }
-
-    fn every_trial_failed(&self) -> SearchError {
-        let failed = failed_trials(&self.ledger);
-        let reason = failed.first().map_or_else(String::new, |trial| trial.reason.clone());
-        SearchError::EveryTrialFailed { trials: failed.len(), reason }
     }
 
     /// Everything after the sample, each stage only where the ones before leave something to gain.
@@ -157,11 +197,11 @@ impl Search<'_> {
             return Err(Interruption::Cancelled);
         }
         // 1. From the best distinct designs of the sample.
-        let mut tried = self.distinct_starts(&[], STARTS);
+        let mut tried = self.distinct_starts(&[], self.effort.starts);
         self.polish(&tried.clone())?;
         // 2. Width and spacing at the numbers of bursts near the best one.
         if !self.is_comfortable() {
-            let most = if self.is_met() { NEXT_BURSTS } else { NEAREST_BURSTS };
+            let most = if self.is_met() { NEXT_BURSTS } else { self.effort.bursts };
             self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
         }
         // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
@@ -174,7 +214,7 @@ impl Search<'_> {
         if !self.is_met() {
             self.run(self.extreme_descents(), Stage::Extremes, self.stage_budget())?;
             tried.extend(self.ledger.best().map(|best| best.design));
-            let starts = self.distinct_starts(&tried, STARTS);
+            let starts = self.distinct_starts(&tried, self.effort.starts);
             self.polish(&starts)?;
         }
         // 5. With all evaluations left, what was cut short.
@@ -194,14 +234,14 @@ impl Search<'_> {
         };
         self.run(from(self, starts, Method::GaussNewton), Stage::Polishing, self.stage_budget())?;
         if !self.is_comfortable() {
-            let starts = self.distinct_starts(&[], SIMPLEX_STARTS);
+            let starts = self.distinct_starts(&[], self.effort.simplex_starts);
             self.run(from(self, &starts, Method::Simplex), Stage::Polishing, self.stage_budget())?;
         }
         Ok(())
     }
 
     fn descent(&self, grid: Grid, start: Pattern, objective: Objective, method: Method) -> Descent {
-        Descent::new(grid, start, self.cost(objective), method)
+        Descent::new(grid, start, self.cost(objective), method).with_simplex(self.effort.edge, self.effort.collapsed)
     }
 
     fn cost(&self, objective: Objective) -> Cost {
@@ -332,52 +372,4 @@ impl Search<'_> {
     fn is_comfortable(&self) -> bool {
         self.ledger.best().is_some_and(|best| best.meets_target() && best.misfit.rms <= COMFORTABLE_RMS)
     }
-
-    fn outcome(self, status: Status) -> Result<SearchOutcome, SearchError> {
-        let Some(best) = self.ledger.best().cloned() else { return Err(self.every_trial_failed()) };
-        let mut history = Vec::new();
-        let mut leader: Option<&Candidate> = None;
-        for (index, record) in self.ledger.records().iter().enumerate() {
-            if let Some(candidate) = record.candidate()
-                && leader.is_none_or(|leader| candidate.is_better_than(leader))
-            {
-                leader = Some(candidate);
-                let (misfit, feasible) = (candidate.misfit, candidate.violations.is_empty());
-                history.push(HistoryPoint { evaluation: index + 1, misfit, feasible });
-            }
-        }
-        let alternatives = self.alternatives(&best);
-        let reachable = self.reachable();
-        let (evaluations, failed_trials) = (self.ledger.records().len(), failed_trials(&self.ledger));
-        Ok(SearchOutcome { status, best, alternatives, evaluations, failed_trials, reachable, history })
-    }
-
-    fn alternatives(&self, best: &Candidate) -> Vec<Candidate> {
-        let mut meeting: Vec<&Candidate> =
-            self.ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
-        meeting.sort_by(|left, right| left.misfit.rms.total_cmp(&right.misfit.rms));
-        let mut alternatives: Vec<Candidate> = Vec::new();
-        for candidate in meeting {
-            let is_unlike =
-                |other: &Candidate| self.grid.distance(&candidate.design, &other.design) >= ALTERNATIVE_DISTANCE;
-            if alternatives.len() < ALTERNATIVES && is_unlike(best) && alternatives.iter().all(is_unlike) {
-                alternatives.push(candidate.clone());
-            }
-        }
-        alternatives
-    }
-
-    fn reachable(&self) -> Vec<ReachableRange> {
-        let points = self.evaluator.target.points().iter().enumerate();
-        let range = |(index, point): (usize, &crate::TargetPoint)| {
-            let values = || self.ledger.feasible().map(|candidate| candidate.response.value[index]);
-            let (lowest, highest) = (values().reduce(f64::min)?, values().reduce(f64::max)?);
-            Some(ReachableRange { pressure_pa: point.pressure_pa, lowest, highest })
-        };
-        points.filter_map(range).collect()
-    }
-}
-
-fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
-    ledger.records().iter().filter_map(|record| record.failure().cloned()).collect()
 }

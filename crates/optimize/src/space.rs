@@ -5,9 +5,9 @@
 //! (or [`DEPTH_STEP_M`] where no burst is given), width and spacing to [`POSITION_STEP_M`]. So every
 //! number that a search reports belongs to a design that can be made, not to one rounded afterwards.
 
-use crate::SearchError;
 use crate::error::positive;
 use crate::sequence::MOST_DIMENSIONS;
+use crate::{Response, SearchError, Violation};
 use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Planform, Texture};
 
 /// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
@@ -94,6 +94,21 @@ pub struct Constraints {
     pub limits: ManufacturingLimits,
     /// Largest local contact pressure allowed, in pascals.
     pub max_peak_pressure_pa: Option<f64>,
+}
+
+impl Constraints {
+    /// What `design` breaks, with the peak pressure of `response`.
+    #[must_use]
+    pub fn violations(&self, design: &Pattern, response: &Response) -> Vec<Violation> {
+        let mut violations: Vec<_> = self.limits.violations(design).into_iter().map(Violation::Limit).collect();
+        if let Some(max_peak_pressure_pa) = self.max_peak_pressure_pa
+            && response.peak_pressure_pa > max_peak_pressure_pa
+        {
+            let peak_pressure_pa = response.peak_pressure_pa;
+            violations.push(Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa });
+        }
+        violations
+    }
 }
 
 /// How the values of one dimension are spaced.

@@ -98,6 +98,7 @@ struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
     from_rest: Option<bool>,
+    dimensions: Option<Spanned<u64>>,
 }
 
 /// Where the material comes from.
@@ -138,6 +139,8 @@ pub struct Design {
     pub max_evaluations: usize,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
+    /// Dimensions of the model, 2 or 3; what the texture needs when absent.
+    pub dimensions: Option<u8>,
     document: Document,
     condition_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
@@ -174,7 +177,10 @@ impl Design {
                 .expected(format!("depths below {layer_um} um")));
         }
         let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
-        require_section(&document, file.pattern.get_ref(), &texture)?;
+        let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
+        if dimensions == Some(2) {
+            require_section(&document, file.pattern.get_ref(), &texture)?;
+        }
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let laser = read_laser(&document, &file)?;
@@ -206,6 +212,7 @@ impl Design {
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
             from_rest: file.search.from_rest.unwrap_or(false),
+            dimensions,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             document,
@@ -238,6 +245,16 @@ impl Design {
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
         Diagnostic::file(self.document.path(), reason)
     }
+}
+
+fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Result<Option<u8>, Diagnostic> {
+    dimensions
+        .map(|dimensions| match dimensions.get_ref() {
+            2 => Ok(2),
+            3 => Ok(3),
+            _ => Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
+        })
+        .transpose()
 }
 
 /// The name of a target's quantity in files.

@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use slipgrid_material::Material;
-use slipgrid_optimize::{Candidate, Quantity, SearchError, SearchOptions, SearchOutcome, Status, search};
+use slipgrid_optimize::{
+    Candidate, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Status, search,
+    search_guided,
+};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     self as springblock, Extent, Fidelity, Load, LoadOutcome, RunOptions, Scene, SceneError, Simulation, simulate,
@@ -27,7 +30,7 @@ use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json};
-use crate::units::PRESSURE_MPA;
+use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use model::SteadyCell;
@@ -91,6 +94,12 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     pictures::simulation(&confirming, confirmed, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
+    // What the vertical plane leaves out needs saying, and only of patterns that have it.
+    let is_solid = found.model.is_solid();
+    let sectioned = Some(&pattern).filter(|_| !is_solid);
+    let mut model = confirmed.model.clone();
+    model.extend(found.statements());
+    model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {
         program: "slipgrid",
         version: VERSION,
@@ -98,19 +107,23 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         status: found.status.name(),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
-        section_model: pattern.dimensions() > 2,
+        dimensions: if is_solid { 3 } else { 2 },
+        section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
+        fidelity: found.confirming.fidelity.name(),
+        extent: found.confirming.extent.name(),
         target: (&design.target).into(),
-        predicted: load_reports(predicted, Some(&pattern), &outside),
+        predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
-        confirmed: load_reports(confirmed, Some(&pattern), &outside),
+        confirmed: load_reports(confirmed, sectioned, &outside),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
         reachable: found.reachable.clone(),
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
+        solid_evaluations: found.solid_evaluations,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
-        model: confirmed.model.iter().cloned().chain(model_notes(Some(&pattern), &material.provenance)).collect(),
+        model,
         material: material_report,
         specimen: (&design.outline).into(),
         laser: design.laser,
@@ -150,11 +163,13 @@ fn default_folder(design: &Path) -> PathBuf {
 /// Searches and confirmations in turn, until a confirmed design meets the target.
 struct Rounds {
     model: SteadyCell,
+    guidance: Guidance,
     confirming: RunOptions,
     scene: Scene,
     status: Status,
     rounds: usize,
     evaluations: usize,
+    solid_evaluations: usize,
     failed_trials: usize,
     best: Option<Candidate>,
     predicted: Option<Simulation>,
@@ -176,7 +191,14 @@ const MOST_TRAVEL_M: f64 = 8e-6;
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
 fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
     let bar = Progress::start("flat sample", console.quiet);
-    let run = RunOptions { warm_start: true, sliding_m: WARM_TRAVEL_M, ..scene.run };
+    // On the sample that the coefficients were calibrated on, in as many dimensions as there.
+    let run = RunOptions {
+        warm_start: true,
+        sliding_m: WARM_TRAVEL_M,
+        extent: Extent::Sample,
+        dimensions: None,
+        ..scene.run
+    };
     let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
     bar.finish();
     Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
@@ -191,11 +213,13 @@ impl Rounds {
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<Self, CliError> {
+        let is_solid = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
         let from_rest = RunOptions {
             fidelity: Fidelity::Dynamic,
-            extent: Extent::Sample,
+            // A whole specimen in space is hundreds of cells and a billion blocks.
+            extent: if is_solid { Extent::Cell } else { Extent::Sample },
             seed: design.seed,
-            dimensions: Some(2),
+            dimensions: if is_solid { design.dimensions } else { Some(2) },
             ..RunOptions::default()
         };
         // Nobody asked for static friction: start where sliding is about to begin.
@@ -221,12 +245,14 @@ impl Rounds {
         };
         timings.flat = started.elapsed().as_secs_f64();
         Ok(Self {
-            model: SteadyCell::new(&scene, flat_mu),
+            model: SteadyCell::new(&scene, &design.space, flat_mu),
+            guidance: Guidance::new(),
             confirming,
             scene,
             status: Status::Budget,
             rounds: 0,
             evaluations: 0,
+            solid_evaluations: 0,
             failed_trials: 0,
             best: None,
             predicted: None,
@@ -268,6 +294,29 @@ impl Rounds {
         Ok(())
     }
 
+    /// How designs were searched in space, beside what the confirming run says of itself.
+    fn statements(&self) -> Vec<String> {
+        if !self.model.is_solid() {
+            return Vec::new();
+        }
+        let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
+        let block_um = um(self.scene.layer.block_m);
+        let mut statements = vec![match self.model.guide() {
+            Some((_, guide_m)) => format!(
+                "searched in space: steady cells in blocks of {block_um} um judge {} designs, which cells in blocks of {} um, corrected by them, found among {}",
+                self.solid_evaluations,
+                um(guide_m),
+                self.evaluations,
+            ),
+            None => format!("searched in space: steady cells in blocks of {block_um} um"),
+        }];
+        statements.push(format!(
+            "confirmed in time on one cell in space: a specimen {} um long and as wide is beyond reach",
+            um(self.scene.layer.length_m),
+        ));
+        statements
+    }
+
     /// Corrects the model at the confirmed design; returns the largest change.
     fn correct(&mut self) -> f64 {
         match (&self.best, &self.confirmed) {
@@ -284,10 +333,18 @@ impl Rounds {
     ) -> Result<SearchOutcome, CliError> {
         let options = SearchOptions { seed: design.seed, max_evaluations: design.max_evaluations - self.evaluations };
         let bar = Progress::start("search", console.quiet);
-        let outcome = search(&design.target, &design.space, &design.constraints, &options, &self.model, &|progress| {
+        let progress = |progress: SearchProgress| {
             bar.set(progress.evaluations as f64 / progress.max_evaluations as f64);
             ControlFlow::Continue(())
-        });
+        };
+        let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
+        let outcome = match self.model.guide() {
+            None => search(target, space, constraints, &options, &self.model, &progress),
+            Some((guide, _)) => {
+                let guidance = &mut self.guidance;
+                search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &progress)
+            }
+        };
         timings.search += bar.finish();
         let outcome = outcome.map_err(|error| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
@@ -296,7 +353,10 @@ impl Rounds {
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
-        self.evaluations += outcome.evaluations;
+        self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
+        if self.model.is_solid() {
+            self.solid_evaluations += outcome.evaluations;
+        }
         self.failed_trials += outcome.failed_trials.len();
         self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
         self.reachable = outcome

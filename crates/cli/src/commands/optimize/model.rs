@@ -1,15 +1,27 @@
-//! The model that the search asks: the steady cell.
+//! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
-use slipgrid_optimize::{ForwardModel, ModelFailure, Response};
+use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, LoadOutcome, RunOptions, Scene, SceneError, SectionModel, Simulation, Status, Unwatched, simulate,
+    Extent, Fidelity, LoadOutcome, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation, SolidModel,
+    Status, Unwatched, simulate,
 };
+
+/// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
+/// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
+const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
+/// Rows that the guide's layer keeps, and blocks that the shortest pitch keeps.
+const LEAST_GUIDE_ROWS: usize = 4;
+const LEAST_GUIDE_PITCH: f64 = 2.0;
+/// Most memory of one three-dimensional cell, in bytes: several are solved side by side.
+const MOST_CELL_BYTES: f64 = (1_u64 << 30) as f64;
 
 /// Friction of a design by the steady cell, with what confirming runs found the model to miss.
 pub struct SteadyCell {
     scene: Scene,
-    section: SectionModel,
+    solver: Solver,
+    /// The same in larger blocks, where space makes it worth while.
+    guide: Option<(Scene, Solver)>,
     /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself:
     /// the ratio hardly depends on time, friction itself lies above steady sliding.
     flat_mu: Option<Vec<f64>>,
@@ -17,19 +29,79 @@ pub struct SteadyCell {
     correction: Vec<f64>,
 }
 
+/// What solves steady cells.
+enum Solver {
+    /// In the vertical plane along the sliding direction.
+    Section(SectionModel),
+    /// In space.
+    Solid(SolidModel),
+}
+
+impl Solver {
+    fn new(scene: &Scene, dimensions: u8) -> Self {
+        if dimensions == 3 { Self::Solid(SolidModel::new(scene)) } else { Self::Section(SectionModel::new(scene)) }
+    }
+
+    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
+        match self {
+            Self::Section(model) => Ok(model.solve(design)),
+            Self::Solid(model) if model.bytes(design) > MOST_CELL_BYTES => Err(ModelFailure::Trial {
+                reason: format!("its cell takes {:.1e} bytes, more than {MOST_CELL_BYTES:.1e}", model.bytes(design)),
+            }),
+            Self::Solid(model) => Ok(model.solve(design)),
+        }
+    }
+}
+
 impl SteadyCell {
-    /// A model of the material, layer and loads of `scene`. With `flat_mu`, the dynamic friction of
-    /// the flat sample at each load, it gives dynamic friction, without it the ratio.
+    /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`. With `flat_mu`,
+    /// the dynamic friction of the flat sample at each load, it gives dynamic friction, without it the ratio.
     #[must_use]
-    pub fn new(scene: &Scene, flat_mu: Option<Vec<f64>>) -> Self {
+    pub fn new(scene: &Scene, space: &DesignSpace, flat_mu: Option<Vec<f64>>) -> Self {
+        let dimensions = scene.run.dimensions.unwrap_or_else(|| space.texture().dimensions());
         let run = RunOptions {
             fidelity: Fidelity::Steady,
             extent: Extent::Cell,
-            dimensions: Some(2),
+            dimensions: scene.run.dimensions,
             ..RunOptions::default()
         };
         let scene = Scene { pattern: None, run, ..scene.clone() };
-        Self { section: SectionModel::new(&scene), flat_mu, correction: vec![0.0; scene.loads.len()], scene }
+        let rows = scene.layer.rows();
+        let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
+        let serves = |factor: &usize| {
+            rows.is_multiple_of(*factor)
+                && rows / factor >= LEAST_GUIDE_ROWS
+                && shortest_pitch_m >= LEAST_GUIDE_PITCH * scene.layer.block_m * *factor as f64
+        };
+        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| dimensions == 3).map(|factor| {
+            let mut coarse = scene.clone();
+            coarse.layer.block_m *= factor as f64;
+            // The cell knows no specimen: any whole number of blocks does.
+            coarse.layer.length_m = coarse.layer.height_m;
+            let solver = Solver::new(&coarse, dimensions);
+            (coarse, solver)
+        });
+        Self {
+            solver: Solver::new(&scene, dimensions),
+            guide,
+            flat_mu,
+            correction: vec![0.0; scene.loads.len()],
+            scene,
+        }
+    }
+
+    /// Whether designs are solved in space.
+    #[must_use]
+    pub const fn is_solid(&self) -> bool {
+        matches!(self.solver, Solver::Solid(_))
+    }
+
+    /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
+    /// vertical plane, and where the layer or the shortest pitch takes no larger blocks.
+    #[must_use]
+    pub fn guide(&self) -> Option<(impl ForwardModel, f64)> {
+        let (scene, solver) = self.guide.as_ref()?;
+        Some((move |design: &Pattern| self.ask(scene, solver, design), scene.layer.block_m))
     }
 
     /// The scene of a design.
@@ -67,15 +139,15 @@ impl SteadyCell {
         let value = |load: &LoadOutcome| if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
         simulation.loads.iter().map(value).collect()
     }
-}
 
-impl ForwardModel for SteadyCell {
-    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+    /// What `solver`, made of `scene`, says of `design`.
+    fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
-        self.scene(design).validate().map_err(|error| trial(error.to_string()))?;
+        let scene = Scene { pattern: Some(*design), ..scene.clone() };
+        scene.validate().map_err(|error| trial(error.to_string()))?;
         let mut value = Vec::new();
         let mut peak_pressure_pa = 0.0_f64;
-        for (load, outcome) in self.section.solve(design).iter().enumerate() {
+        for (load, outcome) in solver.solve(design)?.iter().enumerate() {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
                 return Err(trial(format!("steady run: {}", surface.status.name())));
@@ -89,6 +161,12 @@ impl ForwardModel for SteadyCell {
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
         }
         Ok(Response { value, peak_pressure_pa })
+    }
+}
+
+impl ForwardModel for SteadyCell {
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        self.ask(&self.scene, &self.solver, design)
     }
 }
 
@@ -112,29 +190,65 @@ mod tests {
         }
     }
 
+    fn space(planform: Planform) -> DesignSpace {
+        DesignSpace::new(planform, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
+    }
+
     #[test]
     fn the_search_sees_what_simulate_reports() {
-        let design = Pattern::new(Planform::Groove, 130.3e-6, 371e-6, 13e-6).unwrap();
         let flat_mu = [0.28, 0.25];
-        for flat in [None, Some(flat_mu.to_vec())] {
-            let model = SteadyCell::new(&scene(), flat.clone());
-            let response = model.respond(&design).unwrap();
-            let simulation = model.simulate(&design).unwrap();
-            for (load, outcome) in simulation.loads.iter().enumerate() {
-                let expected = outcome.ratio.unwrap() * if flat.is_some() { flat_mu[load] } else { 1.0 };
-                assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
+        for (planform, dimensions, expected) in
+            [(Planform::Groove, None, 2), (Planform::Square, None, 3), (Planform::Square, Some(2), 2)]
+        {
+            let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
+            for flat in [None, Some(flat_mu.to_vec())] {
+                let run = RunOptions { dimensions, ..RunOptions::default() };
+                let model = SteadyCell::new(&Scene { run, ..scene() }, &space(planform), flat.clone());
+                assert_eq!((model.is_solid(), model.scene(&design).dimensions()), (expected == 3, expected));
+                let response = model.respond(&design).unwrap();
+                let simulation = model.simulate(&design).unwrap();
+                for (load, outcome) in simulation.loads.iter().enumerate() {
+                    let expected = outcome.ratio.unwrap() * if flat.is_some() { flat_mu[load] } else { 1.0 };
+                    assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
+                }
+                let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+                assert!((response.peak_pressure_pa / peak - 1.0).abs() < 1e-9);
             }
-            let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-            assert!((response.peak_pressure_pa / peak - 1.0).abs() < 1e-9);
         }
         let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
-        assert!(matches!(SteadyCell::new(&scene(), None).respond(&deep), Err(ModelFailure::Trial { .. })));
+        let model = SteadyCell::new(&scene(), &space(Planform::Groove), None);
+        assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
+    }
+
+    #[test]
+    fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
+        let design = Pattern::new(Planform::Square, 130e-6, 170e-6, 20e-6).unwrap();
+        let mut model = SteadyCell::new(&scene(), &space(Planform::Square), None);
+        let own = model.respond(&design).unwrap().value;
+        let guided = |model: &SteadyCell| {
+            let (guide, block_m) = model.guide().unwrap();
+            assert!((block_m - 40e-6).abs() < 1e-12);
+            guide.respond(&design).unwrap().value
+        };
+        let before = guided(&model);
+        assert!(own.iter().zip(&before).all(|(own, guide)| own != guide && (own - guide).abs() < 0.01));
+        let mut confirmed = model.simulate(&design).unwrap();
+        for load in &mut confirmed.loads {
+            load.ratio = load.ratio.map(|ratio| ratio - 0.002);
+        }
+        model.correct(&own, &confirmed);
+        assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < 1e-9));
+        // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
+        assert!(SteadyCell::new(&scene(), &space(Planform::Groove), None).guide().is_none());
+        let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
+        let blocks_m = SteadyCell::new(&scene(), &narrow, None).guide().map(|(_, block_m)| block_m);
+        assert!((blocks_m.unwrap() - 20e-6).abs() < 1e-12);
     }
 
     #[test]
     fn a_corrected_model_gives_what_was_confirmed() {
         let design = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let mut model = SteadyCell::new(&scene(), None);
+        let mut model = SteadyCell::new(&scene(), &space(Planform::Groove), None);
         let before = model.respond(&design).unwrap().value;
         let mut confirmed = model.simulate(&design).unwrap();
         for load in &mut confirmed.loads {

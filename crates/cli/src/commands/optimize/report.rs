@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_export::{Laser, Outline};
 use slipgrid_optimize::{Quantity, Target};
 use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Extent, Fidelity};
 
 use crate::formats::design::quantity_name;
 use crate::report::Table;
@@ -26,8 +27,14 @@ pub struct DesignReport {
     pub design: PatternReport,
     /// Bursts per cavity; null where the design file gives no depth per burst.
     pub bursts: Option<u32>,
+    /// Dimensions of the model.
+    pub dimensions: u8,
     /// The vertical plane took a section of a planform that needs three dimensions.
     pub section_model: bool,
+    /// What confirmed the design.
+    pub fidelity: &'static str,
+    /// On how much of the specimen.
+    pub extent: &'static str,
     /// What was asked for.
     pub target: TargetReport,
     /// The steady cell at the target's pressures.
@@ -35,7 +42,7 @@ pub struct DesignReport {
     /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
     /// sample's dynamic friction where that is wanted, with what an earlier confirming run corrected.
     pub predicted_value: Vec<f64>,
-    /// The whole sample in time at the target's pressures.
+    /// The confirming run at the target's pressures.
     pub confirmed: Vec<LoadReport>,
     /// Largest distance from the target in tolerances.
     pub misfit: MisfitReport,
@@ -45,8 +52,10 @@ pub struct DesignReport {
     pub reachable: Vec<ReachableReport>,
     /// Other designs that the search's model found to meet the target.
     pub alternatives: Vec<PatternReport>,
-    /// Evaluations of the search's model.
+    /// Designs that the search's model, or its guide, was asked of.
     pub evaluations: usize,
+    /// Designs solved in space at the layer's own block size.
+    pub solid_evaluations: usize,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
     /// Searches made: each after the first corrected by the confirming run before it.
@@ -238,8 +247,12 @@ impl DesignReport {
                 fixed(predicted.map(|load| load.peak_pressure_mpa), 2),
             ]);
         }
-        text +=
-            &format!("  {} (predicted: steady cell; confirmed: whole sample in time)\n{table}", self.target.quantity);
+        text += &format!(
+            "  {} (predicted: steady cell{}; confirmed: {})\n{table}",
+            self.target.quantity,
+            self.in_space(),
+            self.confirmation()
+        );
         text += &format!(
             "\n  misfit {} of the tolerance {} predicted, {} confirmed\n",
             fixed(Some(self.misfit.predicted), 2),
@@ -266,8 +279,9 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
             self.evaluations,
+            if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
             timings.material,
             timings.flat,
@@ -276,6 +290,18 @@ impl DesignReport {
             timings.export
         );
         text
+    }
+
+    fn in_space(&self) -> &'static str {
+        if self.dimensions == 3 { " in space" } else { "" }
+    }
+
+    /// What confirmed the design, in words.
+    #[must_use]
+    pub fn confirmation(&self) -> String {
+        let extent = if self.extent == Extent::Sample.name() { "whole sample" } else { "cell" };
+        let time = if self.fidelity == Fidelity::Steady.name() { ", steady" } else { " in time" };
+        format!("{extent}{}{time}", self.in_space())
     }
 
     /// The status in words, with what it holds for where a section stands for the planform.

@@ -223,8 +223,8 @@ fn model_notes(args: &ValidateArgs, pairs: &[Pair], patterns: &Patterns, surface
             .to_owned(),
     );
     notes.push(
-        "squares by the strip estimate, 1 - (width/pitch)(1 - ratio of the groove): strips between rows of cavities count \
-         as flat"
+        "squares of the same lengths by the same in space, nu = 1/4; their strip estimate, 1 - (width/pitch)(1 - ratio of \
+         the groove), counts strips between rows of cavities as flat"
             .to_owned(),
     );
     notes.extend(surface.iter().cloned());

@@ -5,8 +5,9 @@ use std::path::Path;
 use rayon::prelude::*;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome};
+use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome, SolidModel};
 
+use super::report::squares;
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
 use crate::progress::Progress;
@@ -38,8 +39,10 @@ pub struct Prediction {
     pub area_law_factor: f64,
     /// Local dynamic coefficient, mu_flat / f.
     pub dynamic_mean: f64,
-    /// What the solver found.
+    /// What the solver found of grooves.
     pub outcome: SectionOutcome,
+    /// What it found of square cavities of the same lengths, in space.
+    pub squares: SectionOutcome,
 }
 
 /// Solves every case at every point, in parallel: one list a case.
@@ -95,10 +98,18 @@ fn solve(elastic: Elastic, layer: Layer, case: &Case<'_>, points: &[FlatPoint]) 
         run: RunOptions::default(),
     };
     scene.validate().map_err(|error| error.to_string())?;
-    let outcomes = SectionModel::new(&scene).solve(&case.pattern);
-    let predictions = outcomes.into_iter().zip(coefficients);
+    let (grooves, squares) = rayon::join(
+        || SectionModel::new(&scene).solve(&case.pattern),
+        || SolidModel::new(&scene).solve(&squares(&case.pattern)),
+    );
+    let predictions = grooves.into_iter().zip(squares).zip(coefficients);
     Ok(predictions
-        .map(|(outcome, [area_law_factor, dynamic_mean])| Prediction { area_law_factor, dynamic_mean, outcome })
+        .map(|((outcome, squares), [area_law_factor, dynamic_mean])| Prediction {
+            area_law_factor,
+            dynamic_mean,
+            outcome,
+            squares,
+        })
         .collect())
 }
 
@@ -131,12 +142,18 @@ mod tests {
         assert!((heavy.outcome.mu_flat.unwrap() - 0.278).abs() < 1e-12);
         let ratio = |prediction: &Prediction| prediction.outcome.ratio.unwrap();
         assert!(ratio(heavy) < ratio(light) && ratio(light) < 1.0);
+        for prediction in [light, heavy] {
+            let squares = prediction.squares.ratio.unwrap();
+            assert!(squares > ratio(prediction) && squares < 1.0, "{squares}");
+            assert!((prediction.squares.mu_flat.unwrap() - prediction.outcome.mu_flat.unwrap()).abs() < 1e-12);
+        }
     }
 
     #[test]
     fn no_pattern_changes_friction_without_an_area_law() {
         for prediction in predicted(None, 20e-6) {
             assert!((prediction.outcome.ratio.unwrap() - 1.0).abs() < 1e-9);
+            assert!((prediction.squares.ratio.unwrap() - 1.0).abs() < 1e-9);
         }
     }
 }

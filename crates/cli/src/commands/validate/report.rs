@@ -28,7 +28,7 @@ pub struct ValidationReport {
     pub model: Vec<String>,
     /// The pattern that is modelled, as grooves.
     pub pattern: PatternReport,
-    /// The same as square cavities, for the strip estimate.
+    /// The same as square cavities.
     pub areal_density_square: f64,
     /// Depth of the measured cavities.
     pub measured_depth_um: f64,
@@ -84,18 +84,24 @@ pub struct ModelledRatio {
     pub dynamic_mean: f64,
     /// Ratio of the pattern as grooves.
     pub ratio_groove: Option<f64>,
-    /// Strip estimate of the ratio of square cavities.
+    /// Ratio of square cavities of the same lengths, in space.
+    pub ratio_square: Option<f64>,
+    /// Strip estimate of the same from the groove's ratio.
     pub ratio_square_estimate: Option<f64>,
-    /// Largest local pressure; it grows as blocks shrink.
+    /// Largest local pressure, grooves; it grows as blocks shrink.
     pub peak_pressure_mpa: f64,
+    /// Largest local pressure, squares.
+    pub peak_pressure_square_mpa: f64,
     /// Contact blocks under tension.
     pub tension_blocks: usize,
     /// A cavity's ceiling reaches the counterface.
     pub cavity_closed: bool,
     /// A pressure lies past the last of the area law.
     pub area_law_extrapolated: bool,
-    /// How the solve ended.
+    /// How the solve of grooves ended.
     pub status: &'static str,
+    /// How the solve of squares ended.
+    pub status_square: &'static str,
 }
 
 /// Averages over the conditions that are reported.
@@ -111,10 +117,14 @@ pub struct Summary {
     pub modelled: Vec<ModelledReduction>,
     /// Modelled over measured mean reduction as grooves, surface as given; null where nothing was reduced.
     pub explained_by_grooves: Option<f64>,
-    /// The same as square cavities, by the strip estimate.
+    /// The same as square cavities, in space.
     pub explained_by_squares: Option<f64>,
+    /// The same by the strip estimate.
+    pub explained_by_strip_estimate: Option<f64>,
     /// Mean change of the groove's ratio from the modelled to the measured depth.
     pub ratio_change_at_measured_depth: Option<f64>,
+    /// Mean change of the squares' ratio.
+    pub square_ratio_change_at_measured_depth: Option<f64>,
     /// The change that is largest in size.
     pub largest_ratio_change_at_measured_depth: Option<f64>,
 }
@@ -126,8 +136,10 @@ pub struct ModelledReduction {
     pub slope_factor: f64,
     /// Mean of 1 - ratio as grooves.
     pub groove: Option<f64>,
-    /// Mean of 1 - ratio as square cavities, by the strip estimate.
+    /// Mean of 1 - ratio as square cavities, in space.
     pub square: Option<f64>,
+    /// The same by the strip estimate.
+    pub square_estimate: Option<f64>,
 }
 
 /// A flat measurement and the patterned one at the same condition.
@@ -191,25 +203,28 @@ impl RatioReport {
 impl ModelledRatio {
     /// What `prediction` says of `pattern` on the surface of `law`.
     pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
-        let surface = &prediction.outcome.surface;
+        let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
         Self {
             slope_factor: law.slope_factor,
             rms_slope: law.rms_slope,
             area_law_factor: tidy(prediction.area_law_factor),
             dynamic_mean: tidy(prediction.dynamic_mean),
             ratio_groove: prediction.outcome.ratio,
+            ratio_square: prediction.squares.ratio,
             ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
-            tension_blocks: surface.tension_blocks,
-            cavity_closed: surface.cavity_closed,
-            area_law_extrapolated: surface.area_law_extrapolated,
+            peak_pressure_square_mpa: PRESSURE_MPA.from_si(square.peak_pressure_pa),
+            tension_blocks: surface.tension_blocks + square.tension_blocks,
+            cavity_closed: surface.cavity_closed || square.cavity_closed,
+            area_law_extrapolated: surface.area_law_extrapolated || square.area_law_extrapolated,
             status: surface.status.name(),
+            status_square: square.status.name(),
         }
     }
 
-    /// Whether the solve converged.
+    /// Whether both solves converged.
     pub fn has_converged(&self) -> bool {
-        self.status == Status::Converged.name()
+        [self.status, self.status_square].iter().all(|status| *status == Status::Converged.name())
     }
 }
 
@@ -240,23 +255,28 @@ impl Summary {
                 ModelledReduction {
                     slope_factor,
                     groove: reduction(|modelled| modelled.ratio_groove),
-                    square: reduction(|modelled| modelled.ratio_square_estimate),
+                    square: reduction(|modelled| modelled.ratio_square),
+                    square_estimate: reduction(|modelled| modelled.ratio_square_estimate),
                 }
             })
             .collect();
         let given = modelled.iter().find(|modelled| modelled.slope_factor == 1.0);
         let explained =
             |reduction: Option<f64>| Some(reduction? / reduction_measured).filter(|_| reduction_measured > 0.0);
-        let changes: Option<Vec<f64>> = rows
-            .iter()
-            .map(|row| Some(row.modelled_at_measured_depth.as_ref()?.ratio_groove? - row.at_slope(1.0)?.ratio_groove?))
-            .collect();
+        let changes_of = |ratio: fn(&ModelledRatio) -> Option<f64>| -> Option<Vec<f64>> {
+            let change =
+                |row: &RatioReport| Some(ratio(row.modelled_at_measured_depth.as_ref()?)? - ratio(row.at_slope(1.0)?)?);
+            rows.iter().map(change).collect()
+        };
+        let changes = changes_of(|modelled| modelled.ratio_groove);
         Self {
             conditions: rows.len(),
             reduction_measured,
             reduction_measured_std: standard_deviation(&measured),
             explained_by_grooves: given.and_then(|given| explained(given.groove)),
             explained_by_squares: given.and_then(|given| explained(given.square)),
+            explained_by_strip_estimate: given.and_then(|given| explained(given.square_estimate)),
+            square_ratio_change_at_measured_depth: changes_of(|modelled| modelled.ratio_square).as_deref().map(mean),
             ratio_change_at_measured_depth: changes.as_deref().map(mean),
             largest_ratio_change_at_measured_depth: changes
                 .and_then(|changes| changes.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))),
@@ -292,12 +312,15 @@ mod tests {
             area_law_factor: 1.0,
             dynamic_mean: 0.3,
             ratio_groove,
+            ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
             ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
             peak_pressure_mpa: 1.0,
+            peak_pressure_square_mpa: 1.0,
             tension_blocks: 0,
             cavity_closed: false,
             area_law_extrapolated: false,
             status: "converged",
+            status_square: "converged",
         };
         RatioReport {
             force_n: 50.0,
@@ -322,7 +345,9 @@ mod tests {
         assert!((summary.reduction_measured_std.unwrap() - 0.125 / 2.0_f64.sqrt()).abs() < 1e-15);
         assert_eq!((summary.modelled[0].groove, summary.modelled[1].groove), (None, Some(0.125)));
         assert_eq!(summary.explained_by_grooves, Some(0.125 / 0.1875));
-        assert_eq!(summary.explained_by_squares, Some(0.25 * 0.125 / 0.1875));
+        assert_eq!(summary.explained_by_squares, Some(0.125 * 0.125 / 0.1875));
+        assert_eq!(summary.explained_by_strip_estimate, Some(0.25 * 0.125 / 0.1875));
+        assert_eq!(summary.square_ratio_change_at_measured_depth, Some(0.125 * 0.03125));
         assert_eq!(summary.ratio_change_at_measured_depth, Some(0.03125));
         assert_eq!(summary.largest_ratio_change_at_measured_depth, Some(0.125));
     }

@@ -19,7 +19,7 @@ pub fn table(report: &ValidationReport) -> String {
             .map(Into::into)
             .into();
     for factor in &report.slope_factors {
-        header.extend([format!("groove {factor}x"), format!("square {factor}x")]);
+        header.extend([format!("groove {factor}x"), format!("square {factor}x"), format!("strip {factor}x")]);
     }
     let mut table = Table::new(header.iter().map(String::as_str));
     for row in &report.results {
@@ -37,12 +37,13 @@ pub fn table(report: &ValidationReport) -> String {
         for &factor in &report.slope_factors {
             let modelled = row.at_slope(factor);
             cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_groove), 3));
+            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_square), 3));
             cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_square_estimate), 3));
         }
         table.row(cells);
     }
     text += &format!(
-        "\nRatios, patterned over flat, at slopes of the surface times {}\n\n{table}\n",
+        "\nRatios, patterned over flat, at slopes of the surface times {}; square: in space, strip: their estimate from the groove\n\n{table}\n",
         listed(&report.slope_factors)
     );
     for statement in statements(report) {
@@ -74,16 +75,17 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
     )];
     if let Some(given) = summary.modelled.iter().find(|modelled| modelled.slope_factor == 1.0) {
         said.push(format!(
-            "Modelled: by {} as grooves ({} of the surface), by {} as square cavities ({}, strip estimate).",
+            "Modelled: by {} as grooves ({} of the surface), by {} as square cavities ({}, in space; {} by the strip estimate).",
             percent(given.groove),
             percent(Some(pattern.areal_density)),
             percent(given.square),
             percent(Some(report.areal_density_square)),
+            percent(given.square_estimate),
         ));
     }
     said.push(match (summary.explained_by_grooves, summary.explained_by_squares) {
         (Some(grooves), Some(squares)) => format!(
-            "The area law alone explains {:.0} % of the measured reduction if the cavities were grooves, {:.0} % if they are squares.",
+            "The area law alone explains {:.0} % of the measured reduction if the cavities were grooves, {:.0} % as the squares they are: the rest comes from elsewhere, or from another surface.",
             100.0 * grooves,
             100.0 * squares
         ),
@@ -110,12 +112,13 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
         (summary.ratio_change_at_measured_depth, summary.largest_ratio_change_at_measured_depth)
     {
         said.push(format!(
-            "Depth: {} um is modelled, {} um was measured. At {} um the groove's ratio changes by {} on average, by {} at most.",
+            "Depth: {} um is modelled, {} um was measured. At {} um the groove's ratio changes by {} on average, by {} at most, that of squares by {}.",
             pattern.depth_um,
             report.measured_depth_um,
             report.measured_depth_um,
             signed(mean),
             signed(largest),
+            summary.square_ratio_change_at_measured_depth.map_or_else(|| "-".to_owned(), signed),
         ));
     }
     if report.synthetic_surface {
@@ -176,7 +179,7 @@ fn warnings(report: &ValidationReport) -> Vec<String> {
 pub fn csv(report: &ValidationReport) -> String {
     let mut text = String::from(
         "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_patterned,ratio,ratio_std,ratio_amontons_coulomb,\
-         depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_square_estimate\n",
+         depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_square,ratio_square_estimate\n",
     );
     let or_empty = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for row in &report.results {
@@ -186,7 +189,7 @@ pub fn csv(report: &ValidationReport) -> String {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{}",
+                "{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{},{}",
                 row.force_n,
                 row.pressure_mpa,
                 row.speed_mm_s,
@@ -201,6 +204,7 @@ pub fn csv(report: &ValidationReport) -> String {
                 modelled.area_law_factor,
                 modelled.dynamic_mean,
                 or_empty(modelled.ratio_groove),
+                or_empty(modelled.ratio_square),
                 or_empty(modelled.ratio_square_estimate),
             );
         }
@@ -234,6 +238,11 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
     for factor in factors {
         let label = if factor == 1.0 { "grooves".to_owned() } else { format!("grooves, {factor} times the slope") };
         columns.push((label, column(&|row| row.at_slope(factor)?.ratio_groove)));
+    }
+    columns.push(("squares, in space".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square)));
+    if report.results.iter().any(|row| row.modelled_at_measured_depth.is_some()) {
+        let label = format!("squares {} µm deep, in space", report.measured_depth_um);
+        columns.push((label, column(&|row| row.modelled_at_measured_depth.as_ref()?.ratio_square)));
     }
     columns.push(("squares, strip estimate".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square_estimate)));
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();

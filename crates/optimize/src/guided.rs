@@ -1,0 +1,214 @@
+//! Search with a dear model along a cheap one.
+
+use crate::guidance::{Correction, Guidance};
+use crate::ledger::{Evaluator, Interruption, Key, Ledger, Record, key};
+use crate::search::search_along;
+use crate::space::Grid;
+use crate::{
+    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, ForwardModel, ModelFailure, Response, SearchError,
+    SearchOptions, SearchOutcome, SearchProgress, Stage, Status, Target, summary,
+};
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Searches along the corrected guide. Differences that are smooth settle in three or four.
+const MOST_ROUNDS: usize = 12;
+/// Searches after the one that met the target, to come closer to it.
+const MORE_ONCE_MET: usize = 2;
+/// The corrected guide has settled where it misses the model by less, in tolerances: at the best designs it found,
+/// and at those of lowest and highest value, where an extreme by the model itself is only as much beyond.
+const SETTLED: f64 = 0.1;
+const SETTLED_EXTREMES: f64 = 0.5;
+/// The model's failure at a design holds within this distance, as a share of the bounds.
+const FAILURE_REACH: f64 = 0.02;
+
+/// As [`search`], where `model` is dear and `guide` is a cheap model that differs from it little, or smoothly.
+///
+/// The whole space is searched along the guide, corrected by what is known of its differences from the model
+/// (`guidance`, which grows). The model then judges what this found: the best design, its alternatives and,
+/// where the target was out of reach, the designs of lowest and highest value; and the search begins again with
+/// what that taught, until the model itself meets the target, or the corrected guide agrees with it at all
+/// these designs and still says that none does. The response of every design in the outcome is the model's own;
+/// `evaluations` counts its answers, `guide_evaluations` the designs that the guide was asked of, both limited
+/// by the options' `max_evaluations`.
+///
+/// # Errors
+/// As [`search`], for either model.
+#[allow(clippy::too_many_arguments, reason = "those of search, and the two that make it guided")]
+pub fn search_guided(
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    model: &dyn ForwardModel,
+    guide: &dyn ForwardModel,
+    guidance: &mut Guidance,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
+    let grid = Grid::new(space, constraints)?;
+    let guide = Remembered { guide, answers: Mutex::new(BTreeMap::new()) };
+    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
+    let mut judge = Judge { evaluator, ledger: Ledger::default(), failures: Vec::new() };
+    // Had no round ended otherwise, guide and model would never have come to agree.
+    let mut ending = Status::Budget;
+    let mut rounds_met = 0;
+    for _ in 0..MOST_ROUNDS {
+        let left = options.max_evaluations.saturating_sub(guide.len());
+        if left == 0 {
+            break;
+        }
+        let correction = guidance.correction(&grid, target.points().len());
+        let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
+        let along = SearchOptions { max_evaluations: left, ..*options };
+        let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
+        if found.status == Status::Cancelled {
+            ending = Status::Cancelled;
+            break;
+        }
+        // Both are of designs that the search has asked the guide of: nothing is computed here.
+        let asked: Vec<(Pattern, Response, Response)> = judge
+            .unjudged(&found)
+            .into_iter()
+            .filter_map(|design| Some((design, corrected.respond(&design).ok()?, guide.respond(&design).ok()?)))
+            .collect();
+        let records = match judge.ask(asked.iter().map(|(design, ..)| *design).collect()) {
+            Ok(records) => records,
+            Err(Interruption::Budget) => break,
+            Err(Interruption::Cancelled) => {
+                ending = Status::Cancelled;
+                break;
+            }
+            Err(Interruption::Error(error)) => return Err(error),
+        };
+        let mut agree = true;
+        for (record, (design, expected, guided)) in records.iter().zip(&asked) {
+            agree &= match record {
+                Record::Computed(candidate) => {
+                    guidance.learn(*design, &candidate.response, guided);
+                    let most = if *design == found.best.design { SETTLED } else { SETTLED_EXTREMES };
+                    difference(&candidate.response, expected) <= most * target.tolerance()
+                        && candidate.violations.len() == constraints.violations(design, expected).len()
+                }
+                Record::Failed(_) => false,
+            };
+        }
+        rounds_met += usize::from(judge.best().is_some_and(Candidate::meets_target));
+        let has_settled = found.status == Status::Unreachable && agree;
+        if judge.is_comfortable() || rounds_met > MORE_ONCE_MET || records.is_empty() || has_settled {
+            // Where the guide still says that the target is met, the model does not follow it.
+            ending = if found.status == Status::Met { Status::Budget } else { found.status };
+            break;
+        }
+    }
+    if judge.ledger.records().is_empty() && ending == Status::Cancelled {
+        return Err(SearchError::CancelledAtStart);
+    }
+    let status = if judge.best().is_some_and(Candidate::meets_target) { Status::Met } else { ending };
+    let outcome = summary::outcome(&judge.ledger, &grid, target, status)?;
+    Ok(SearchOutcome { guide_evaluations: guide.len(), ..outcome })
+}
+
+/// Largest difference of two responses' values.
+fn difference(left: &Response, right: &Response) -> f64 {
+    left.value.iter().zip(&right.value).map(|(left, right)| (left - right).abs()).fold(0.0, f64::max)
+}
+
+/// The model, and what it has said.
+struct Judge<'a> {
+    evaluator: Evaluator<'a>,
+    ledger: Ledger,
+    /// Designs that the model could not compute.
+    failures: Vec<Pattern>,
+}
+
+impl Judge<'_> {
+    /// The designs that `found` rests on and the model has not judged yet.
+    fn unjudged(&self, found: &SearchOutcome) -> Vec<Pattern> {
+        let mut designs: Vec<Pattern> = Vec::new();
+        let alternatives = found.alternatives.iter().map(|candidate| candidate.design);
+        let extremes = found.reachable.iter().flat_map(|range| [range.lowest_design, range.highest_design]);
+        let extremes = extremes.filter(|_| found.status != Status::Met);
+        for design in std::iter::once(found.best.design).chain(alternatives).chain(extremes) {
+            if !self.ledger.knows(&design) && !designs.contains(&design) {
+                designs.push(design);
+            }
+        }
+        designs
+    }
+
+    /// What the model says of `designs`, in parallel; all of it is kept.
+    fn ask(&mut self, designs: Vec<Pattern>) -> Result<Vec<Record>, Interruption> {
+        let evaluator = &self.evaluator;
+        if self.ledger.records().len() + designs.len() > evaluator.max_evaluations {
+            return Err(Interruption::Budget);
+        }
+        let answers: Vec<_> = designs.par_iter().map(|design| evaluator.evaluate(design, Stage::Judging)).collect();
+        let records = answers.into_iter().collect::<Result<Vec<Record>, Interruption>>()?;
+        self.failures.extend(records.iter().filter_map(Record::failure).map(|failed| failed.design));
+        self.ledger.absorb(records.clone());
+        Ok(records)
+    }
+
+    /// Designs that the model has judged and could compute.
+    fn seeds(&self) -> Vec<Pattern> {
+        self.ledger.candidates().map(|candidate| candidate.design).collect()
+    }
+
+    fn best(&self) -> Option<&Candidate> {
+        self.ledger.best()
+    }
+
+    fn is_comfortable(&self) -> bool {
+        self.best().is_some_and(|best| best.meets_target() && best.misfit.rms <= COMFORTABLE_RMS)
+    }
+}
+
+/// The guide, asked of each design once but where two threads come to one at the same time.
+struct Remembered<'a> {
+    guide: &'a dyn ForwardModel,
+    answers: Mutex<BTreeMap<Key, Result<Response, ModelFailure>>>,
+}
+
+impl Remembered<'_> {
+    /// Answers are whole when they enter: those of a panicking thread are as good as any.
+    fn answers(&self) -> MutexGuard<'_, BTreeMap<Key, Result<Response, ModelFailure>>> {
+        self.answers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Designs of which the guide was asked.
+    fn len(&self) -> usize {
+        self.answers().len()
+    }
+}
+
+impl ForwardModel for Remembered<'_> {
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        if let Some(known) = self.answers().get(&key(design)) {
+            return known.clone();
+        }
+        let answer = self.guide.respond(design);
+        self.answers().insert(key(design), answer.clone());
+        answer
+    }
+}
+
+/// The guide with what is known of its differences from the model.
+struct Corrected<'a> {
+    guide: &'a dyn ForwardModel,
+    correction: Correction,
+    grid: &'a Grid,
+    failures: &'a [Pattern],
+}
+
+impl ForwardModel for Corrected<'_> {
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        if self.failures.iter().any(|failed| self.grid.distance(failed, design) <= FAILURE_REACH) {
+            return Err(ModelFailure::Trial { reason: "the model could not compute a design like it".to_owned() });
+        }
+        let guided = self.guide.respond(design)?;
+        Ok(self.correction.apply(&self.grid.shares(design), &guided))
+    }
+}

@@ -1,0 +1,90 @@
+//! The outcome of a search, from all designs that it evaluated.
+
+use crate::ledger::{Ledger, Record};
+use crate::space::Grid;
+use crate::{
+    Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchError, SearchOutcome, Status, Target, TargetPoint,
+};
+
+/// Alternatives reported, and how unlike one another they are, as a share of the bounds.
+const ALTERNATIVES: usize = 4;
+const ALTERNATIVE_DISTANCE: f64 = 0.1;
+
+/// What the designs of `ledger` say of `target`.
+///
+/// # Errors
+/// [`SearchError::EveryTrialFailed`] where no design has a response.
+pub(crate) fn outcome(
+    ledger: &Ledger,
+    grid: &Grid,
+    target: &Target,
+    status: Status,
+) -> Result<SearchOutcome, SearchError> {
+    let Some(best) = ledger.best().cloned() else { return Err(every_trial_failed(ledger)) };
+    let mut history = Vec::new();
+    let mut leader: Option<&Candidate> = None;
+    for (index, record) in ledger.records().iter().enumerate() {
+        if let Some(candidate) = record.candidate()
+            && leader.is_none_or(|leader| candidate.is_better_than(leader))
+        {
+            leader = Some(candidate);
+            let (misfit, feasible) = (candidate.misfit, candidate.violations.is_empty());
+            history.push(HistoryPoint { evaluation: index + 1, misfit, feasible });
+        }
+    }
+    Ok(SearchOutcome {
+        status,
+        alternatives: alternatives(ledger, grid, &best),
+        best,
+        evaluations: ledger.records().len(),
+        guide_evaluations: 0,
+        failed_trials: failed_trials(ledger),
+        reachable: reachable(ledger, target),
+        history,
+    })
+}
+
+/// What is said where no design of `ledger` has a response.
+pub(crate) fn every_trial_failed(ledger: &Ledger) -> SearchError {
+    let failed = failed_trials(ledger);
+    let reason = failed.first().map_or_else(String::new, |trial| trial.reason.clone());
+    SearchError::EveryTrialFailed { trials: failed.len(), reason }
+}
+
+fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
+    ledger.records().iter().filter_map(Record::failure).cloned().collect()
+}
+
+fn alternatives(ledger: &Ledger, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
+    let mut meeting: Vec<&Candidate> = ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
+    meeting.sort_by(|left, right| left.misfit.rms.total_cmp(&right.misfit.rms));
+    let mut alternatives: Vec<Candidate> = Vec::new();
+    for candidate in meeting {
+        let is_unlike = |other: &Candidate| grid.distance(&candidate.design, &other.design) >= ALTERNATIVE_DISTANCE;
+        if alternatives.len() < ALTERNATIVES && is_unlike(best) && alternatives.iter().all(is_unlike) {
+            alternatives.push(candidate.clone());
+        }
+    }
+    alternatives
+}
+
+fn reachable(ledger: &Ledger, target: &Target) -> Vec<ReachableRange> {
+    let range = |(index, point): (usize, &TargetPoint)| {
+        let value = |candidate: &Candidate| candidate.response.value[index];
+        // The earliest of equals, either way.
+        let extreme = |is_beyond: fn(f64, f64) -> bool| {
+            ledger
+                .feasible()
+                .reduce(|extreme, next| if is_beyond(value(next), value(extreme)) { next } else { extreme })
+        };
+        let (lowest, highest) = (extreme(|a, b| a < b)?, extreme(|a, b| a > b)?);
+        Some(ReachableRange {
+            pressure_pa: point.pressure_pa,
+            lowest: value(lowest),
+            highest: value(highest),
+            lowest_design: lowest.design,
+            highest_design: highest.design,
+        })
+    };
+    target.points().iter().enumerate().filter_map(range).collect()
+}

@@ -1,0 +1,166 @@
+//! Searches with a dear model along a cheap one: they end where searches with the dear one alone do, at a
+//! fraction of its answers.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests may panic")]
+
+mod surface;
+
+use slipgrid_optimize::{
+    Constraints, Guidance, ModelFailure, Response, SearchError, SearchOptions, SearchOutcome, Status, Target,
+    search_guided,
+};
+use slipgrid_pattern::Pattern;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use surface::{
+    PRESSURES_PA, TOLERANCE, bursts, carry_on, design, peak, ratio, respond, run, seeded, space, target, target_of,
+};
+
+/// The surface as seen by a guide: off by up to three tolerances, by 20 % in the peak pressure, and rough at a
+/// tenth of a tolerance.
+fn guide(design: &Pattern) -> Result<Response, ModelFailure> {
+    let mut response = respond(design)?;
+    let (width, depth) = (design.width_m() / 400e-6, design.depth_m() / 50e-6);
+    for value in &mut response.value {
+        *value += 0.03 * width * (1.0 - depth) - 0.01 + 0.001 * (design.width_m() * 1e6).sin();
+    }
+    response.peak_pressure_pa *= 0.8 + 0.1 * width;
+    Ok(response)
+}
+
+fn guided(wanted: &Target, constraints: &Constraints, options: &SearchOptions) -> SearchOutcome {
+    let mut guidance = Guidance::new();
+    search_guided(wanted, &space(), constraints, options, &respond, &guide, &mut guidance, &carry_on).unwrap()
+}
+
+#[test]
+fn a_target_that_a_known_design_reaches_is_met_from_every_seed_by_few_answers() {
+    for (width_um, spacing_um, depth_um) in [(130.0, 370.0, 20.0), (60.0, 60.0, 10.0), (350.0, 900.0, 4.0)] {
+        let known = design(width_um, spacing_um, depth_um);
+        for constraints in [Constraints::default(), bursts(2.6)] {
+            let mut answers = 0;
+            for seed in 0..20 {
+                let outcome = guided(&target_of(&known), &constraints, &seeded(seed));
+                assert_eq!(outcome.status, Status::Met);
+                assert!(outcome.best.misfit.max <= 0.3, "{width_um} {seed}: {:?}", outcome.best.misfit);
+                // What is reported is the model's own.
+                for candidate in outcome.alternatives.iter().chain([&outcome.best]) {
+                    assert_eq!(candidate.response, respond(&candidate.design).unwrap());
+                }
+                answers += outcome.evaluations;
+                assert!(outcome.guide_evaluations < 400, "{}", outcome.guide_evaluations);
+            }
+            assert!(answers < 20 * 16, "{width_um}: {answers} answers from 20 seeds");
+        }
+    }
+}
+
+#[test]
+fn what_is_out_of_reach_is_said_with_the_models_own_range() {
+    for seed in 0..10 {
+        let wanted = target([0.5; 4]);
+        let (outcome, alone) = (
+            guided(&wanted, &Constraints::default(), &seeded(seed)),
+            run(&wanted, &Constraints::default(), &seeded(seed)),
+        );
+        assert_eq!(outcome.status, Status::Unreachable);
+        assert!(outcome.evaluations < 40, "{}", outcome.evaluations);
+        assert!(outcome.best.misfit.rms < alone.best.misfit.rms + 0.1);
+        for (range, alone) in outcome.reachable.iter().zip(&alone.reachable) {
+            assert!((range.lowest - alone.lowest).abs() < 0.5 * TOLERANCE, "{seed} {range:?} {alone:?}");
+            assert!((range.highest - alone.highest).abs() < 0.5 * TOLERANCE, "{seed} {range:?} {alone:?}");
+            let place = PRESSURES_PA.iter().position(|&pressure_pa| pressure_pa == range.pressure_pa).unwrap();
+            assert_eq!(range.lowest, ratio(&range.lowest_design, PRESSURES_PA[place]));
+        }
+    }
+}
+
+#[test]
+fn a_limit_that_the_guide_takes_too_lightly_binds_where_the_model_says() {
+    let wanted = target_of(&design(130.0, 370.0, 20.0));
+    let alone = run(&wanted, &peak(4.5), &seeded(1));
+    for seed in 0..10 {
+        let outcome = guided(&wanted, &peak(4.5), &seeded(seed));
+        assert_eq!((outcome.status, alone.status), (Status::Unreachable, Status::Unreachable));
+        assert!(outcome.best.violations.is_empty());
+        assert!(outcome.best.response.peak_pressure_pa > 0.97 * 4.5e6, "it binds");
+        let (own, alone) = (outcome.best.misfit.rms, alone.best.misfit.rms);
+        assert!(own < 1.05 * alone + 0.1, "{seed}: {own} {alone}");
+    }
+}
+
+#[test]
+fn the_outcome_and_what_was_learnt_are_the_same_at_any_number_of_threads() {
+    for wanted in [target_of(&design(130.0, 370.0, 20.0)), target([0.5; 4])] {
+        for max_evaluations in [60, 2000] {
+            let outcomes = [1, 2, 4].map(|threads| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let mut guidance = Guidance::new();
+                let options = SearchOptions { seed: 3, max_evaluations };
+                let outcome = pool.install(|| {
+                    let constraints = bursts(2.6);
+                    search_guided(&wanted, &space(), &constraints, &options, &respond, &guide, &mut guidance, &carry_on)
+                });
+                (outcome, guidance)
+            });
+            assert_eq!(outcomes[0], outcomes[1]);
+            assert_eq!(outcomes[0], outcomes[2]);
+        }
+    }
+}
+
+#[test]
+fn what_one_search_learnt_spares_the_next_its_answers() {
+    let mut guidance = Guidance::new();
+    let none = Constraints::default();
+    let mut answers = Vec::new();
+    for shift in [0.0, 0.002] {
+        let mut wanted = target_of(&design(130.0, 370.0, 20.0)).points().to_vec();
+        wanted.iter_mut().for_each(|point| point.value += shift);
+        let wanted = Target::new(slipgrid_optimize::Quantity::Ratio, wanted, TOLERANCE).unwrap();
+        let outcome =
+            search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &carry_on).unwrap();
+        assert_eq!(outcome.status, Status::Met);
+        answers.push(outcome.evaluations);
+    }
+    assert!(!guidance.is_empty() && answers[1] <= answers[0], "{answers:?}");
+}
+
+#[test]
+fn budgets_failures_and_cancelling() {
+    let wanted = target_of(&design(190.0, 370.0, 20.0));
+    let none = Constraints::default();
+    // Each kind of answer is limited.
+    for max_evaluations in [3, 50] {
+        let outcome = guided(&target([0.5; 4]), &none, &SearchOptions { seed: 1, max_evaluations });
+        assert_eq!(outcome.status, Status::Budget);
+        assert!(outcome.evaluations <= max_evaluations && outcome.guide_evaluations <= max_evaluations);
+    }
+    // Where the model fails the guide is not followed.
+    let fragile = |design: &Pattern| {
+        if design.width_m() > 200e-6 {
+            Err(ModelFailure::Trial { reason: "too wide".to_owned() })
+        } else {
+            respond(design)
+        }
+    };
+    for seed in 0..5 {
+        let mut guidance = Guidance::new();
+        let outcome =
+            search_guided(&wanted, &space(), &none, &seeded(seed), &fragile, &guide, &mut guidance, &carry_on).unwrap();
+        assert_eq!(outcome.status, Status::Met, "{seed}");
+    }
+    let never = |_: &Pattern| Err(ModelFailure::Trial { reason: "never".to_owned() });
+    let mut guidance = Guidance::new();
+    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &never, &guide, &mut guidance, &carry_on);
+    assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
+    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut guidance, &carry_on);
+    assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
+    // Cancelled while the guide is asked, there is nothing of the model yet.
+    let calls = AtomicUsize::new(0);
+    let stop = |_| {
+        if calls.fetch_add(1, Ordering::Relaxed) > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &stop);
+    assert_eq!(stopped, Err(SearchError::CancelledAtStart));
+}
