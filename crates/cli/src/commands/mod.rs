@@ -5,8 +5,11 @@ mod area_law;
 mod calibrate;
 mod drawings;
 mod export;
+mod new;
 mod optimize;
+mod pages;
 mod pictures;
+mod shell;
 mod simulate;
 mod surface;
 mod synthesize;
@@ -29,5 +32,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
+        Command::New(args) => new::run(args, console),
+        Command::Completions(args) => shell::completions(args, console),
+        Command::Man(args) => shell::man(args, console),
     }
 }

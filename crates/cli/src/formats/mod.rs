@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod design;
 pub mod document;
+pub mod laser;
 pub mod material;
 pub mod measurements;
 pub mod pattern;
