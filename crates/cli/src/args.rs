@@ -53,6 +53,12 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Speed against error of every method, on one page
     Accuracy(AccuracyArgs),
+    /// Write a commented file to start from
+    New(NewArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page
+    Man(ManArgs),
 }
 
 /// `simulate`
@@ -88,7 +94,7 @@ pub struct SimulateArgs {
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n\n\
     Writes result.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
-    process.toml and pictures. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
+    process.toml, report.html and pictures. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
     it, 4 budget of evaluations spent; the best design is written in all three cases.\n\n\
     Not modelled: recast rims, plasticity, viscoelasticity, heating, wear. Of square cavities the\n\
     model takes the section through their centres, as if they were grooves.")]
@@ -248,13 +254,19 @@ pub struct SynthesizeArgs {
 /// `export`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
-    slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser")]
+    slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
+    slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n\n\
+    gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the\n\
+    laser's limits is refused.")]
 pub struct ExportArgs {
     /// result.json of `optimize`
     pub result: PathBuf,
     /// Formats, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = ExportFormat::ALL)]
     pub format: Vec<ExportFormat>,
+    /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
+    #[arg(long, value_name = "UM")]
+    pub pixel_um: Option<f64>,
     /// Folder for the files; the result's own by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -268,8 +280,8 @@ pub struct ExportArgs {
     slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n\n\
     The model takes the flat measurements and the surface; the patterned measurements are only\n\
     compared with. The default pattern is the one that the source of the LDPE calibration simulated,\n\
-    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. Writes ratios.svg, ratios.csv\n\
-    and result.json.\n\n\
+    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. Writes ratios.svg, ratios.csv,\n\
+    report.html and result.json.\n\n\
     Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples
@@ -333,6 +345,53 @@ pub struct AccuracyArgs {
     pub output: Option<PathBuf>,
 }
 
+/// `new`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid new design my-design.toml\n  \
+    slipgrid new calibration my-material\n\n\
+    The file runs as it is. Nothing that exists is replaced.")]
+pub struct NewArgs {
+    /// What to write
+    #[arg(value_enum)]
+    pub template: TemplateName,
+    /// File, or folder of a calibration; scene.toml, design.toml or calibration by default
+    pub path: Option<PathBuf>,
+}
+
+/// Names of the templates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TemplateName {
+    /// A folder with a calibration and its table of measurements
+    Calibration,
+    /// A design task for `optimize`
+    Design,
+    /// A scene for `simulate`
+    Scene,
+}
+
+/// `completions`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid completions bash > ~/.local/share/bash-completion/completions/slipgrid\n  \
+    slipgrid completions fish > ~/.config/fish/completions/slipgrid.fish")]
+pub struct CompletionsArgs {
+    /// Shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// `man`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid man | man -l -\n  \
+    slipgrid man -o ~/.local/share/man/man1")]
+pub struct ManArgs {
+    /// Folder for one page per command, instead of stdout
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// Names of the fidelities.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FidelityName {
@@ -383,10 +442,22 @@ pub enum ExportFormat {
     Csv,
     /// process.toml, process sheet
     Process,
+    /// pattern.plt, HP-GL/2 plot with contours and lines
+    Plt,
+    /// pattern.gcode, program for controllers with a laser mode
+    Gcode,
+    /// corners.csv, one row per corner
+    Corners,
+    /// hatch.csv, one row per marked line
+    Hatch,
+    /// height-map.png, the surface as 16-bit grey
+    Png,
+    /// removed.stl, what is removed as closed solids
+    Stl,
 }
 
 impl ExportFormat {
-    /// All formats.
+    /// The formats that need nothing but a pattern and a specimen: what `optimize` writes.
     pub const ALL: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
 }
 
@@ -397,6 +468,12 @@ impl std::fmt::Display for ExportFormat {
             Self::Svg => "svg",
             Self::Csv => "csv",
             Self::Process => "process",
+            Self::Plt => "plt",
+            Self::Gcode => "gcode",
+            Self::Corners => "corners",
+            Self::Hatch => "hatch",
+            Self::Png => "png",
+            Self::Stl => "stl",
         })
     }
 }

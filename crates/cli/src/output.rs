@@ -1,8 +1,9 @@
 //! Files written whole or not at all: first under another name beside their place, then renamed.
 
 use std::fs::{self, Permissions};
-use std::io::Write;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use crate::diagnostic::Diagnostic;
@@ -28,16 +29,60 @@ impl WriteError {
     }
 }
 
-/// Files of one result, in memory: name and bytes.
-#[derive(Clone, Debug, Default)]
+/// Writes a file's bytes, the same at every call.
+type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
+
+/// What a file holds.
+#[derive(Clone)]
+enum Content {
+    Bytes(Vec<u8>),
+    /// Made when it is written: files that would fill the memory.
+    Stream(Writer),
+}
+
+impl Content {
+    fn write(&self, to: &mut dyn Write) -> io::Result<()> {
+        match self {
+            Self::Bytes(bytes) => to.write_all(bytes),
+            Self::Stream(write) => write(to),
+        }
+    }
+}
+
+/// Files of one result: names and what they hold.
+#[derive(Clone, Default)]
 pub struct Outputs {
-    files: Vec<(String, Vec<u8>)>,
+    files: Vec<(String, Content)>,
+}
+
+impl std::fmt::Debug for Outputs {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.names()).finish()
+    }
 }
 
 impl Outputs {
     /// Adds a file.
     pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
-        self.files.push((name.into(), bytes.into()));
+        self.files.push((name.into(), Content::Bytes(bytes.into())));
+    }
+
+    /// Adds a file that `write` makes, piece by piece, when it is written.
+    pub fn add_stream(
+        &mut self,
+        name: impl Into<String>,
+        write: impl Fn(&mut dyn Write) -> io::Result<()> + Send + Sync + 'static,
+    ) {
+        self.files.push((name.into(), Content::Stream(Arc::new(write))));
+    }
+
+    /// The file `name` as text; `None` where there is none, or none that is text.
+    #[must_use]
+    pub fn text(&self, name: &str) -> Option<String> {
+        let (_, content) = self.files.iter().find(|(other, _)| other == name)?;
+        let mut bytes = Vec::new();
+        content.write(&mut bytes).ok()?;
+        String::from_utf8(bytes).ok()
     }
 
     /// Names of the files, in the order in which they were added.
@@ -59,8 +104,8 @@ impl Outputs {
         if folder.is_dir() {
             remove_abandoned(folder);
             let mut ready = Vec::new();
-            for (name, bytes) in &self.files {
-                ready.push((unfinished(folder, bytes).map_err(&failed)?, folder.join(name)));
+            for (name, content) in &self.files {
+                ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
             }
             for (file, path) in ready {
                 file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
@@ -69,8 +114,9 @@ impl Outputs {
         }
         remove_abandoned(parent);
         let staging = builder().permissions(permissions(0o777)).tempdir_in(parent).map_err(&failed)?;
-        for (name, bytes) in &self.files {
-            fs::write(staging.path().join(name), bytes).map_err(&failed)?;
+        for (name, content) in &self.files {
+            let file = fs::File::create_new(staging.path().join(name)).map_err(&failed)?;
+            write_through(file, content).map_err(&failed)?;
         }
         fs::rename(staging.path(), folder).map_err(&failed)?;
         // Renamed away: nothing is left to remove.
@@ -85,10 +131,17 @@ impl Outputs {
 /// [`WriteError`] if the system refuses; then `path` holds what it held before.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let failed = WriteError::at(path);
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
+        // A device or a pipe is written to; a file in its place would take it away.
+        let mut device = fs::File::options().write(true).open(path).map_err(&failed)?;
+        return device.write_all(bytes).map_err(&failed);
+    }
+    // What a link leads to is replaced, not the link.
+    let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let folder = parent(path);
     fs::create_dir_all(folder).map_err(&failed)?;
     remove_abandoned(folder);
-    let file = unfinished(folder, bytes).map_err(&failed)?;
+    let file = unfinished(folder, &Content::Bytes(bytes.to_vec())).map_err(&failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     Ok(())
 }
@@ -138,11 +191,17 @@ fn builder() -> tempfile::Builder<'static, 'static> {
 }
 
 /// A file ready to be renamed; it disappears if it is not.
-fn unfinished(folder: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut file = builder().permissions(permissions(0o666)).tempfile_in(folder)?;
-    file.write_all(bytes)?;
-    file.flush()?;
+fn unfinished(folder: &Path, content: &Content) -> io::Result<tempfile::NamedTempFile> {
+    let file = builder().permissions(permissions(0o666)).tempfile_in(folder)?;
+    write_through(file.as_file().try_clone()?, content)?;
     Ok(file)
+}
+
+/// Writes everything and waits until it is stored: only then may a file take its name.
+fn write_through(file: fs::File, content: &Content) -> io::Result<()> {
+    let mut buffered = BufWriter::new(file);
+    content.write(&mut buffered)?;
+    buffered.into_inner().map_err(io::IntoInnerError::into_error)?.sync_data()
 }
 
 /// Permissions before the user's mask: temporary files are otherwise private.

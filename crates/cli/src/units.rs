@@ -122,6 +122,8 @@ pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0
 pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
 /// Angles of the sliding direction.
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
+/// How far walls lean from upright.
+pub const WALL_TAPER_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 0.0, false, 80.0);
 /// Numbers of the laser that are only copied.
 pub const POSITIVE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e12);
 

@@ -245,7 +245,7 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
         assert!(printed.contains(said), "{said}: {printed}");
     }
     let folder = place.path("out");
-    assert_eq!(names(&folder), ["ratios.csv", "ratios.svg", "result.json"]);
+    assert_eq!(names(&folder), ["ratios.csv", "ratios.svg", "report.html", "result.json"]);
     let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
     // Two conditions at three slopes and at the measured depth.
     assert_eq!(table.lines().count(), 1 + 2 * 4);
@@ -285,7 +285,19 @@ fn a_dynamic_run_says_from_when_it_averaged() {
 fn help_shows_examples_for_every_command() {
     let place = Place::with(&[]);
     let help = place.succeed(&["--help"]);
-    for command in ["simulate", "optimize", "calibrate", "area-law", "synthesize", "export", "validate", "accuracy"] {
+    for command in [
+        "simulate",
+        "optimize",
+        "calibrate",
+        "area-law",
+        "synthesize",
+        "export",
+        "validate",
+        "accuracy",
+        "new",
+        "completions",
+        "man",
+    ] {
         assert!(help.contains(command), "{command}");
         let help = place.succeed(&[command, "--help"]);
         assert!(help.contains(&format!("slipgrid {command}")) && help.contains("Examples:"), "{help}");

@@ -1,5 +1,8 @@
 use slipgrid_pattern::Planform;
 
+use crate::Outline;
+use crate::clip::{area_m2, circle, clip};
+
 /// One cavity seen from above, on the specimen's axes x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cavity {
@@ -16,10 +19,12 @@ pub struct Cavity {
     pub orientation: [f64; 2],
     /// Disc or rectangle: a groove laid on a specimen is a rectangle.
     pub planform: Planform,
+    /// What cuts it, where it passes the specimen's rim.
+    pub cut_by: Option<Outline>,
 }
 
-/// The outline of a cavity.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The outline of a cavity, or of one part of it where the specimen's rim cuts it.
+#[derive(Clone, Debug, PartialEq)]
 pub enum Boundary {
     /// A circle.
     Circle {
@@ -33,17 +38,74 @@ pub enum Boundary {
         /// The corners.
         corners_m: [[f64; 2]; 4],
     },
+    /// A polygon: what the rim leaves of a cavity. Arcs are chords that depart from them by at most 10 nm.
+    Polygon {
+        /// The corners as `[x, y]`, anticlockwise, in metres.
+        corners_m: Vec<[f64; 2]>,
+    },
+}
+
+impl Boundary {
+    /// Its corners as `[x, y]`, anticlockwise, in metres; of a circle those of a polygon on it.
+    #[must_use]
+    pub fn polygon_m(&self) -> Vec<[f64; 2]> {
+        match self {
+            Self::Circle { centre_m, radius_m } => circle(*centre_m, *radius_m),
+            Self::Rectangle { corners_m } => corners_m.to_vec(),
+            Self::Polygon { corners_m } => corners_m.clone(),
+        }
+    }
 }
 
 impl Cavity {
-    /// Its outline.
+    /// Its outline: one boundary, or one for each part where the rim cuts it.
     #[must_use]
-    pub fn boundary(&self) -> Boundary {
-        match self.planform {
+    pub fn boundaries(&self) -> Vec<Boundary> {
+        let whole = match self.planform {
             Planform::Disc => {
                 Boundary::Circle { centre_m: [self.centre_x_m, self.centre_y_m], radius_m: self.width_m / 2.0 }
             }
             _ => Boundary::Rectangle { corners_m: self.corners_m() },
+        };
+        match &self.cut_by {
+            None => vec![whole],
+            Some(outline) => {
+                let parts = clip(whole.polygon_m(), outline);
+                parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect()
+            }
+        }
+    }
+
+    /// The points at least `wall_m` from its walls and `rim_m` from the rim that cuts it; `None` where there
+    /// are none. A wall shrunk to nothing stays as a line.
+    #[must_use]
+    pub fn inset(&self, wall_m: f64, rim_m: f64) -> Option<Self> {
+        let less = |extent_m: f64| {
+            // Rounding forgiven: a cavity as wide as what is taken off has a middle line.
+            let left_m = extent_m - 2.0 * wall_m;
+            (left_m >= -1e-9 * extent_m).then_some(left_m.max(0.0))
+        };
+        let cut_by = match &self.cut_by {
+            None => None,
+            Some(outline) => Some(outline.inset(rim_m)?),
+        };
+        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, ..*self })
+    }
+
+    /// Distance of a point inside to the nearest wall, in metres; negative outside. The rim is no wall.
+    #[must_use]
+    pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
+        let (x_m, y_m) = (x_m - self.centre_x_m, y_m - self.centre_y_m);
+        if self.cut_by.is_some_and(|outline| !outline.contains([x_m + self.centre_x_m, y_m + self.centre_y_m])) {
+            return f64::NEG_INFINITY;
+        }
+        let [cosine, sine] = self.orientation;
+        match self.planform {
+            Planform::Disc => self.width_m / 2.0 - x_m.hypot(y_m),
+            _ => {
+                let (along_m, across_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
+                (self.width_m / 2.0 - along_m.abs()).min(self.length_m / 2.0 - across_m.abs())
+            }
         }
     }
 
@@ -65,6 +127,10 @@ impl Cavity {
     /// Area, in square metres.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
+        if self.cut_by.is_some() {
+            let parts = self.boundaries();
+            return parts.iter().map(|part| area_m2(&part.polygon_m())).sum();
+        }
         match self.planform {
             Planform::Disc => std::f64::consts::FRAC_PI_4 * self.width_m * self.width_m,
             _ => self.width_m * self.length_m,

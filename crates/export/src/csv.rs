@@ -1,12 +1,14 @@
-//! CSV of the cavities.
+//! CSV of the cavities, their corners, and the lines that mark them.
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use slipgrid_pattern::Planform;
 
-use crate::Layout;
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
+use crate::stream::{finish, hand_on};
 use crate::words::degrees;
+use crate::{Layout, Marking};
 
 /// The first line of the file: what a line says of a cavity. Cavities turned from x and y have an
 /// angle, discs a diameter.
@@ -20,11 +22,14 @@ pub fn csv_header(layout: &Layout) -> &'static str {
     }
 }
 
-/// One line per cavity in the layout's order, counted from 1: width along x, length along y, or both
+/// Writes one line per cavity in the layout's order, counted from 1: width along x, length along y, or both
 /// turned by the angle, anticlockwise; millimetres from the specimen's centre rounded to one
-/// nanometre. `bursts` per cavity; the field is empty where it is unknown.
-#[must_use]
-pub fn csv(layout: &Layout, bursts: Option<u32>) -> String {
+/// nanometre. `bursts` per cavity; the field is empty where it is unknown. Lengths are those before the rim
+/// cuts.
+///
+/// # Errors
+/// Those of `to`.
+pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Result<()> {
     let texture = layout.pattern().texture();
     let angle = match texture.orientation_deg() {
         0.0 => String::new(),
@@ -36,19 +41,60 @@ pub fn csv(layout: &Layout, bursts: Option<u32>) -> String {
         bursts.map_or_else(String::new, |bursts| bursts.to_string())
     );
     let lengths = if texture.planform() == Planform::Disc { 3 } else { 4 };
-    let mut out = String::with_capacity(64 * (layout.cavities() + 1));
-    out.push_str(csv_header(layout));
-    out.push('\n');
+    let mut out = format!("{}\n", csv_header(layout));
     for (index, cavity) in layout.iter().enumerate() {
-        let _ = write!(out, "{}", index + 1);
         let lengths_m = [cavity.centre_x_m, cavity.centre_y_m, cavity.width_m, cavity.length_m];
-        for length_m in lengths_m.into_iter().take(lengths) {
-            out.push(',');
-            push_decimal(&mut out, length_m * 1e3, COORDINATE_DECIMALS);
-        }
+        push_row(&mut out, &[index + 1], &lengths_m[..lengths]);
         out.push_str(&rest);
+        hand_on(&mut out, to)?;
     }
-    out
+    finish(&mut out, to)
+}
+
+/// Writes one line per corner: `index` of the cavity as in [`csv`], `part` where the rim cuts it into several,
+/// corners anticlockwise. Of round cavities, whole, the corners of a polygon on the circle.
+///
+/// # Errors
+/// Those of `to`.
+pub fn corners_csv(layout: &Layout, to: &mut dyn Write) -> io::Result<()> {
+    let mut out = "index,part,corner,x_mm,y_mm\n".to_owned();
+    for (index, cavity) in layout.iter().enumerate() {
+        for (part, boundary) in cavity.boundaries().iter().enumerate() {
+            for (corner, corner_m) in boundary.polygon_m().iter().enumerate() {
+                push_row(&mut out, &[index + 1, part + 1, corner + 1], corner_m);
+                out.push('\n');
+            }
+        }
+        hand_on(&mut out, to)?;
+    }
+    finish(&mut out, to)
+}
+
+/// Writes one line per marked line of `marking`, in marking order: where the spot's centre starts and ends.
+///
+/// # Errors
+/// Those of `to`.
+pub fn hatch_csv(layout: &Layout, marking: &Marking, to: &mut dyn Write) -> io::Result<()> {
+    let mut out = "index,line,from_x_mm,from_y_mm,to_x_mm,to_y_mm\n".to_owned();
+    for (index, cavity) in layout.iter().enumerate() {
+        for (line, [from_m, to_m]) in marking.lines(&cavity).iter().enumerate() {
+            push_row(&mut out, &[index + 1, line + 1], &[from_m[0], from_m[1], to_m[0], to_m[1]]);
+            out.push('\n');
+        }
+        hand_on(&mut out, to)?;
+    }
+    finish(&mut out, to)
+}
+
+/// Appends counts and lengths in millimetres, without an end of line.
+fn push_row(out: &mut String, counts: &[usize], lengths_m: &[f64]) {
+    for (place, count) in counts.iter().enumerate() {
+        let _ = write!(out, "{}{count}", if place > 0 { "," } else { "" });
+    }
+    for &length_m in lengths_m {
+        out.push(',');
+        push_decimal(out, length_m * 1e3, COORDINATE_DECIMALS);
+    }
 }
 
 #[cfg(test)]
@@ -56,6 +102,7 @@ mod tests {
     use super::*;
     use crate::Outline;
     use crate::layout::every_kind;
+    use crate::stream::text;
     use slipgrid_pattern::{Pattern, Texture};
 
     #[test]
@@ -63,7 +110,7 @@ mod tests {
         for texture in every_kind() {
             let pattern = Pattern::new(texture, 131.2347e-6, 369.9999e-6, 5.2e-6).unwrap();
             let layout = Layout::new(pattern, Outline::Disc { diameter_m: 10e-3 }).unwrap();
-            let text = csv(&layout, Some(2));
+            let text = text(|to| csv(&layout, Some(2), to));
             let mut lines = text.lines();
             let names: Vec<&str> = lines.next().unwrap().split(',').collect();
             let mut read = 0;
@@ -108,6 +155,6 @@ mod tests {
         let pattern = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
         let layout = Layout::new(pattern, Outline::Rectangle { length_m: 0.2e-3, width_m: 0.2e-3 }).unwrap();
         let header = "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts";
-        assert_eq!(csv(&layout, None), format!("{header}\n1,0,0,0.13,0.13,20,\n"));
+        assert_eq!(text(|to| csv(&layout, None, to)), format!("{header}\n1,0,0,0.13,0.13,20,\n"));
     }
 }

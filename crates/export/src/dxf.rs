@@ -4,9 +4,12 @@
 //! one value a line, sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, so
 //! comments (group 999) state them.
 
+use std::io::{self, Write};
+
 use slipgrid_pattern::{Arrangement, Pattern};
 
 use crate::number::{COORDINATE_DECIMALS, push_decimal};
+use crate::stream::{finish, hand_on};
 use crate::words::{groove_direction, sliding_direction};
 use crate::{Boundary, Heading, Layout, Outline};
 
@@ -17,18 +20,24 @@ pub const LAYER_CAVITIES: &str = "CAVITIES";
 /// Layer of the arrow that shows the sliding direction; it lies outside the specimen.
 pub const LAYER_SLIDING_DIRECTION: &str = "SLIDING_DIRECTION";
 
+/// Layer of a small cross on the origin, the specimen's centre.
+pub const LAYER_ORIGIN: &str = "ORIGIN";
+
 /// Layers with their AutoCAD colour numbers.
-const LAYERS: [(&str, &str); 3] = [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), (LAYER_SLIDING_DIRECTION, "5")];
+const LAYERS: [(&str, &str); 4] =
+    [(LAYER_OUTLINE, "7"), (LAYER_CAVITIES, "1"), (LAYER_SLIDING_DIRECTION, "5"), (LAYER_ORIGIN, "3")];
 
 /// Characters of a comment: R12 lines hold 255, and some readers fewer.
 const LONGEST_COMMENT: usize = 200;
 
-/// The layout as an R12 drawing in millimetres, rounded to one nanometre; the origin is the
-/// specimen's centre, x the sliding direction unless the texture turns that. Cavities are circles, or
-/// closed polylines of four vertices.
-#[must_use]
-pub fn dxf(layout: &Layout, heading: &Heading) -> String {
-    let mut file = Writer { out: String::with_capacity(512 * (layout.cavities() + 8)) };
+/// Writes the layout as an R12 drawing in millimetres, rounded to one nanometre; the origin is the
+/// specimen's centre, x the sliding direction unless the texture turns that. Cavities are circles or
+/// closed polylines.
+///
+/// # Errors
+/// Those of `to`.
+pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
+    let mut file = Writer { out: String::new() };
     let pattern = layout.pattern();
     let [extent_x_m, extent_y_m] = layout.outline().extents_m();
     let (half_x_mm, half_y_mm) = (extent_x_m * 500.0, extent_y_m * 500.0);
@@ -51,6 +60,9 @@ pub fn dxf(layout: &Layout, heading: &Heading) -> String {
         pattern.depth_m() * 1e6,
         layout.cavities()
     ));
+    if layout.is_clipped() {
+        file.comment("Cavities that pass the rim are cut there.");
+    }
     for note in heading.notes {
         file.comment(note);
     }
@@ -89,29 +101,38 @@ pub fn dxf(layout: &Layout, heading: &Heading) -> String {
     file.section("ENTITIES");
     match *layout.outline() {
         Outline::Disc { diameter_m } => file.circle(LAYER_OUTLINE, [0.0, 0.0], diameter_m * 500.0),
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            file.circle(LAYER_OUTLINE, [0.0, 0.0], outer_diameter_m * 500.0);
+            file.circle(LAYER_OUTLINE, [0.0, 0.0], inner_diameter_m * 500.0);
+        }
         Outline::Rectangle { .. } => file.polygon(
             LAYER_OUTLINE,
             &[[-half_x_mm, -half_y_mm], [half_x_mm, -half_y_mm], [half_x_mm, half_y_mm], [-half_x_mm, half_y_mm]],
         ),
     }
-    for cavity in layout.iter() {
-        match cavity.boundary() {
-            Boundary::Rectangle { corners_m } => {
-                file.polygon(LAYER_CAVITIES, &corners_m.map(|[x_m, y_m]| [x_m * 1e3, y_m * 1e3]));
+    // The origin, so that whoever moves the drawing can move it back.
+    let cross_mm = half_x_mm.min(half_y_mm) / 100.0;
+    file.line(LAYER_ORIGIN, [-cross_mm, 0.0], [cross_mm, 0.0]);
+    file.line(LAYER_ORIGIN, [0.0, -cross_mm], [0.0, cross_mm]);
+    for boundary in layout.iter().flat_map(|cavity| cavity.boundaries()) {
+        let millimetres = |[x_m, y_m]: [f64; 2]| [x_m * 1e3, y_m * 1e3];
+        match boundary {
+            Boundary::Rectangle { corners_m } => file.polygon(LAYER_CAVITIES, &corners_m.map(millimetres)),
+            Boundary::Polygon { corners_m } => {
+                file.polygon(LAYER_CAVITIES, &corners_m.into_iter().map(millimetres).collect::<Vec<_>>());
             }
-            Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
-                file.circle(LAYER_CAVITIES, [x_m * 1e3, y_m * 1e3], radius_m * 1e3);
+            Boundary::Circle { centre_m, radius_m } => {
+                file.circle(LAYER_CAVITIES, millimetres(centre_m), radius_m * 1e3);
             }
         }
+        hand_on(&mut file.out, to)?;
     }
     for [from_mm, to_mm] in arrow.lines_mm() {
-        file.entity("LINE", LAYER_SLIDING_DIRECTION);
-        file.point(10, &[from_mm[0], from_mm[1], 0.0]);
-        file.point(11, &[to_mm[0], to_mm[1], 0.0]);
+        file.line(LAYER_SLIDING_DIRECTION, from_mm, to_mm);
     }
     file.pair(0, "ENDSEC");
     file.pair(0, "EOF");
-    file.out
+    finish(&mut file.out, to)
 }
 
 /// What the planform's name leaves open, where it does; each part begins with a comma.
@@ -246,6 +267,12 @@ impl Writer {
     fn entity(&mut self, kind: &str, layer: &str) {
         self.pair(0, kind);
         self.pair(8, layer);
+    }
+
+    fn line(&mut self, layer: &str, from_mm: [f64; 2], to_mm: [f64; 2]) {
+        self.entity("LINE", layer);
+        self.point(10, &[from_mm[0], from_mm[1], 0.0]);
+        self.point(11, &[to_mm[0], to_mm[1], 0.0]);
     }
 
     fn circle(&mut self, layer: &str, centre_mm: [f64; 2], radius_mm: f64) {

@@ -9,6 +9,14 @@ pub enum ExportError {
         /// The value given, in that unit.
         value: f64,
     },
+    /// A ring whose hole leaves nothing of it.
+    #[error("a ring of {outer_diameter_m:e} m has a hole of {inner_diameter_m:e} m: expected a smaller hole")]
+    NoRing {
+        /// Diameter of the rim, in metres.
+        outer_diameter_m: f64,
+        /// Diameter of the hole, in metres.
+        inner_diameter_m: f64,
+    },
     /// The specimen is too small for a single cavity.
     #[error(
         "no cavity {width_m:e} m wide fits whole on the specimen: \
@@ -29,6 +37,65 @@ pub enum ExportError {
         cavities: f64,
         /// The limit.
         most: usize,
+    },
+    /// A pattern or a setting that the laser cannot make.
+    #[error("{what} of {value_um} um is {relation} {limit}, {limit_um} um")]
+    BeyondLaser {
+        /// What is too fine, or too far apart.
+        what: &'static str,
+        /// Its value, in um.
+        value_um: f64,
+        /// `above` or `below`.
+        relation: &'static str,
+        /// The limit's name.
+        limit: &'static str,
+        /// The limit, in um.
+        limit_um: f64,
+    },
+    /// Walls that lean backwards, or hardly rise.
+    #[error("wall_taper_deg is {taper_deg}: expected 0 to {most_deg} degrees from upright")]
+    TaperOutOfRange {
+        /// The value given, in degrees.
+        taper_deg: f64,
+        /// The largest accepted, in degrees.
+        most_deg: f64,
+    },
+    /// A format that needs what the design does not give.
+    #[error("{what} needs {key}")]
+    Needs {
+        /// The format, or a part of it.
+        what: &'static str,
+        /// The key of a design.
+        key: &'static str,
+    },
+    /// A solid whose leaning walls the rim would cut.
+    #[error("STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0")]
+    TaperAndCut,
+    /// A height map of too many or too few pixels.
+    #[error("pixels of {pixel_um} um make a height map {pixels:.0} wide: expected 1 to {most}")]
+    NoHeightMap {
+        /// Side of a pixel, in um.
+        pixel_um: f64,
+        /// Pixels along the longer side.
+        pixels: f64,
+        /// The most accepted.
+        most: u32,
+    },
+    /// Too few measurements for a law of two coefficients and its error.
+    #[error("depth per burst is given at {fluences} different fluences: expected at least three")]
+    TooFewFluences {
+        /// Different fluences.
+        fluences: usize,
+    },
+    /// Measurements or a fluence at which nothing is removed.
+    #[error("{quantity} is {value}: expected {expected}")]
+    NoAblation {
+        /// What was found, its unit in its name.
+        quantity: &'static str,
+        /// Its value.
+        value: f64,
+        /// What would be accepted.
+        expected: &'static str,
     },
     /// The process sheet could not be written as TOML.
     #[error("the process sheet cannot be written as TOML: {reason}")]

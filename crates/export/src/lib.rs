@@ -1,8 +1,8 @@
 //! Files that a laser takes: from a pattern and a specimen's outline to bytes.
 //!
-//! A [`Layout`] puts whole cavities on the specimen, one of them on its centre, at x = i pitch and
-//! y = j pitch across, odd rows half a pitch aside where staggered, grooves at any angle. x is the
-//! sliding direction unless the texture turns that. With N cavities of area a and depth d on a face
+//! A [`Layout`] puts cavities on the specimen, whole or cut at the rim, one of them on its centre, at
+//! x = i pitch and y = j pitch across, odd rows half a pitch aside where staggered, grooves at any angle. x is
+//! the sliding direction unless the texture turns that. With N cavities of area a and depth d on a face
 //! of area A,
 //!
 //! ```text
@@ -11,17 +11,24 @@
 //!
 //! | type or function | role |
 //! |---|---|
-//! | [`Outline`] | the specimen's face: disc or rectangle |
+//! | [`Outline`] | the specimen's face: disc, rectangle or ring |
 //! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
 //! | [`Heading`] | name, version and notes that drawings carry |
+//! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
+//! | [`Marking`], [`Line`] | the lines that the spot follows |
 //! | [`dxf`] | drawing for the laser, AutoCAD R12 |
 //! | [`svg`] | drawing for people, at scale |
-//! | [`csv`] | table of the cavities |
-//! | [`ProcessSheet`], [`ProcessInput`], [`Laser`], [`Tolerances`], [`MaterialNote`] | what the person at the laser needs, as TOML |
+//! | [`hpgl`] | plot for marking software, HP-GL/2 |
+//! | [`gcode`], [`GcodePlan`] | program for controllers with a laser mode |
+//! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of the cavities, their corners, the lines |
+//! | [`height_map`], [`HeightMap`] | the surface as a 16-bit PNG |
+//! | [`stl`], [`check_stl`] | what is removed, as closed solids |
+//! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | what the person at the laser needs, as TOML |
 //! | [`ExportError`] | why nothing can be exported |
 //!
 //! Coordinates in files are millimetres from the specimen's centre, rounded to
-//! [`COORDINATE_DECIMALS`] decimals, one nanometre. The same layout gives the same bytes.
+//! [`COORDINATE_DECIMALS`] decimals, one nanometre. The same layout gives the same bytes. Files are written
+//! piece by piece to any [`std::io::Write`]: memory does not grow with the number of cavities.
 //!
 //! This crate knows no solver and opens no files.
 //!
@@ -36,28 +43,47 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ablation;
 mod cavity;
+mod clip;
 mod csv;
 mod dxf;
 mod error;
+mod gcode;
+mod height_map;
+mod hpgl;
+mod laser;
 mod layout;
+mod marking;
 mod number;
 mod outline;
 mod process;
+mod stl;
+mod stream;
 mod svg;
 mod words;
+mod work;
 
+#[cfg(test)]
+mod tests;
+
+pub use ablation::{Ablation, AblationPoint};
 pub use cavity::{Boundary, Cavity};
-pub use csv::{csv, csv_header};
-pub use dxf::{LAYER_CAVITIES, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf};
+pub use csv::{corners_csv, csv, csv_header, hatch_csv};
+pub use dxf::{LAYER_CAVITIES, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf};
 pub use error::ExportError;
+pub use gcode::{GcodePlan, gcode};
+pub use height_map::{HeightMap, MOST_PIXELS, height_map};
+pub use hpgl::hpgl;
+pub use laser::{Exposure, Laser};
 pub use layout::{Layout, MOST_CAVITIES};
+pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
-pub use process::{
-    Laser, MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, WorkSheet,
-};
+pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances};
+pub use stl::{CHORDS, check as check_stl, stl};
 pub use svg::svg;
+pub use work::{WorkSheet, passes};
 
 /// What drawings say about themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]

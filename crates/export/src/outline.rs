@@ -1,4 +1,5 @@
 use crate::ExportError;
+use crate::clip::circle;
 use crate::error::positive;
 
 /// The specimen's sliding face, centred on the origin of its axes x and y. x is the sliding direction
@@ -17,16 +18,32 @@ pub enum Outline {
         /// Extent along y, in metres.
         width_m: f64,
     },
+    /// A round face with a round hole about its centre.
+    Ring {
+        /// Diameter of the rim, in metres.
+        outer_diameter_m: f64,
+        /// Diameter of the hole, in metres.
+        inner_diameter_m: f64,
+    },
 }
 
 impl Outline {
-    /// Checks that its lengths are positive and finite.
+    /// Checks that its lengths are positive and finite, and a ring's hole smaller than its rim.
     pub(crate) fn validate(&self) -> Result<(), ExportError> {
         match *self {
             Self::Disc { diameter_m } => positive("diameter_m", diameter_m).map(|_| ()),
             Self::Rectangle { length_m, width_m } => {
                 positive("length_m", length_m)?;
                 positive("width_m", width_m).map(|_| ())
+            }
+            Self::Ring { outer_diameter_m, inner_diameter_m } => {
+                positive("outer_diameter_m", outer_diameter_m)?;
+                positive("inner_diameter_m", inner_diameter_m)?;
+                if inner_diameter_m < outer_diameter_m {
+                    Ok(())
+                } else {
+                    Err(ExportError::NoRing { outer_diameter_m, inner_diameter_m })
+                }
             }
         }
     }
@@ -37,6 +54,12 @@ impl Outline {
         match *self {
             Self::Disc { diameter_m } => std::f64::consts::PI * diameter_m * diameter_m / 4.0,
             Self::Rectangle { length_m, width_m } => length_m * width_m,
+            // pi (D - d)(D + d) / 4
+            Self::Ring { outer_diameter_m, inner_diameter_m } => {
+                std::f64::consts::FRAC_PI_4
+                    * (outer_diameter_m - inner_diameter_m)
+                    * (outer_diameter_m + inner_diameter_m)
+            }
         }
     }
 
@@ -44,25 +67,42 @@ impl Outline {
     #[must_use]
     pub fn extents_m(&self) -> [f64; 2] {
         match *self {
-            Self::Disc { diameter_m } => [diameter_m; 2],
+            Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => [diameter_m; 2],
             Self::Rectangle { length_m, width_m } => [length_m, width_m],
         }
     }
 
-    /// Half the chord along one axis at the distance `offset_m` from the centre along the other,
-    /// `along_x` saying which; `None` outside the face.
-    pub(crate) fn half_chord_m(&self, along_x: bool, offset_m: f64) -> Option<f64> {
+    /// Diameter of the hole in metres, 0 where there is none.
+    pub(crate) const fn hole_m(&self) -> f64 {
         match *self {
-            Self::Disc { diameter_m } => {
-                // c = sqrt((R - d)(R + d))
-                let radius_m = diameter_m / 2.0;
-                let square = (radius_m - offset_m) * (radius_m + offset_m);
-                (square >= 0.0).then(|| square.sqrt())
-            }
+            Self::Ring { inner_diameter_m, .. } => inner_diameter_m,
+            _ => 0.0,
+        }
+    }
+
+    /// The points at least `inset_m` from its rim and hole; `None` where there are none.
+    pub(crate) fn inset(&self, inset_m: f64) -> Option<Self> {
+        let less = |extent_m: f64| Some(extent_m - 2.0 * inset_m).filter(|&extent_m| extent_m > 0.0);
+        match *self {
+            Self::Disc { diameter_m } => Some(Self::Disc { diameter_m: less(diameter_m)? }),
             Self::Rectangle { length_m, width_m } => {
-                let (along_m, across_m) = if along_x { (length_m, width_m) } else { (width_m, length_m) };
-                // An edge that lies on the outline but for rounding counts as inside.
-                (offset_m <= across_m / 2.0 * (1.0 + 1e-12)).then_some(along_m / 2.0)
+                Some(Self::Rectangle { length_m: less(length_m)?, width_m: less(width_m)? })
+            }
+            Self::Ring { outer_diameter_m, inner_diameter_m } => {
+                let (outer_diameter_m, inner_diameter_m) = (less(outer_diameter_m)?, inner_diameter_m + 2.0 * inset_m);
+                (inner_diameter_m < outer_diameter_m).then_some(Self::Ring { outer_diameter_m, inner_diameter_m })
+            }
+        }
+    }
+
+    /// Whether a point lies on the face.
+    pub(crate) fn contains(&self, [x_m, y_m]: [f64; 2]) -> bool {
+        match *self {
+            Self::Disc { diameter_m } => x_m.hypot(y_m) <= diameter_m / 2.0,
+            Self::Rectangle { length_m, width_m } => x_m.abs() <= length_m / 2.0 && y_m.abs() <= width_m / 2.0,
+            Self::Ring { outer_diameter_m, inner_diameter_m } => {
+                let distance_m = x_m.hypot(y_m);
+                distance_m <= outer_diameter_m / 2.0 && distance_m >= inner_diameter_m / 2.0
             }
         }
     }
@@ -70,16 +110,21 @@ impl Outline {
     /// Extent along the direction of the unit vector `along`, in metres.
     pub(crate) fn extent_along_m(&self, along: [f64; 2]) -> f64 {
         match *self {
-            Self::Disc { diameter_m } => diameter_m,
+            Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => diameter_m,
             Self::Rectangle { length_m, width_m } => along[0].abs() * length_m + along[1].abs() * width_m,
         }
     }
 
     /// The chord on the line at the distance `offset_m` along the unit vector `normal`: its ends,
-    /// in metres along `normal` turned by a right angle anticlockwise. `None` outside the face.
+    /// in metres along `normal` turned by a right angle anticlockwise; a hole does not end it. `None` outside the face.
     pub(crate) fn chord_m(&self, [cosine, sine]: [f64; 2], offset_m: f64) -> Option<[f64; 2]> {
         match *self {
-            Self::Disc { .. } => self.half_chord_m(true, offset_m).map(|half_m| [-half_m, half_m]),
+            Self::Disc { diameter_m } | Self::Ring { outer_diameter_m: diameter_m, .. } => {
+                // c = sqrt((R - d)(R + d))
+                let radius_m = diameter_m / 2.0;
+                let square = (radius_m - offset_m) * (radius_m + offset_m);
+                (square >= 0.0).then(|| [-square.sqrt(), square.sqrt()])
+            }
             Self::Rectangle { length_m, width_m } => {
                 // Points (u c - t s, u s + t c) of the line, u the offset, within both pairs of sides.
                 let [low_m, high_m] = between_sides(length_m / 2.0, offset_m * cosine, -sine)?;
@@ -96,6 +141,21 @@ impl Outline {
         match self {
             Self::Disc { .. } => "disc",
             Self::Rectangle { .. } => "rectangle",
+            Self::Ring { .. } => "ring",
+        }
+    }
+}
+
+/// The rim and, of a ring, the hole as polygons, in metres; arcs as chords.
+pub(crate) fn rims(outline: &Outline) -> Vec<Vec<[f64; 2]>> {
+    match *outline {
+        Outline::Disc { diameter_m } => vec![circle([0.0; 2], diameter_m / 2.0)],
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            [outer_diameter_m, inner_diameter_m].map(|diameter_m| circle([0.0; 2], diameter_m / 2.0)).to_vec()
+        }
+        Outline::Rectangle { length_m, width_m } => {
+            let corner = |x: f64, y: f64| [x * length_m / 2.0, y * width_m / 2.0];
+            vec![vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]]
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The process sheet: what the person at the laser needs to know, as TOML.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Planform};
+use slipgrid_pattern::{Arrangement, Pattern, Planform};
 
 use crate::error::positive;
-use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, millimetres, round_decimals, round_digits};
+use crate::number::{DERIVED_DIGITS, micrometres, millimetres, round_decimals, round_digits};
 use crate::words::{ANGLE_DECIMALS, groove_direction, lattice};
-use crate::{ExportError, Layout, Outline};
+use crate::work::WorkSheet;
+use crate::{Cavity, ExportError, Laser, Layout, Outline};
 
 /// What no model of slipgrid contains; it stands on every process sheet.
 pub const NOT_MODELLED: [&str; 5] = [
@@ -16,35 +17,6 @@ pub const NOT_MODELLED: [&str; 5] = [
     "heating",
     "wear",
 ];
-
-const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
-     overlap, which a round spot needs for an even floor, adds to it";
-const TIME_FORMULA: &str = "spots_on_specimen * bursts_per_cavity / repetition_hz";
-const TIME_ASSUMPTIONS: &str = "one burst per spot and repetition; movement between spots and cavities not counted";
-
-/// Laser parameters as the design gives them; absent ones are left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Laser {
-    /// Wavelength, in nm.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub wavelength_nm: Option<f64>,
-    /// Diameter of the spot, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub spot_um: Option<f64>,
-    /// Pulse duration, in ns.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub pulse_ns: Option<f64>,
-    /// Power density, in GW/cm^2.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub power_density_gw_cm2: Option<f64>,
-    /// Depth that one burst removes, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_per_burst_um: Option<f64>,
-    /// Bursts per second, in Hz.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub repetition_hz: Option<f64>,
-}
 
 /// Permitted departures of the made cavities, plus or minus; absent ones are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -162,7 +134,7 @@ pub struct PatternSheet {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSheet {
-    /// `disc` or `rectangle`.
+    /// `disc`, `rectangle` or `ring`.
     pub shape: String,
     /// Diameter of a disc, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,6 +145,14 @@ pub struct SpecimenSheet {
     /// Width of a rectangle along y, in mm.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<f64>,
+    /// Diameter of a ring's rim, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outer_diameter_mm: Option<f64>,
+    /// Diameter of a ring's hole, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inner_diameter_mm: Option<f64>,
+    /// What becomes of cavities that pass the rim, in words.
+    pub at_the_rim: String,
     /// How cavities are arranged, in words.
     pub arrangement: String,
     /// Number of cavities.
@@ -181,38 +161,8 @@ pub struct SpecimenSheet {
     pub areal_density: f64,
     /// Area of all cavities, in mm^2.
     pub cavity_area_mm2: f64,
-    /// Volume of all cavities, in mm^3.
+    /// Volume of all cavities with the walls of the laser, in mm^3.
     pub cavity_volume_mm3: f64,
-}
-
-/// Bursts, spots and time.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WorkSheet {
-    /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bursts_per_cavity: Option<u32>,
-    /// Depth that those bursts give, in um.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_of_bursts_um: Option<f64>,
-    /// Spots that tile a cavity; of grooves on a disc the longest.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub spots_per_cavity: Option<u64>,
-    /// Spots that tile all cavities.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub spots_on_specimen: Option<u64>,
-    /// How spots are counted.
-    pub spots_formula: String,
-    /// Time under the laser, in s.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub estimated_time_s: Option<f64>,
-    /// Why there is no estimate.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub no_estimate_because: Option<String>,
-    /// How time is estimated.
-    pub estimated_time_formula: String,
-    /// What the estimate takes for granted.
-    pub estimated_time_assumptions: String,
 }
 
 impl From<&Pattern> for PatternSheet {
@@ -251,9 +201,13 @@ impl ProcessSheet {
             tolerances.validate()?;
         }
         let pattern = layout.pattern();
-        let (diameter_m, length_m, width_m) = match *layout.outline() {
-            Outline::Disc { diameter_m } => (Some(diameter_m), None, None),
-            Outline::Rectangle { length_m, width_m } => (None, Some(length_m), Some(width_m)),
+        let none = [None; 3];
+        let (diameter_m, [length_m, width_m, _], [outer_m, inner_m, _]) = match *layout.outline() {
+            Outline::Disc { diameter_m } => (Some(diameter_m), none, none),
+            Outline::Rectangle { length_m, width_m } => (None, [Some(length_m), Some(width_m), None], none),
+            Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+                (None, none, [Some(outer_diameter_m), Some(inner_diameter_m), None])
+            }
         };
         Ok(Self {
             name,
@@ -268,11 +222,14 @@ impl ProcessSheet {
                 diameter_mm: diameter_m.map(millimetres),
                 length_mm: length_m.map(millimetres),
                 width_mm: width_m.map(millimetres),
-                arrangement: arrangement(pattern),
+                outer_diameter_mm: outer_m.map(millimetres),
+                inner_diameter_mm: inner_m.map(millimetres),
+                at_the_rim: if layout.is_clipped() { "cavities are cut" } else { "whole cavities only" }.to_owned(),
+                arrangement: arrangement(layout),
                 cavities: layout.cavities(),
                 areal_density: round_digits(layout.areal_density(), DERIVED_DIGITS),
                 cavity_area_mm2: round_digits(layout.cavity_area_m2() * 1e6, DERIVED_DIGITS),
-                cavity_volume_mm3: round_digits(layout.cavity_volume_m3() * 1e9, DERIVED_DIGITS),
+                cavity_volume_mm3: round_digits(removed_volume_m3(layout, &laser) * 1e9, DERIVED_DIGITS),
             },
             laser,
             work: WorkSheet::new(layout, &laser),
@@ -291,26 +248,6 @@ impl ProcessSheet {
             Some(angle_deg) => format!("The sliding direction lies {angle_deg} degrees from x, anticlockwise"),
         };
         Ok(format!("# Process sheet. {sliding}; units stand in the keys.\n{body}"))
-    }
-}
-
-impl Laser {
-    fn validate(&self) -> Result<(), ExportError> {
-        given([
-            ("wavelength_nm", self.wavelength_nm),
-            ("spot_um", self.spot_um),
-            ("pulse_ns", self.pulse_ns),
-            ("power_density_gw_cm2", self.power_density_gw_cm2),
-            ("depth_per_burst_um", self.depth_per_burst_um),
-            ("repetition_hz", self.repetition_hz),
-        ])
-    }
-
-    /// Bursts for a depth of `depth_m`, at least one; `None` without a depth per burst.
-    #[must_use]
-    pub fn bursts(&self, depth_m: f64) -> Option<u32> {
-        let depth_per_burst_m = self.depth_per_burst_um.map(|depth_um| depth_um * 1e-6);
-        ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
     }
 }
 
@@ -334,63 +271,29 @@ fn given<const N: usize>(numbers: [(&'static str, Option<f64>); N]) -> Result<()
     Ok(())
 }
 
-fn arrangement(pattern: &Pattern) -> String {
+fn arrangement(layout: &Layout) -> String {
+    let pattern = layout.pattern();
+    let ends = if layout.is_clipped() { "each cut at the rim" } else { "each as long as fits whole on the specimen" };
     match pattern.planform() {
-        Planform::Groove => format!(
-            "grooves {}, one through the centre, each as long as fits whole on the specimen",
-            groove_direction(pattern.texture())
-        ),
+        Planform::Groove => {
+            format!("grooves {}, one through the centre, {ends}", groove_direction(pattern.texture()))
+        }
+        _ if layout.is_clipped() => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
         _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
     }
 }
 
-impl WorkSheet {
-    fn new(layout: &Layout, laser: &Laser) -> Self {
-        let bursts = laser.bursts(layout.pattern().depth_m());
-        let spots = laser.spot_um.map(|spot_um| {
-            layout.iter().fold((0, 0), |(longest, sum), cavity| {
-                let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
-                (spots.max(longest), sum + spots)
-            })
-        });
-        let missing: Vec<&str> = [
-            ("spot_um", laser.spot_um),
-            ("depth_per_burst_um", laser.depth_per_burst_um),
-            ("repetition_hz", laser.repetition_hz),
-        ]
-        .into_iter()
-        .filter_map(|(name, value)| value.is_none().then_some(name))
-        .collect();
-        let estimated_time_s = match (spots, bursts, laser.repetition_hz) {
-            // t = N_spots n_bursts / f
-            (Some((_, spots)), Some(bursts), Some(repetition_hz)) => {
-                Some(round_digits(spots as f64 * f64::from(bursts) / repetition_hz, DERIVED_DIGITS))
-            }
-            _ => None,
-        };
-        Self {
-            bursts_per_cavity: bursts,
-            depth_of_bursts_um: bursts
-                .zip(laser.depth_per_burst_um)
-                .map(|(bursts, depth_um)| round_decimals(f64::from(bursts) * depth_um, MICROMETRE_DECIMALS)),
-            spots_per_cavity: spots.map(|(longest, _)| longest),
-            spots_on_specimen: spots.map(|(_, sum)| sum),
-            spots_formula: match layout.pattern().planform() {
-                Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
-                _ => SPOTS_FORMULA.to_owned(),
-            },
-            estimated_time_s,
-            no_estimate_because: (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", "))),
-            estimated_time_formula: TIME_FORMULA.to_owned(),
-            estimated_time_assumptions: TIME_ASSUMPTIONS.to_owned(),
-        }
+/// Volume of all cavities with leaning walls, in cubic metres.
+fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
+    let depth_m = layout.pattern().depth_m();
+    let inset_m = laser.floor_inset_m(depth_m);
+    if inset_m == 0.0 {
+        return layout.cavity_volume_m3();
     }
-}
-
-/// ceil(length / spot), one part in a million of a spot forgiven as rounding.
-fn spots_along(length_m: f64, spot_um: f64) -> u64 {
-    // Lengths are finite and positive; the cast saturates.
-    (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64
+    // Areas go quadratically with depth, where walls lean evenly: d/6 (A_0 + 4 A_1/2 + A_1) is exact.
+    let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
+    let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
+    layout.iter().map(six_m2).sum::<f64>() * depth_m / 6.0
 }
 
 #[cfg(test)]

@@ -3,10 +3,12 @@
 mod detail;
 
 use std::fmt::Write as _;
+use std::io;
 
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
 use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
+use crate::stream::{finish, hand_on};
 use crate::words::{cavities, degrees, groove_direction, lattice};
 use crate::{Boundary, Cavity, Heading, Layout, Outline};
 
@@ -30,12 +32,14 @@ const TITLE_CHARACTERS: usize = 58;
 const CAPTION_CHARACTERS: usize = 48;
 const BOLD_CHARACTERS: usize = 40;
 
-/// The layout as an SVG picture at scale 1:1: `width` and `height` in millimetres, one unit of the
+/// Writes the layout as an SVG picture at scale 1:1: `width` and `height` in millimetres, one unit of the
 /// view box a millimetre, coordinates rounded to one nanometre. The outline, the cavities (one
 /// path) and the sliding direction are groups of their own in a frame whose origin is the
 /// specimen's centre; as everywhere in SVG, y points down.
-#[must_use]
-pub fn svg(layout: &Layout, heading: &Heading) -> String {
+///
+/// # Errors
+/// Those of `to`.
+pub fn svg(layout: &Layout, heading: &Heading, to: &mut dyn io::Write) -> io::Result<()> {
     let [extent_x_m, extent_y_m] = layout.outline().extents_m();
     let (extent_x_mm, extent_y_mm) = (extent_x_m * 1e3, extent_y_m * 1e3);
     let unit_mm = extent_x_mm.max(extent_y_mm) / CONTENT;
@@ -50,7 +54,7 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
     let footer_top = bar_top + 9.0;
     let footer_height = (DETAIL_SIDE + 13.0).max(caption_lines * LINE_HEIGHT);
 
-    let mut page = Page { out: String::with_capacity(64 * layout.cavities() + 8192), unit_mm };
+    let mut page = Page { out: String::new(), unit_mm };
     page.open(2.0 * MARGIN + CONTENT, footer_top + footer_height + MARGIN);
     for (line, text) in title.iter().enumerate() {
         let y = MARGIN + (1.0 + 1.4 * line as f64) * TITLE_SIZE;
@@ -58,7 +62,7 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
     }
 
     let centre = [MARGIN + CONTENT / 2.0, specimen_top + extent_y_mm / unit_mm / 2.0];
-    page.specimen(layout, centre);
+    page.specimen(layout, centre, to)?;
     page.sliding_direction(layout.pattern().texture(), [MARGIN, bar_top + 3.0]);
     page.scale_bar([MARGIN + CONTENT, bar_top + 3.0]);
     page.detail(layout, [MARGIN, footer_top]);
@@ -80,7 +84,7 @@ pub fn svg(layout: &Layout, heading: &Heading) -> String {
         page.text([text_left, baseline], "start", TEXT_SIZE, "", text);
     }
     page.out.push_str("</svg>\n");
-    page.out
+    finish(&mut page.out, to)
 }
 
 /// What lies where, in a sentence without a full stop.
@@ -123,6 +127,9 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
             match *layout.outline() {
                 Outline::Disc { diameter_m } => format!("diameter {} mm", mm(diameter_m)),
                 Outline::Rectangle { length_m, width_m } => format!("{} mm × {} mm", mm(length_m), mm(width_m)),
+                Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+                    format!("diameters {} and {} mm", mm(outer_diameter_m), mm(inner_diameter_m))
+                }
             },
         ),
     ]);
@@ -223,13 +230,23 @@ impl Page {
     }
 
     /// Outline and cavities, in a frame that starts at the specimen's centre.
-    fn specimen(&mut self, layout: &Layout, centre: [f64; 2]) {
+    fn specimen(&mut self, layout: &Layout, centre: [f64; 2], to: &mut dyn io::Write) -> io::Result<()> {
         let (x, y, stroke) = (self.mm(centre[0]), self.mm(centre[1]), self.mm(0.25));
         let _ = writeln!(self.out, "<g id=\"specimen\" transform=\"translate({x} {y})\">");
         let face = format!("id=\"outline\" fill=\"{FACE_COLOUR}\" stroke=\"{INK_COLOUR}\" stroke-width=\"{stroke}\"");
         let mm = |length_m: f64| decimal(length_m * 1e3, COORDINATE_DECIMALS);
         let _ = match *layout.outline() {
             Outline::Disc { diameter_m } => writeln!(self.out, "<circle {face} r=\"{}\"/>", mm(diameter_m / 2.0)),
+            Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+                // The hole turns the other way round and stays open.
+                let circle = |diameter_m: f64, sweep: u8| {
+                    let (radius, diameter) = (mm(diameter_m / 2.0), mm(diameter_m));
+                    let half = |way: &str| format!("a{radius} {radius} 0 0 {sweep} {way}{diameter} 0");
+                    format!("M-{radius} 0{}{}z", half(""), half("-"))
+                };
+                let (rim, hole) = (circle(outer_diameter_m, 0), circle(inner_diameter_m, 1));
+                writeln!(self.out, "<path {face} d=\"{rim}{hole}\"/>")
+            }
             Outline::Rectangle { length_m, width_m } => writeln!(
                 self.out,
                 "<rect {face} x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
@@ -241,21 +258,31 @@ impl Page {
         };
         let _ = write!(self.out, "<path id=\"cavities\" fill=\"{CAVITY_COLOUR}\" d=\"");
         for cavity in layout.iter() {
-            self.outline_of(&cavity);
-            self.out.push('z');
+            for boundary in cavity.boundaries() {
+                self.outline_of(&cavity, &boundary);
+                self.out.push('z');
+            }
+            hand_on(&mut self.out, to)?;
         }
-        self.out.push_str("\"/>\n</g>\n");
+        self.out.push_str("\"/>\n");
+        let arm = self.mm(1.0);
+        let _ = writeln!(
+            self.out,
+            "<path id=\"origin\" fill=\"none\" stroke=\"{INK_COLOUR}\" stroke-width=\"{stroke}\" \
+             d=\"M-{arm} 0L{arm} 0M0 -{arm}L0 {arm}\"/>\n</g>"
+        );
+        Ok(())
     }
 
     /// The commands of a path round a cavity, but for its end; y points down.
-    fn outline_of(&mut self, cavity: &Cavity) {
+    fn outline_of(&mut self, cavity: &Cavity, boundary: &Boundary) {
         let mut commands = |steps: &[(&str, f64)]| {
             for &(command, length_m) in steps {
                 self.out.push_str(command);
                 push_decimal(&mut self.out, length_m * 1e3, COORDINATE_DECIMALS);
             }
         };
-        match cavity.boundary() {
+        match boundary {
             Boundary::Rectangle { .. } if cavity.is_aligned() => commands(&[
                 // From the upper left corner.
                 ("M", cavity.centre_x_m - cavity.width_m / 2.0),
@@ -264,13 +291,13 @@ impl Page {
                 ("v", cavity.length_m),
                 ("h", -cavity.width_m),
             ]),
-            Boundary::Rectangle { corners_m } => {
-                for (command, [x_m, y_m]) in ["M", "L", "L", "L"].into_iter().zip(corners_m) {
-                    commands(&[(command, x_m), (" ", -y_m)]);
+            Boundary::Rectangle { .. } | Boundary::Polygon { .. } => {
+                for (corner, [x_m, y_m]) in boundary.polygon_m().into_iter().enumerate() {
+                    commands(&[(if corner == 0 { "M" } else { "L" }, x_m), (" ", -y_m)]);
                 }
             }
             // Two half circles, from the leftmost point and back.
-            Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
+            &Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
                 commands(&[("M", x_m - radius_m), (" ", -y_m)]);
                 for across_m in [2.0 * radius_m, -2.0 * radius_m] {
                     commands(&[("a", radius_m), (" ", radius_m), (" 0 0 0 ", across_m), (" ", 0.0)]);

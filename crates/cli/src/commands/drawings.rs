@@ -1,13 +1,18 @@
 //! The files that a laser takes, from a design to bytes.
 
+use std::io::{self, Write};
+use std::sync::Arc;
+
 use slipgrid_export::{
-    ExportError, Heading, Laser, Layout, MaterialNote, Outline, ProcessInput, ProcessSheet, csv, dxf, svg,
+    ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
+    ProcessSheet, check_stl, corners_csv, csv, dxf, gcode, hatch_csv, height_map, hpgl, passes, stl, svg,
 };
 use slipgrid_pattern::Pattern;
 
 use crate::args::ExportFormat;
 use crate::output::Outputs;
 use crate::report::simulation::MaterialReport;
+use crate::report::specimen::Specimen;
 
 /// What the files say beside the pattern.
 pub struct DrawingInput<'a> {
@@ -20,7 +25,7 @@ pub struct DrawingInput<'a> {
     /// The pattern.
     pub pattern: Pattern,
     /// The specimen.
-    pub outline: Outline,
+    pub outline: Specimen,
     /// The laser.
     pub laser: Laser,
     /// The material.
@@ -32,18 +37,63 @@ pub struct DrawingInput<'a> {
 /// # Errors
 /// [`ExportError`] if no cavity fits on the specimen, or far too many.
 pub fn draw(input: &DrawingInput<'_>, formats: &[ExportFormat], outputs: &mut Outputs) -> Result<(), ExportError> {
-    let layout = Layout::new(input.pattern, input.outline)?;
-    let mut notes = Vec::new();
-    if input.material.synthetic_surface {
-        notes.push("the area law behind this design rests on a synthetic surface");
-    }
-    let heading = Heading { name: input.name, version: input.version, notes: &notes };
+    draw_with(input, formats, None, outputs)
+}
+
+/// As [`draw`], with pixels of `pixel_um` in a height map.
+///
+/// # Errors
+/// As [`draw`]; [`ExportError`] where a format needs what the design does not give.
+pub fn draw_with(
+    input: &DrawingInput<'_>,
+    formats: &[ExportFormat],
+    pixel_um: Option<f64>,
+    outputs: &mut Outputs,
+) -> Result<(), ExportError> {
+    let layout = input.outline.layout(input.pattern)?;
+    let laser = input.laser;
+    laser.validate()?;
+    let drawing = Arc::new(Drawing::new(input, layout));
+    let depth_m = input.pattern.depth_m();
     for format in formats {
+        let drawing = Arc::clone(&drawing);
         match format {
-            ExportFormat::Dxf => outputs.add("pattern.dxf", dxf(&layout, &heading)),
-            ExportFormat::Svg => outputs.add("pattern.svg", svg(&layout, &heading)),
+            ExportFormat::Dxf => outputs.add_stream("pattern.dxf", move |to| drawing.write(to, dxf)),
+            ExportFormat::Svg => outputs.add_stream("pattern.svg", move |to| drawing.write(to, svg)),
             ExportFormat::Csv => {
-                outputs.add("pattern.csv", csv(&layout, input.laser.bursts(input.pattern.depth_m())));
+                let bursts = laser.bursts(depth_m);
+                outputs.add_stream("pattern.csv", move |to| csv(&layout, bursts, to));
+            }
+            ExportFormat::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
+            ExportFormat::Hatch => {
+                let marking = Marking::new(&laser)?;
+                outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
+            }
+            ExportFormat::Plt => {
+                // Contours alone are a plot too.
+                let hatched = laser.spot_um.is_some() && laser.exposure != Some(Exposure::Mask);
+                let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
+                outputs.add_stream("pattern.plt", move |to| {
+                    drawing.write(to, |layout, heading, to| hpgl(layout, marking.as_ref(), heading, to))
+                });
+            }
+            ExportFormat::Gcode => {
+                let plan = GcodePlan::new(&laser, passes(&laser, depth_m).unwrap_or(1))?;
+                outputs.add_stream("pattern.gcode", move |to| {
+                    drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
+                });
+            }
+            ExportFormat::Png => {
+                let map = HeightMap::new(&layout, &laser, pixel_um)?;
+                outputs.add_stream("height-map.png", move |to| {
+                    drawing.write(to, |layout, heading, to| height_map(layout, &map, heading, to))
+                });
+            }
+            ExportFormat::Stl => {
+                check_stl(&layout, &laser)?;
+                outputs.add_stream("removed.stl", move |to| {
+                    drawing.write(to, |layout, heading, to| stl(layout, &laser, heading, to))
+                });
             }
             ExportFormat::Process => {
                 let sheet = ProcessSheet::new(
@@ -52,7 +102,7 @@ pub fn draw(input: &DrawingInput<'_>, formats: &[ExportFormat], outputs: &mut Ou
                         name: input.name.to_owned(),
                         version: input.version.to_owned(),
                         seed: input.seed,
-                        laser: input.laser,
+                        laser,
                         tolerances: None,
                         material: MaterialNote {
                             name: input.material.name.clone(),
@@ -66,4 +116,30 @@ pub fn draw(input: &DrawingInput<'_>, formats: &[ExportFormat], outputs: &mut Ou
         }
     }
     Ok(())
+}
+
+/// A layout with what drawings say about themselves.
+struct Drawing {
+    layout: Layout,
+    name: String,
+    version: String,
+    notes: Vec<&'static str>,
+}
+
+impl Drawing {
+    fn new(input: &DrawingInput<'_>, layout: Layout) -> Self {
+        let mut notes = Vec::new();
+        if input.material.synthetic_surface {
+            notes.push("the area law behind this design rests on a synthetic surface");
+        }
+        Self { layout, name: input.name.to_owned(), version: input.version.to_owned(), notes }
+    }
+
+    fn write(
+        &self,
+        to: &mut dyn Write,
+        format: impl FnOnce(&Layout, &Heading<'_>, &mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        format(&self.layout, &Heading { name: &self.name, version: &self.version, notes: &self.notes }, to)
+    }
 }

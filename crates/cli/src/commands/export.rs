@@ -4,7 +4,7 @@ use std::path::Path;
 
 use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
 
-use super::drawings::{DrawingInput, draw};
+use super::drawings::{DrawingInput, draw_with};
 use super::optimize::StoredDesign;
 use crate::args::ExportArgs;
 use crate::diagnostic::Diagnostic;
@@ -25,12 +25,19 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         version: &stored.version,
         seed: stored.seed,
         pattern,
-        outline: stored.specimen.outline(),
+        outline: stored.specimen.specimen().map_err(refuse)?,
         laser: stored.laser,
         material: &stored.material,
     };
+    let pixel_um = args.pixel_um.filter(|&pixel_um| LENGTH_UM.accepts(pixel_um));
+    if let Some(refused) = args.pixel_um.filter(|_| pixel_um.is_none()) {
+        let refused = Diagnostic::flag("--pixel-um", refused.to_string(), "is out of range");
+        return Err(refused.expected(LENGTH_UM.to_string()).into());
+    }
+    // What the laser cannot make is not drawn for it.
+    stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
-    draw(&input, &args.format, &mut outputs).map_err(|error| refuse(error.to_string()))?;
+    draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
     outputs.write(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
     for name in outputs.names() {
         writeln!(console.out, "{}", folder.join(name).display())?;

@@ -7,8 +7,11 @@ mod area_statistics;
 mod calibrate;
 mod drawings;
 mod export;
+mod new;
 mod optimize;
+mod pages;
 mod pictures;
+mod shell;
 mod simulate;
 mod surface;
 mod synthesize;
@@ -33,5 +36,8 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
+        Command::New(args) => new::run(args, console),
+        Command::Completions(args) => shell::completions(args, console),
+        Command::Man(args) => shell::man(args, console),
     }
 }

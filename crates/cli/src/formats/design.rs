@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_export::{Laser, Outline};
+use slipgrid_export::Laser;
 use slipgrid_material::{Condition, Material};
 use slipgrid_optimize::{Constraints, DesignSpace, Quantity, Target, TargetPoint};
 use slipgrid_pattern::{Arrangement, ManufacturingLimits};
@@ -11,12 +11,14 @@ use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
+use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{FRICTION, LENGTH_MM, LENGTH_UM, POSITIVE, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE};
+use crate::report::specimen::Specimen;
+use crate::units::{FRICTION, LENGTH_UM, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE};
 
 /// Most model evaluations where a file names no limit.
 const DEFAULT_MAX_EVALUATIONS: usize = 2000;
@@ -35,7 +37,7 @@ struct DesignFile {
     pattern: Spanned<TextureFile>,
     #[serde(default)]
     limits: LimitsFile,
-    laser: Option<LaserFile>,
+    laser: Option<Spanned<LaserFile>>,
     specimen: Spanned<SpecimenFile>,
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,
@@ -73,25 +75,6 @@ struct LimitsFile {
     max_peak_pressure_mpa: Option<Number>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LaserFile {
-    wavelength_nm: Option<Number>,
-    spot_um: Option<Number>,
-    pulse_ns: Option<Number>,
-    power_density_gw_cm2: Option<Number>,
-    repetition_hz: Option<Number>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SpecimenFile {
-    shape: Spanned<String>,
-    diameter_mm: Option<Number>,
-    length_mm: Option<Number>,
-    width_mm: Option<Number>,
-}
-
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SearchFile {
@@ -127,8 +110,8 @@ pub struct Design {
     pub constraints: Constraints,
     /// The laser, for the process sheet.
     pub laser: Laser,
-    /// The specimen's outline.
-    pub outline: Outline,
+    /// The specimen.
+    pub outline: Specimen,
     /// The modelled layer.
     pub layer: Layer,
     /// Sliding speed of the confirming run, in m/s.
@@ -183,7 +166,8 @@ impl Design {
         }
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
-        let laser = read_laser(&document, &file)?;
+        let limits = &file.limits;
+        let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         let max_peak_pressure_pa = document.optional(file.limits.max_peak_pressure_mpa.as_ref(), PRESSURE_MPA)?;
         let material = read_material_input(&document, &file.material)?;
@@ -206,7 +190,7 @@ impl Design {
             space,
             constraints: Constraints { limits, max_peak_pressure_pa },
             laser,
-            outline: read_outline(&document, &file.specimen)?,
+            outline: read_specimen(&document, &file.specimen)?,
             layer,
             speed_m_s: condition.map_or_else(|| SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S), |condition| condition.speed_m_s),
             seed: file.search.seed.unwrap_or(1),
@@ -310,7 +294,8 @@ fn read_limits(
     let limits = ManufacturingLimits {
         min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
-        depth_per_burst_m: document.optional(file.limits.depth_per_burst_um.as_ref(), LENGTH_UM)?,
+        // Given, or fitted against fluence.
+        depth_per_burst_m: laser.depth_per_burst_um.map(|depth_um| LENGTH_UM.to_si(depth_um)),
     };
     let bounds = file.bounds.get_ref();
     if let Some(min_land_m) = limits.min_land_m
@@ -353,51 +338,6 @@ fn read_limits(
         }
     }
     Ok(limits)
-}
-
-fn read_laser(document: &Document, file: &DesignFile) -> Result<Laser, Diagnostic> {
-    let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
-    let depth_per_burst_um = copied(file.limits.depth_per_burst_um.as_ref())?;
-    let Some(laser) = &file.laser else { return Ok(Laser { depth_per_burst_um, ..Laser::default() }) };
-    document.optional(laser.spot_um.as_ref(), LENGTH_UM)?;
-    // As written: only the limits take the spot in metres.
-    Ok(Laser {
-        wavelength_nm: copied(laser.wavelength_nm.as_ref())?,
-        spot_um: copied(laser.spot_um.as_ref())?,
-        pulse_ns: copied(laser.pulse_ns.as_ref())?,
-        power_density_gw_cm2: copied(laser.power_density_gw_cm2.as_ref())?,
-        depth_per_burst_um,
-        repetition_hz: copied(laser.repetition_hz.as_ref())?,
-    })
-}
-
-fn read_outline(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
-    let specimen = file.get_ref();
-    let needed = |value: &Option<Number>, key: &str| {
-        let value = value.as_ref().ok_or_else(|| document.missing(file.span(), key))?;
-        document.number(value, LENGTH_MM)
-    };
-    let stray = |value: &Option<Number>| {
-        value.as_ref().map_or(Ok(()), |value| {
-            Err(document
-                .refuse(value.span(), format!("has no meaning for a {}", specimen.shape.get_ref()))
-                .expected("diameter_mm for a disc, length_mm and width_mm for a rectangle"))
-        })
-    };
-    match document.choice(&specimen.shape, &["disc", "rectangle"], |name| name)? {
-        "disc" => {
-            stray(&specimen.length_mm)?;
-            stray(&specimen.width_mm)?;
-            Ok(Outline::Disc { diameter_m: needed(&specimen.diameter_mm, "diameter_mm")? })
-        }
-        _ => {
-            stray(&specimen.diameter_mm)?;
-            Ok(Outline::Rectangle {
-                length_m: needed(&specimen.length_mm, "length_mm")?,
-                width_m: needed(&specimen.width_mm, "width_mm")?,
-            })
-        }
-    }
 }
 
 fn read_material_input(

@@ -4,6 +4,7 @@ pub mod calibration;
 pub mod design;
 pub mod discrepancy;
 pub mod document;
+pub mod laser;
 pub mod material;
 pub mod measurements;
 pub mod pattern;

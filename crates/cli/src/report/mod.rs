@@ -1,7 +1,9 @@
 //! Results as files and people read them.
 
 pub mod csv;
+pub mod html;
 pub mod simulation;
+pub mod specimen;
 pub mod table;
 
 pub use table::Table;

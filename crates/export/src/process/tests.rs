@@ -1,6 +1,7 @@
 //! The sheet of the paper's pattern, and of every other kind.
 
 use super::*;
+use crate::work::spots_along;
 use slipgrid_pattern::Texture;
 
 /// Laser and pattern of the paper, Sec. "Laser patterning"; the repetition rate is ours.
@@ -16,6 +17,7 @@ fn input(repetition_hz: Option<f64>) -> ProcessInput {
             power_density_gw_cm2: Some(3.65),
             depth_per_burst_um: Some(2.6),
             repetition_hz,
+            ..Laser::default()
         },
         tolerances: Some(Tolerances {
             width_um: Some(8.0),
@@ -121,4 +123,39 @@ fn numbers_that_mean_nothing_are_refused() {
     let mut bad = input(None);
     bad.tolerances = Some(Tolerances { depth_um: Some(f64::NAN), ..Default::default() });
     assert!(ProcessSheet::new(&layout, bad).unwrap_err().to_string().contains("depth_um"));
+}
+
+#[test]
+fn a_moving_spot_counts_lines_overlaps_and_passes() {
+    let layout = layout(Planform::Square, DISC);
+    let mut input = input(Some(1000.0));
+    input.laser = Laser { speed_mm_s: Some(4.6), hatch_um: Some(11.5), ..input.laser };
+    let work = ProcessSheet::new(&layout, input).unwrap().work;
+    // 4.6 mm/s at 1 kHz: a burst every 4.6 um, a fifth of the spot.
+    assert_eq!((work.pulse_distance_um, work.pulse_overlap, work.line_overlap), (Some(4.6), Some(0.8), Some(0.5)));
+    // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, of which one pass gives more.
+    assert_eq!((work.bursts_per_pass, work.passes), (Some(7.85398), Some(1)));
+    assert_eq!(work.depth_of_passes_um, Some(20.42));
+    // 130 - 23 = 107 um in ten gaps: eleven lines of 107 um.
+    let cavities = layout.cavities() as f64;
+    assert_eq!(work.lines_on_specimen, Some(11 * layout.cavities() as u64));
+    assert!((work.marked_length_mm.unwrap() / (cavities * 11.0 * 0.107) - 1.0).abs() < 1e-5);
+    assert!((work.estimated_time_s.unwrap() / (cavities * 11.0 * 0.107 / 4.6) - 1.0).abs() < 1e-5);
+    assert_eq!(work.spot_compensation_um, Some(11.5));
+}
+
+#[test]
+fn leaning_walls_leave_less_volume() {
+    let outline = Outline::Rectangle { length_m: 0.2e-3, width_m: 0.2e-3 };
+    for (planform, expected_mm3) in [
+        // A pyramid's frustum, d/3 (A + sqrt(A B) + B), d = 5.2 um, sides 130 and 119.6 um; a cone's likewise.
+        (Planform::Square, 5.2e-3 / 3.0 * (0.0169 + 0.13 * 0.1196 + 0.1196 * 0.1196)),
+        (Planform::Disc, 5.2e-3 / 3.0 * (0.0169 + 0.13 * 0.1196 + 0.1196 * 0.1196) * std::f64::consts::FRAC_PI_4),
+    ] {
+        let mut input = input(None);
+        input.laser.wall_taper_deg = Some(45.0);
+        let sheet = ProcessSheet::new(&layout(planform, outline), input).unwrap();
+        assert!((sheet.specimen.cavity_volume_mm3 / expected_mm3 - 1.0).abs() < 1e-5, "{planform}");
+        assert_eq!(sheet.work.floor_width_um, Some(119.6));
+    }
 }

@@ -134,6 +134,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     };
     outputs.add("target.svg", pictures::target(&report)?);
     outputs.add("result.json", json(&report)?);
+    super::pages::design(&report, &mut outputs)?;
     outputs.write(&folder)?;
     let text = if args.json { json(&report)? } else { report.summary() };
     console.out.write_all(text.as_bytes())?;

@@ -1,7 +1,7 @@
 //! What `optimize` found, as JSON and as text.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_export::{Laser, Outline};
+use slipgrid_export::Laser;
 use slipgrid_optimize::{Quantity, Target};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
@@ -9,8 +9,9 @@ use slipgrid_springblock::{Extent, Fidelity};
 use crate::formats::design::quantity_name;
 use crate::report::Table;
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
+use crate::report::specimen::SpecimenReport;
 use crate::report::table::fixed;
-use crate::units::{LENGTH_MM, PRESSURE_MPA};
+use crate::units::PRESSURE_MPA;
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -139,48 +140,6 @@ pub struct ReachableReport {
     pub lowest: f64,
     /// Highest value.
     pub highest: f64,
-}
-
-/// A specimen as result.json holds it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "shape", rename_all = "lowercase")]
-pub enum SpecimenReport {
-    /// Round.
-    Disc {
-        /// Diameter.
-        diameter_mm: f64,
-    },
-    /// Rectangular.
-    Rectangle {
-        /// Extent along the sliding direction.
-        length_mm: f64,
-        /// Extent across it.
-        width_mm: f64,
-    },
-}
-
-impl From<&Outline> for SpecimenReport {
-    fn from(outline: &Outline) -> Self {
-        match *outline {
-            Outline::Disc { diameter_m } => Self::Disc { diameter_mm: LENGTH_MM.from_si(diameter_m) },
-            Outline::Rectangle { length_m, width_m } => {
-                Self::Rectangle { length_mm: LENGTH_MM.from_si(length_m), width_mm: LENGTH_MM.from_si(width_m) }
-            }
-        }
-    }
-}
-
-impl SpecimenReport {
-    /// The outline, in metres.
-    #[must_use]
-    pub fn outline(&self) -> Outline {
-        match *self {
-            Self::Disc { diameter_mm } => Outline::Disc { diameter_m: LENGTH_MM.to_si(diameter_mm) },
-            Self::Rectangle { length_mm, width_mm } => {
-                Outline::Rectangle { length_m: LENGTH_MM.to_si(length_mm), width_m: LENGTH_MM.to_si(width_mm) }
-            }
-        }
-    }
 }
 
 /// Seconds by stage.

@@ -42,6 +42,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         outputs.add("result.json", json(&report)?);
         outputs.add("ratios.csv", text::csv(&report));
         outputs.add("ratios.svg", text::picture(&report)?);
+        super::pages::validation(&report, &mut outputs)?;
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }

@@ -1,0 +1,45 @@
+//! `completions` and `man`: what a shell and a manual reader need, from the command line itself.
+
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
+
+use crate::args::{Arguments, CompletionsArgs, ManArgs};
+use crate::output::{Outputs, check_folder};
+use crate::{CliError, Console, exit_code};
+
+/// Prints the completions of a shell.
+pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    // Into memory first: the generator does not say when writing fails.
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Arguments::command(), "slipgrid", &mut script);
+    console.out.write_all(&script)?;
+    Ok(exit_code::DONE)
+}
+
+/// Prints the manual page, or writes one for each command.
+pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    let mut program = Arguments::command();
+    program.build();
+    let Some(folder) = &args.output else {
+        console.out.write_all(&page(program)?)?;
+        return Ok(exit_code::DONE);
+    };
+    check_folder(folder)?;
+    let mut pages = Outputs::default();
+    for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
+        let name = format!("slipgrid-{}", command.get_name());
+        pages.add(format!("{name}.1"), page(command.clone())?);
+    }
+    pages.add("slipgrid.1", page(program)?);
+    pages.write(folder)?;
+    for name in pages.names() {
+        writeln!(console.out, "{}", folder.join(name).display())?;
+    }
+    Ok(exit_code::DONE)
+}
+
+fn page(command: Command) -> Result<Vec<u8>, CliError> {
+    let mut page = Vec::new();
+    Man::new(command).render(&mut page)?;
+    Ok(page)
+}

@@ -1,0 +1,248 @@
+//! Laser and specimen in design files.
+
+use serde::Deserialize;
+use slipgrid_export::{Ablation, AblationPoint, Exposure, Laser, Outline};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{Number, NumberList};
+use crate::diagnostic::Diagnostic;
+use crate::report::specimen::{AT_THE_RIM, Specimen};
+use crate::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
+
+/// The laser as a design writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LaserFile {
+    wavelength_nm: Option<Number>,
+    spot_um: Option<Number>,
+    pulse_ns: Option<Number>,
+    power_density_gw_cm2: Option<Number>,
+    repetition_hz: Option<Number>,
+    speed_mm_s: Option<Number>,
+    hatch_um: Option<Number>,
+    wall_taper_deg: Option<Number>,
+    exposure: Option<Spanned<String>>,
+    fluence_j_cm2: Option<Number>,
+    ablation: Option<Spanned<AblationFile>>,
+}
+
+/// Depths per burst against fluence.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct AblationFile {
+    fluence_j_cm2: NumberList,
+    depth_per_burst_um: NumberList,
+    depth_std_um: Option<NumberList>,
+}
+
+/// The specimen as a design writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpecimenFile {
+    shape: Spanned<String>,
+    diameter_mm: Option<Number>,
+    length_mm: Option<Number>,
+    width_mm: Option<Number>,
+    outer_diameter_mm: Option<Number>,
+    inner_diameter_mm: Option<Number>,
+    cavities: Option<Spanned<String>>,
+}
+
+/// Reads the laser; `limits` are depth per burst and smallest land, as the limits give them.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range, for settings whose lines or pulses lie farther apart than the spot is
+/// wide, and for measurements to which no law of ablation fits.
+pub fn read_laser(
+    document: &Document,
+    file: Option<&Spanned<LaserFile>>,
+    limits: (&Option<Number>, &Option<Number>),
+) -> Result<Laser, Diagnostic> {
+    let copied = |value: Option<&Number>| document.optional(value, POSITIVE);
+    // As written: only solvers take lengths in metres.
+    let length = |value: Option<&Number>| {
+        document.optional(value, LENGTH_UM)?;
+        copied(value)
+    };
+    let of_limits = Laser {
+        depth_per_burst_um: length(limits.0.as_ref())?,
+        min_land_um: length(limits.1.as_ref())?,
+        ..Laser::default()
+    };
+    let Some(table) = file else { return Ok(of_limits) };
+    let file = table.get_ref();
+    let exposure = file.exposure.as_ref().map(|name| document.choice(name, &EXPOSURES, exposure_name)).transpose()?;
+    let laser = Laser {
+        wavelength_nm: copied(file.wavelength_nm.as_ref())?,
+        spot_um: length(file.spot_um.as_ref())?,
+        pulse_ns: copied(file.pulse_ns.as_ref())?,
+        power_density_gw_cm2: copied(file.power_density_gw_cm2.as_ref())?,
+        repetition_hz: copied(file.repetition_hz.as_ref())?,
+        speed_mm_s: copied(file.speed_mm_s.as_ref())?,
+        hatch_um: length(file.hatch_um.as_ref())?,
+        wall_taper_deg: document.optional(file.wall_taper_deg.as_ref(), WALL_TAPER_DEG)?,
+        exposure,
+        ..of_limits
+    };
+    let laser = with_ablation(document, laser, file, limits.0.as_ref())?;
+    let place = || file.hatch_um.as_ref().or(file.speed_mm_s.as_ref()).map_or(table.span(), Spanned::span);
+    laser.validate().map_err(|error| document.refuse(place(), error.to_string()))?;
+    Ok(laser)
+}
+
+const EXPOSURES: [Exposure; 2] = [Exposure::Hatch, Exposure::Mask];
+
+const fn exposure_name(exposure: Exposure) -> &'static str {
+    match exposure {
+        Exposure::Hatch => "hatch",
+        Exposure::Mask => "mask",
+    }
+}
+
+/// The laser with the depth per burst that its fluence gives.
+fn with_ablation(
+    document: &Document,
+    laser: Laser,
+    file: &LaserFile,
+    depth_per_burst: Option<&Number>,
+) -> Result<Laser, Diagnostic> {
+    let fluence_j_cm2 = document.optional(file.fluence_j_cm2.as_ref(), POSITIVE)?;
+    let Some(table) = &file.ablation else { return Ok(laser) };
+    if let Some(depth) = depth_per_burst {
+        return Err(document
+            .refuse(depth.span(), "is given beside laser.ablation, which gives it too")
+            .expected("one of the two"));
+    }
+    let fluence_j_cm2 = fluence_j_cm2.ok_or_else(|| document.missing(table.span(), "fluence_j_cm2 of [laser]"))?;
+    let given = table.get_ref();
+    let fluences = document.numbers(&given.fluence_j_cm2, POSITIVE)?;
+    let column = |list: &NumberList| {
+        let values = document.numbers(list, POSITIVE)?;
+        if values.len() == fluences.len() {
+            return Ok(values);
+        }
+        let reason = format!("has {} values", values.len());
+        Err(document.refuse(list.span(), reason).expected(format!("{}, one for each fluence", fluences.len())))
+    };
+    let depths = column(&given.depth_per_burst_um)?;
+    let deviations = given.depth_std_um.as_ref().map(column).transpose()?;
+    let points: Vec<AblationPoint> = fluences
+        .iter()
+        .zip(&depths)
+        .enumerate()
+        .map(|(place, (&fluence_j_cm2, &depth_um))| AblationPoint {
+            fluence_j_cm2,
+            depth_um,
+            depth_std_um: deviations.as_ref().map(|all| all[place]),
+        })
+        .collect();
+    let law = Ablation::fit(&points, fluence_j_cm2)
+        .map_err(|error| document.refuse(given.fluence_j_cm2.span(), error.to_string()))?;
+    Ok(Laser { depth_per_burst_um: Some(law.depth_per_burst_um), ablation: Some(law), ..laser })
+}
+
+/// Reads the specimen.
+///
+/// # Errors
+/// [`Diagnostic`] for unknown shapes, missing, stray or impossible lengths.
+pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Result<Specimen, Diagnostic> {
+    const EXPECTED: &str = "diameter_mm for a disc, length_mm and width_mm for a rectangle, outer_diameter_mm and inner_diameter_mm for a ring";
+    let specimen = file.get_ref();
+    let lengths = [
+        ("diameter_mm", &specimen.diameter_mm, "disc"),
+        ("length_mm", &specimen.length_mm, "rectangle"),
+        ("width_mm", &specimen.width_mm, "rectangle"),
+        ("outer_diameter_mm", &specimen.outer_diameter_mm, "ring"),
+        ("inner_diameter_mm", &specimen.inner_diameter_mm, "ring"),
+    ];
+    let shape = document.choice(&specimen.shape, &["disc", "rectangle", "ring"], |name| name)?;
+    for (_, value, of_shape) in lengths {
+        if let Some(value) = value.as_ref().filter(|_| of_shape != shape) {
+            return Err(document.refuse(value.span(), format!("has no meaning for a {shape}")).expected(EXPECTED));
+        }
+    }
+    let needed = |place: usize| {
+        let (key, value, _) = lengths[place];
+        let value = value.as_ref().ok_or_else(|| document.missing(file.span(), key))?;
+        document.number(value, LENGTH_MM)
+    };
+    let outline = match shape {
+        "disc" => Outline::Disc { diameter_m: needed(0)? },
+        "rectangle" => Outline::Rectangle { length_m: needed(1)?, width_m: needed(2)? },
+        _ => {
+            let (outer_diameter_m, inner_diameter_m) = (needed(3)?, needed(4)?);
+            if inner_diameter_m >= outer_diameter_m {
+                let place = specimen.inner_diameter_mm.as_ref().map_or(file.span(), Spanned::span);
+                return Err(document
+                    .refuse(place, "leaves nothing of the ring")
+                    .expected("less than outer_diameter_mm"));
+            }
+            Outline::Ring { outer_diameter_m, inner_diameter_m }
+        }
+    };
+    let at_the_rim =
+        specimen.cavities.as_ref().map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
+    Ok(Specimen { outline, is_clipped: at_the_rim == Some(AT_THE_RIM[1]) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Debug, Deserialize)]
+    struct Written {
+        laser: Option<Spanned<LaserFile>>,
+        specimen: Spanned<SpecimenFile>,
+    }
+
+    fn read(laser: &str, specimen: &str) -> Result<(Laser, Specimen), String> {
+        let document = Document::new("a.toml", format!("[laser]\n{laser}\n[specimen]\n{specimen}\n"));
+        let written: Written = document.parse().map_err(|refused| refused.to_string())?;
+        let laser =
+            read_laser(&document, written.laser.as_ref(), (&None, &None)).map_err(|refused| refused.to_string())?;
+        Ok((laser, read_specimen(&document, &written.specimen).map_err(|refused| refused.to_string())?))
+    }
+
+    const DISC: &str = "shape = \"disc\"\ndiameter_mm = 10.0";
+    const ABLATION: &str = "fluence_j_cm2 = 4.0\nablation = { fluence_j_cm2 = [1.0, 2.0, 4.0, 8.0], depth_per_burst_um = [0.55, 1.11, 1.66, 2.22] }";
+
+    #[test]
+    fn depth_per_burst_follows_from_fluence() {
+        let (laser, _) = read(ABLATION, DISC).unwrap();
+        let law = laser.ablation.unwrap();
+        // 0.8 ln(F / 0.5) to two decimals.
+        assert!((law.delta_um - 0.8).abs() < 0.005 && (law.threshold_j_cm2 - 0.5).abs() < 0.01);
+        assert_eq!(laser.depth_per_burst_um, Some(law.depth_per_burst_um));
+        for (laser, says) in [
+            (ABLATION.replace("fluence_j_cm2 = 4.0", ""), "fluence_j_cm2 of [laser]"),
+            (ABLATION.replace("fluence_j_cm2 = 4.0", "fluence_j_cm2 = 0.4"), "above the fitted threshold"),
+            (ABLATION.replace(", 2.22]", "]"), "4, one for each fluence"),
+            (
+                "spot_um = 20.0\nhatch_um = 21.0".to_owned(),
+                "a.toml:3: laser.hatch_um: 21.0 hatch_um of 21 um is above spot_um",
+            ),
+            ("wall_taper_deg = -1.0".to_owned(), "a.toml:2: laser.wall_taper_deg: -1.0 is out of range"),
+            ("exposure = \"mas\"".to_owned(), "did you mean `mask`?"),
+        ] {
+            let refused = read(&laser, DISC).unwrap_err();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
+
+    #[test]
+    fn specimens_of_every_shape() {
+        let ring = "shape = \"ring\"\nouter_diameter_mm = 10.0\ninner_diameter_mm = 4.0";
+        let outline = Outline::Ring { outer_diameter_m: 10e-3, inner_diameter_m: 4e-3 };
+        assert_eq!(read("", ring).unwrap().1, Specimen { outline, is_clipped: false });
+        assert!(read("", &format!("{ring}\ncavities = \"clipped\"")).unwrap().1.is_clipped);
+        for (specimen, says) in [
+            (ring.replace("4.0", "10.0"), "specimen.inner_diameter_mm: 10.0 leaves nothing"),
+            (ring.replace("inner_", ""), "specimen.diameter_mm: 4.0 has no meaning for a ring"),
+            (format!("{DISC}\ncavities = \"cut\""), "\"whole\" or \"clipped\""),
+        ] {
+            let refused = read("", &specimen).unwrap_err();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! What `optimize` found.
+
+use serde_json::Value;
+use slipgrid_export::NOT_MODELLED;
+
+use super::page::{Page, each, number, plain, text, texts, with_error};
+use super::section::section;
+use crate::output::Outputs;
+
+/// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
+#[must_use]
+pub fn design(result: &Value, outputs: &Outputs) -> String {
+    let mut page = Page::new();
+    page.heading(1, text(result, "name"));
+    verdict(&mut page, result);
+    dimensions(&mut page, result);
+    target(&mut page, result, outputs);
+    pattern(&mut page, result, outputs);
+    pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
+    pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
+    search(&mut page, result);
+    material(&mut page, result, outputs);
+    model(&mut page, result);
+    laser(&mut page, result, outputs);
+    page.finish(text(result, "name"), text(result, "version"))
+}
+
+fn verdict(page: &mut Page, result: &Value) {
+    let scope = if result["section_model"] == true { " (by the vertical section, as grooves)" } else { "" };
+    let (class, words) = match text(result, "status") {
+        "met" => ("verdict", "Target met"),
+        "unreachable" => ("verdict missed", "Target not reachable within bounds and limits; nearest design below"),
+        _ => ("verdict missed", "Target not met before the evaluations allowed were spent; nearest design below"),
+    };
+    page.paragraph(class, &format!("{words}{scope}."));
+    if result["material"]["synthetic_surface"] == true {
+        page.paragraph(
+            "warning",
+            "The area law behind these numbers rests on a synthetic surface, not on a measured one.",
+        );
+    }
+    for broken in texts(result, "violations") {
+        page.paragraph("warning", &broken);
+    }
+}
+
+/// Names, units and keys of a pattern's dimensions.
+const DIMENSIONS: [(&str, &str, &str); 7] = [
+    ("width", "µm", "width_um"),
+    ("spacing (gap between cavities)", "µm", "spacing_um"),
+    ("depth", "µm", "depth_um"),
+    ("length", "µm", "length_um"),
+    ("spacing across", "µm", "spacing_across_um"),
+    ("grooves turned by", "degrees", "angle_deg"),
+    ("sliding direction turned by", "degrees", "sliding_angle_deg"),
+];
+
+fn dimensions(page: &mut Page, result: &Value) {
+    page.heading(2, "The design");
+    let design = &result["design"];
+    let mut rows = vec![vec!["planform".to_owned(), text(design, "planform").to_owned(), String::new()]];
+    if let Some(arrangement) = design["arrangement"].as_str() {
+        rows.push(vec!["arrangement".to_owned(), arrangement.to_owned(), String::new()]);
+    }
+    for (name, unit, key) in DIMENSIONS {
+        if design[key].is_number() {
+            rows.push(vec![name.to_owned(), plain(&design[key]), unit.to_owned()]);
+        }
+    }
+    if let Some(density) = design["areal_density"].as_f64() {
+        rows.push(vec!["share of the surface".to_owned(), format!("{:.2}", 100.0 * density), "%".to_owned()]);
+    }
+    if result["bursts"].is_number() {
+        rows.push(vec!["bursts".to_owned(), plain(&result["bursts"]), "per spot".to_owned()]);
+    }
+    page.table(
+        "Exact as designed; what the laser makes of them is not known here.",
+        &["quantity", "value", "unit"],
+        &rows,
+    );
+}
+
+fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
+    page.heading(2, "Target, prediction, confirmation");
+    if let Some(svg) = outputs.text("target.svg") {
+        page.picture(&svg, "Target band, predicted, confirmed and flat values against pressure");
+    }
+    let wanted = &result["target"];
+    let is_ratio = text(wanted, "quantity") == "ratio";
+    let (key, error_key) = if is_ratio { ("ratio", "ratio_stderr") } else { ("mu_dynamic", "mu_dynamic_stderr") };
+    let (predicted, confirmed) = (each(result, "predicted"), each(result, "confirmed"));
+    let rows: Vec<Vec<String>> = each(wanted, "pressure_mpa")
+        .iter()
+        .enumerate()
+        .map(|(row, pressure)| {
+            let none = &Value::Null;
+            let (predicted, confirmed) = (predicted.get(row).unwrap_or(none), confirmed.get(row).unwrap_or(none));
+            vec![
+                plain(pressure),
+                with_error(&wanted["value"][row], &wanted["tolerance"], 4),
+                with_error(&result["predicted_value"][row], &predicted["ratio_discretization_error"], 4),
+                with_error(&confirmed[key], &confirmed[error_key], 4),
+                with_error(&confirmed["mu_dynamic"], &confirmed["mu_dynamic_stderr"], 4),
+                with_error(&confirmed["mu_flat"], &confirmed["mu_flat_stderr"], 4),
+                number(&confirmed["mu_static"], 4),
+                number(&predicted["peak_pressure_mpa"], 2),
+                plain(&confirmed["status"]),
+            ]
+        })
+        .collect();
+    let quantity = if is_ratio { "ratio patterned over flat" } else { "dynamic friction coefficient" };
+    page.table(
+        &format!(
+            "Target, predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
+             predicted the estimated change of the ratio to vanishing blocks; of confirmed, mu and mu flat the standard \
+             error in time. Peak pressure grows as blocks shrink."
+        ),
+        &["P in MPa", "target", "predicted", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
+        &rows,
+    );
+    let misfit = &result["misfit"];
+    page.paragraph(
+        "",
+        &format!(
+            "Largest distance from the target in tolerances: {} predicted, {} confirmed; up to 1 is met.",
+            number(&misfit["predicted"], 2),
+            number(&misfit["confirmed"], 2)
+        ),
+    );
+    for (load, warning) in confirmed
+        .iter()
+        .flat_map(|load| [(load, "cavity_closed"), (load, "area_law_extrapolated"), (load, "friction_extrapolated")])
+    {
+        if load[warning] == true {
+            let words = match warning {
+                "cavity_closed" => {
+                    "cavities close: their ceiling reaches the counterface, which the model lets through"
+                }
+                "area_law_extrapolated" => {
+                    "local pressures exceed the area law's last: the area is taken as constant there"
+                }
+                _ => "outside the measured range: the nearest measurement's coefficients were taken",
+            };
+            page.paragraph("warning", &format!("At {} MPa {words}.", plain(&load["pressure_mpa"])));
+        }
+    }
+}
+
+fn pattern(page: &mut Page, result: &Value, outputs: &Outputs) {
+    page.heading(2, "The pattern to scale");
+    if let Some(svg) = outputs.text("pattern.svg") {
+        page.picture(&svg, "The specimen seen from above, with two periods enlarged");
+    }
+    let length = |key: &str| result["design"][key].as_f64().unwrap_or(f64::NAN);
+    let svg = section(length("width_um"), length("spacing_um"), length("depth_um"));
+    if !svg.is_empty() {
+        page.picture(&svg, "Vertical section through the centres of cavities, along their row");
+    }
+}
+
+/// The pictures whose names begin with `prefix`, by load.
+fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
+    let named: Vec<(String, String)> = outputs
+        .names()
+        .into_iter()
+        .filter(|name| name.starts_with(prefix) && name.ends_with(".svg"))
+        .filter_map(|name| {
+            let load = name.strip_prefix(prefix)?.strip_suffix("mpa.svg")?;
+            Some((outputs.text(name)?, format!("{heading} at {load} MPa: {what}")))
+        })
+        .collect();
+    if named.is_empty() {
+        return;
+    }
+    page.heading(2, heading);
+    page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str())));
+}
+
+fn search(page: &mut Page, result: &Value) {
+    page.heading(2, "The search");
+    page.paragraph(
+        "",
+        &format!(
+            "{} designs evaluated in {} rounds, {} that could not be computed, seed {}.",
+            plain(&result["evaluations"]),
+            plain(&result["rounds"]),
+            plain(&result["failed_trials"]),
+            plain(&result["seed"])
+        ),
+    );
+    let reachable: Vec<Vec<String>> = each(result, "reachable")
+        .iter()
+        .map(|range| vec![plain(&range["pressure_mpa"]), number(&range["lowest"], 4), number(&range["highest"], 4)])
+        .collect();
+    page.table(
+        "Lowest and highest value among the designs tried that respect every constraint.",
+        &["P in MPa", "lowest", "highest"],
+        &reachable,
+    );
+    let alternatives: Vec<Vec<String>> = each(result, "alternatives")
+        .iter()
+        .map(|other| {
+            let density =
+                other["areal_density"].as_f64().map_or_else(|| "-".to_owned(), |share| format!("{:.2}", 100.0 * share));
+            vec![plain(&other["width_um"]), plain(&other["spacing_um"]), plain(&other["depth_um"]), density]
+        })
+        .collect();
+    page.table(
+        "Other designs that meet the target by the search's model.",
+        &["width in µm", "spacing in µm", "depth in µm", "share in %"],
+        &alternatives,
+    );
+    history(page, result);
+}
+
+/// The best so far against evaluations, where the result holds it: whatever numbers an entry has.
+fn history(page: &mut Page, result: &Value) {
+    let entries = each(result, "history");
+    let Some(first) = entries.first().and_then(Value::as_object) else { return };
+    let keys: Vec<&str> = first.iter().filter(|(_, value)| !value.is_object()).map(|(key, _)| key.as_str()).collect();
+    let rows: Vec<Vec<String>> =
+        entries.iter().map(|entry| keys.iter().map(|key| plain(&entry[*key])).collect()).collect();
+    page.table("Improvements during the search.", &keys, &rows);
+}
+
+fn material(page: &mut Page, result: &Value, outputs: &Outputs) {
+    page.heading(2, "Material and calibration");
+    let material = &result["material"];
+    let (name, source) = (text(material, "name"), text(material, "source"));
+    if !name.is_empty() {
+        page.paragraph("", &if source.is_empty() { name.to_owned() } else { format!("{name}. Source: {source}.") });
+    }
+    page.list(&texts(material, "notes"));
+    if let Some(scene) = outputs.text("design.toml") {
+        page.folded("design.toml: coefficients, area law, sample and run, as confirmed", &scene);
+    }
+}
+
+fn model(page: &mut Page, result: &Value) {
+    page.heading(2, "What was modelled, and why");
+    page.list(&texts(result, "model"));
+    page.paragraph("", &format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+}
+
+fn laser(page: &mut Page, result: &Value, outputs: &Outputs) {
+    page.heading(2, "For the laser");
+    let rows: Vec<Vec<String>> = result["laser"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, value)| !value.is_object())
+        .map(|(key, value)| vec![key.clone(), plain(value)])
+        .collect();
+    page.table("As the design gives it; units stand in the names.", &["quantity", "value"], &rows);
+    let law = &result["laser"]["ablation"];
+    if law.is_object() {
+        page.paragraph(
+            "",
+            &format!(
+                "Depth per burst d = delta ln(F / F_th): delta {} µm, F_th {} J/cm², at {} J/cm² {} µm ({} fluences).",
+                with_error(&law["delta_um"], &law["delta_stderr_um"], 3),
+                with_error(&law["threshold_j_cm2"], &law["threshold_stderr_j_cm2"], 3),
+                plain(&law["fluence_j_cm2"]),
+                with_error(&law["depth_per_burst_um"], &law["depth_per_burst_stderr_um"], 3),
+                plain(&law["points"]),
+            ),
+        );
+    }
+    if let Some(sheet) = outputs.text("process.toml") {
+        page.folded("process.toml: the process sheet", &sheet);
+    }
+}

@@ -1,0 +1,98 @@
+use serde_json::json;
+
+use super::*;
+use crate::output::Outputs;
+
+fn result() -> serde_json::Value {
+    json!({
+        "name": "a <b> & \"c\"", "version": "0.0.0", "status": "met", "section_model": false,
+        "design": {"planform": "groove", "width_um": 130.0, "spacing_um": 370.0, "depth_um": 20.0, "areal_density": 0.26},
+        "target": {"quantity": "ratio", "pressure_mpa": [0.65, 2.6], "value": [0.97, 0.83], "tolerance": 0.01},
+        "predicted": [{"peak_pressure_mpa": 1.9, "ratio_discretization_error": -0.0012}, {"peak_pressure_mpa": 7.1}],
+        "predicted_value": [0.9616, 0.8315],
+        "confirmed": [
+            {"pressure_mpa": 0.65, "ratio": 0.9637, "ratio_stderr": 0.0002, "mu_dynamic": 0.24, "mu_flat": 0.25, "status": "converged"},
+            {"pressure_mpa": 2.6, "ratio": 0.8355, "ratio_stderr": 0.0008, "mu_dynamic": 0.23, "cavity_closed": true, "status": "converged"}
+        ],
+        "misfit": {"predicted": 0.84, "confirmed": null},
+        "history": [{"evaluation": 1, "misfit": 3.0}, {"evaluation": 9, "misfit": 0.5}],
+        "material": {"name": "m", "source": "s", "synthetic_surface": true, "notes": ["n"]},
+        "model": ["two dimensions"], "laser": {"spot_um": 23.0}, "evaluations": 9, "rounds": 1, "seed": 1
+    })
+}
+
+/// Tags that are opened and not closed, or the other way round.
+fn unbalanced(page: &str) -> Vec<String> {
+    const VOID: [&str; 2] = ["meta", "!DOCTYPE"];
+    let mut open: Vec<String> = Vec::new();
+    let mut rest = page;
+    while let Some(at) = rest.find('<') {
+        let end = at + rest[at..].find('>').unwrap();
+        let tag = &rest[at + 1..end];
+        let name: String =
+            tag.trim_start_matches('/').chars().take_while(|c| !c.is_whitespace() && *c != '/').collect();
+        if let Some(name) = tag.strip_prefix('/') {
+            match open.pop() {
+                Some(last) if last == name => {}
+                other => return vec![format!("{other:?} closed by {name}")],
+            }
+        } else if !tag.ends_with('/') && !VOID.contains(&name.as_str()) {
+            open.push(name.clone());
+        }
+        rest = &rest[end + 1..];
+        if name == "script" && !tag.starts_with('/') {
+            rest = &rest[rest.find("</script>").unwrap()..];
+        }
+    }
+    open
+}
+
+#[test]
+fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
+    let mut outputs = Outputs::default();
+    for name in ["target.svg", "pattern.svg", "interface-2.6mpa.svg", "friction-2.6mpa.svg"] {
+        let picture = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\" viewBox=\"0 0 9 9\">\
+            <clipPath id=\"frame\"/><g clip-path=\"url(#frame)\"/></svg>";
+        outputs.add(name, picture);
+    }
+    outputs.add("process.toml", "name = \"x < y\"\n");
+    let page = design(&result(), &outputs);
+    assert_eq!(unbalanced(&page), Vec::<String>::new());
+    for said in [
+        "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
+        "Target met.",
+        "0.9700 ± 0.0100",
+        "0.9616 ± 0.0012",
+        "0.8355 ± 0.0008",
+        "synthetic surface",
+        "At 2.6 MPa cavities close",
+        "name = &quot;x &lt; y&quot;",
+        "prefers-color-scheme:dark",
+        "@media print",
+        "Improvements during the search",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    // Names of different pictures do not meet, and nothing is fetched.
+    assert!(page.contains("id=\"p1-frame\"") && page.contains("url(#p2-frame)") && !page.contains("\"frame\""));
+    let bare = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!bare.contains("http") && !bare.contains("src=") && !bare.contains("@import"));
+    assert_eq!(page, design(&result(), &outputs));
+}
+
+#[test]
+fn a_result_without_its_parts_still_makes_a_page() {
+    for result in [json!({}), json!([1, 2]), json!({"target": {"pressure_mpa": [1.0]}, "confirmed": "x", "laser": []})]
+    {
+        assert_eq!(unbalanced(&design(&result, &Outputs::default())), Vec::<String>::new());
+        assert_eq!(unbalanced(&validation(&result, &Outputs::default())), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn the_section_is_to_scale() {
+    let svg = super::section::section(130.0, 370.0, 20.0);
+    // 1000 um over 760 units: the first cavity from 185 to 315 um, 15.2 units deep.
+    assert!(svg.contains("H309.40V86.00H210.60V101.20") || svg.contains("H309.40V76.40H210.60V91.60"), "{svg}");
+    assert!(super::section::section(130.0, 370.0, f64::NAN).is_empty());
+}

@@ -1,0 +1,117 @@
+//! A specimen as result.json holds it.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_export::{ExportError, Layout, Outline};
+use slipgrid_pattern::Pattern;
+
+use crate::units::LENGTH_MM;
+
+/// The specimen's face, and what becomes of cavities that pass its rim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specimen {
+    /// The face.
+    pub outline: Outline,
+    /// Cavities that pass the rim are cut there instead of left out.
+    pub is_clipped: bool,
+}
+
+impl Specimen {
+    /// `pattern` on it.
+    ///
+    /// # Errors
+    /// [`ExportError`] if no cavity fits, or far too many.
+    pub fn layout(&self, pattern: Pattern) -> Result<Layout, ExportError> {
+        if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
+    }
+}
+
+/// Names of what becomes of cavities that pass the rim: left out, or cut.
+pub const AT_THE_RIM: [&str; 2] = ["whole", "clipped"];
+
+/// A specimen as result.json holds it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SpecimenReport {
+    /// `disc`, `rectangle` or `ring`.
+    pub shape: String,
+    /// Diameter of a disc.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diameter_mm: Option<f64>,
+    /// Extent of a rectangle along x.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_mm: Option<f64>,
+    /// Extent of a rectangle across it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub width_mm: Option<f64>,
+    /// Diameter of a ring's rim.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer_diameter_mm: Option<f64>,
+    /// Diameter of a ring's hole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inner_diameter_mm: Option<f64>,
+    /// `clipped`, where cavities are; otherwise whole ones alone are laid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cavities: Option<String>,
+}
+
+impl From<&Specimen> for SpecimenReport {
+    fn from(specimen: &Specimen) -> Self {
+        let millimetres = |length_m: f64| Some(LENGTH_MM.from_si(length_m));
+        let named = Self {
+            shape: specimen.outline.name().to_owned(),
+            cavities: specimen.is_clipped.then(|| AT_THE_RIM[1].to_owned()),
+            ..Self::default()
+        };
+        match specimen.outline {
+            Outline::Disc { diameter_m } => Self { diameter_mm: millimetres(diameter_m), ..named },
+            Outline::Rectangle { length_m, width_m } => {
+                Self { length_mm: millimetres(length_m), width_mm: millimetres(width_m), ..named }
+            }
+            Outline::Ring { outer_diameter_m, inner_diameter_m } => Self {
+                outer_diameter_mm: millimetres(outer_diameter_m),
+                inner_diameter_mm: millimetres(inner_diameter_m),
+                ..named
+            },
+        }
+    }
+}
+
+impl SpecimenReport {
+    /// The specimen, SI inside.
+    ///
+    /// # Errors
+    /// The key that is missing or unknown, in words.
+    pub fn specimen(&self) -> Result<Specimen, String> {
+        let needed = |value: Option<f64>, key: &str| {
+            let value = value.ok_or_else(|| format!("specimen.{key} is missing"))?;
+            if LENGTH_MM.accepts(value) {
+                Ok(LENGTH_MM.to_si(value))
+            } else {
+                Err(format!("specimen.{key}: {value} is out of range; expected {LENGTH_MM}"))
+            }
+        };
+        let outline = match self.shape.as_str() {
+            "disc" => Outline::Disc { diameter_m: needed(self.diameter_mm, "diameter_mm")? },
+            "rectangle" => Outline::Rectangle {
+                length_m: needed(self.length_mm, "length_mm")?,
+                width_m: needed(self.width_mm, "width_mm")?,
+            },
+            "ring" => Outline::Ring {
+                outer_diameter_m: needed(self.outer_diameter_mm, "outer_diameter_mm")?,
+                inner_diameter_m: needed(self.inner_diameter_mm, "inner_diameter_mm")?,
+            },
+            other => {
+                return Err(format!(
+                    "specimen.shape: {other:?} is not known; expected \"disc\", \"rectangle\" or \"ring\""
+                ));
+            }
+        };
+        let is_clipped = match self.cavities.as_deref() {
+            None | Some("whole") => false,
+            Some("clipped") => true,
+            Some(other) => {
+                return Err(format!("specimen.cavities: {other:?} is not known; expected \"whole\" or \"clipped\""));
+            }
+        };
+        Ok(Specimen { outline, is_clipped })
+    }
+}

@@ -1,0 +1,137 @@
+//! Full disks, folders that cannot be written and killed runs leave no half-written file.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+#![cfg(unix)]
+
+mod common;
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use common::{Place, SCENE, names};
+
+/// A design whose files take a few megabytes.
+fn result() -> String {
+    r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0, "depth_um": 5.2,
+    "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
+    "specimen": {"shape": "disc", "diameter_mm": 10.0},
+    "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#
+        .to_owned()
+}
+
+const EXPORT: [&str; 6] = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
+
+/// Runs a shell command line in the folder with the program as `$0`.
+fn shell(place: &Place, line: &str) -> std::process::Output {
+    let mut command = Command::new("sh");
+    command.current_dir(place.path("")).args(["-c", line, env!("CARGO_BIN_EXE_slipgrid")]).output().unwrap()
+}
+
+#[test]
+fn a_full_disk_is_said_and_leaves_nothing() {
+    let place = Place::with(&[("result.json", &result()), ("scene.toml", SCENE)]);
+    // Files end at 64 blocks of 512 bytes; the signal that would kill the program is ignored.
+    let output = shell(&place, "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.starts_with("error: out: cannot be written: "), "{message}");
+    assert_eq!(place.names(), ["result.json", "scene.toml"]);
+
+    // The same where the folder stands already: its files stay as they were.
+    fs::create_dir(place.path("out")).unwrap();
+    fs::write(place.path("out/pattern.dxf"), "mine").unwrap();
+    let output = shell(&place, "trap '' XFSZ; ulimit -f 64; exec \"$0\" export result.json -o out");
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(names(&place.path("out")), ["pattern.dxf"]);
+    assert_eq!(fs::read_to_string(place.path("out/pattern.dxf")).unwrap(), "mine");
+}
+
+#[test]
+fn a_device_is_written_to_and_not_replaced() {
+    if !fs::exists("/dev/full").unwrap_or(false) {
+        return;
+    }
+    let place = Place::with(&[("scene.toml", SCENE)]);
+    let output = shell(&place, "exec \"$0\" simulate scene.toml --json > /dev/full");
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.starts_with("error: standard output: "), "{message}");
+    let output = place.run(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "/dev/full"]);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("/dev/full: cannot be written"), "{message}");
+    use std::os::unix::fs::FileTypeExt;
+    assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+}
+
+#[test]
+fn a_link_stays_a_link() {
+    let place = Place::with(&[("map.asc", "old")]);
+    std::os::unix::fs::symlink("map.asc", place.path("link.asc")).unwrap();
+    place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "link.asc"]);
+    assert!(fs::symlink_metadata(place.path("link.asc")).unwrap().is_symlink());
+    assert!(fs::read_to_string(place.path("map.asc")).unwrap().len() > 1000);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_said() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::with(&[("scene.toml", SCENE)]);
+    let closed = place.path("closed");
+    fs::create_dir(&closed).unwrap();
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).unwrap();
+    let mut folders = vec!["/proc/slipgrid/out"];
+    // Who may do everything may write here too.
+    if fs::write(closed.join("probe"), "").is_err() {
+        folders.extend(["closed", "closed/out"]);
+    }
+    for folder in folders {
+        let output = place.run(&["simulate", "scene.toml", "-o", folder]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(message.contains("cannot be written"), "{message}");
+    }
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
+    let place = Place::with(&[("result.json", &result())]);
+    let started = std::time::Instant::now();
+    place.succeed(&EXPORT);
+    let whole = started.elapsed();
+    let files = names(&place.path("out"));
+    assert_eq!(files.len(), 7);
+    let good: Vec<Vec<u8>> = files.iter().map(|name| fs::read(place.path("out").join(name)).unwrap()).collect();
+    const KILLS: u32 = 12;
+    for fresh in [true, false] {
+        for kill in 0..KILLS {
+            fs::remove_dir_all(place.path("out")).unwrap();
+            if !fresh {
+                fs::create_dir(place.path("out")).unwrap();
+                for name in &files {
+                    fs::write(place.path("out").join(name), "before").unwrap();
+                }
+            }
+            let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+            command.current_dir(place.path("")).args(EXPORT).stdout(Stdio::null());
+            let mut run = command.spawn().unwrap();
+            std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * f64::from(kill) / f64::from(KILLS - 1)));
+            run.kill().unwrap();
+            run.wait().unwrap();
+            if !place.path("out").exists() {
+                assert!(fresh);
+                fs::create_dir(place.path("out")).unwrap();
+                continue;
+            }
+            let there: Vec<String> =
+                names(&place.path("out")).into_iter().filter(|name| !name.starts_with(".slipgrid-")).collect();
+            assert_eq!(there, files, "the folder appears with all of its files");
+            for (name, good) in files.iter().zip(&good) {
+                let read = fs::read(place.path("out").join(name)).unwrap();
+                assert!(read == *good || (!fresh && read == b"before"), "{name} is half written");
+            }
+        }
+    }
+}

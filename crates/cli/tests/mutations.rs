@@ -1,0 +1,261 @@
+//! Spoiled input: ten thousand files give a clear error or are accepted, and none ends the program.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use slipgrid_cli::formats::Document;
+use slipgrid_cli::formats::calibration::Calibration;
+use slipgrid_cli::formats::design::Design;
+use slipgrid_cli::formats::measurements;
+use slipgrid_cli::formats::scene::{Overrides, SceneInput};
+use slipgrid_topography::{ReadOptions, read_map};
+
+/// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
+struct Dice(u64);
+
+impl Dice {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, limit: usize) -> usize {
+        (self.next() % limit.max(1) as u64) as usize
+    }
+
+    fn one_of<'a>(&mut self, all: &[&'a str]) -> &'a str {
+        all[self.below(all.len())]
+    }
+}
+
+/// What stands where a value stood.
+const VALUES: [&str; 28] = [
+    "nan",
+    "-nan",
+    "inf",
+    "-inf",
+    "0",
+    "-0.0",
+    "-1",
+    "1e308",
+    "-1e308",
+    "1e-320",
+    "1e400",
+    "99999999999999999999",
+    "9223372036854775807",
+    "0x7fffffffffffffff",
+    "\"\"",
+    "\"a\"",
+    "true",
+    "[]",
+    "[[]]",
+    "{}",
+    "[1.0, \"a\"]",
+    "1979-05-27",
+    "1_000_000",
+    "1e7",
+    "1e-9",
+    "'''\n'''",
+    "[0.65, 0.65]",
+    "[2.6, 0.65]",
+];
+
+/// What is put in anywhere.
+const PIECES: [&str; 18] = [
+    "\0",
+    "\u{feff}",
+    "\u{202e}",
+    "µ",
+    "\r\n",
+    "\n\n",
+    "[",
+    "]",
+    "{",
+    "}",
+    "=",
+    "\"",
+    "'''",
+    "#",
+    ",",
+    ".",
+    "[[run]]\n",
+    "a.b.c = 1\n",
+];
+
+/// `text` with one to four changes.
+fn spoil(text: &str, dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    for _ in 0..=dice.below(4) {
+        let at = dice.below(bytes.len() + 1);
+        match dice.below(9) {
+            0 if at < bytes.len() => bytes[at] = dice.next() as u8,
+            1 => bytes.truncate(at),
+            2 => {
+                let end = (at + dice.below(12)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+            3 => {
+                bytes.splice(at..at, dice.one_of(&PIECES).bytes());
+            }
+            _ => bytes = spoil_line(&bytes, dice),
+        }
+    }
+    bytes
+}
+
+/// A line gone, doubled, moved, or with another value.
+fn spoil_line(bytes: &[u8], dice: &mut Dice) -> Vec<u8> {
+    let mut lines: Vec<Vec<u8>> = bytes.split(|&byte| byte == b'\n').map(<[u8]>::to_vec).collect();
+    let (line, other) = (dice.below(lines.len()), dice.below(lines.len()));
+    match dice.below(8) {
+        0 => {
+            lines.remove(line);
+        }
+        1 => lines.insert(other, lines[line].clone()),
+        2 => lines.swap(line, other),
+        _ => {
+            let value = dice.one_of(&VALUES).as_bytes();
+            let text = lines[line].clone();
+            let equals = text.iter().position(|&byte| byte == b'=');
+            lines[line] = match equals {
+                Some(equals) => [&text[..=equals], b" ", value].concat(),
+                // A table of measurements or heights: one field.
+                None => {
+                    let separator = if text.contains(&b',') { b',' } else { b' ' };
+                    let mut fields: Vec<&[u8]> = text.split(|&byte| byte == separator).collect();
+                    let field = dice.below(fields.len());
+                    fields[field] = value;
+                    fields.join(&separator)
+                }
+            };
+        }
+    }
+    lines.join(&b'\n')
+}
+
+/// A refusal must name the file and say something.
+fn judge<T>(read: Result<T, String>, spoiled: &[u8]) -> bool {
+    match read {
+        Ok(_) => true,
+        Err(message) => {
+            let reason = message.strip_prefix("x.").and_then(|rest| rest.split_once(": ")).map(|(_, reason)| reason);
+            assert!(
+                reason.is_some_and(|reason| reason.len() > 5),
+                "{message:?} for {}",
+                String::from_utf8_lossy(spoiled)
+            );
+            assert!(message.chars().count() < 600, "{message}");
+            false
+        }
+    }
+}
+
+/// Spoils `text` `times` times; returns how many were accepted.
+fn spoil_all<T>(text: &str, times: usize, seed: u64, read: impl Fn(&str, &[u8]) -> Result<T, String>) -> usize {
+    let mut dice = Dice(seed);
+    let mut accepted = 0;
+    for _ in 0..times {
+        let spoiled = spoil(text, &mut dice);
+        let outcome = catch_unwind(AssertUnwindSafe(|| read(&String::from_utf8_lossy(&spoiled), &spoiled)));
+        let read = outcome.unwrap_or_else(|_| panic!("a panic from {}", String::from_utf8_lossy(&spoiled)));
+        accepted += usize::from(judge(read, &spoiled));
+    }
+    accepted
+}
+
+const MATRIX: &str =
+    "# Width: 4 um\n# Height: 3 um\n# Value units: nm\n1.5 2.5 -1.0 0.5\n2.0 nan 0.0 1.0\n-1.0 0.25 3e1 4\n";
+const POINTS: &str = "0.0 0.0 1.0\n1.0 0.0 2.0\n0.0 1.0 -1.0\n1.0 1.0 0.5\n";
+
+fn scene(text: &str) -> Result<SceneInput, String> {
+    let document = Document::new("x.toml", text);
+    let file = document.parse().map_err(|refused| refused.to_string())?;
+    let input = SceneInput::from_file(document, &file, Overrides::default()).map_err(|refused| refused.to_string())?;
+    // What only the solver can judge is refused in its own words.
+    input.scene.validate().map_err(|error| input.refuse(&error).to_string())?;
+    Ok(input)
+}
+
+fn spoil_everything(times: usize, seed: u64) {
+    let place = Place::with(&[("flat.csv", FLAT)]);
+    let string = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string();
+    let near = |text: &str| Document::new(place.path("x.toml"), text);
+    let folder = format!("{}/", place.path("").display());
+    let local = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string().replace(&folder, "");
+    let accepted = [
+        spoil_all(SCENE, times, seed, |text, _| scene(text)),
+        spoil_all(DESIGN, times, seed + 1, |text, _| {
+            Design::from_document(Document::new("x.toml", text)).map_err(string)
+        }),
+        spoil_all(CALIBRATION, times, seed + 2, |text, _| {
+            // The table that the calibration names may be missing, or be refused under its own name.
+            let read = Calibration::from_document(&near(text)).map_err(local);
+            read.map_err(|message| message.replace("flat.csv:", "x.csv:"))
+        }),
+        spoil_all(FLAT, times, seed + 3, |text, _| measurements::parse(Path::new("x.csv"), text).map_err(string)),
+        spoil_all(MATRIX, times / 2, seed + 4, |_, bytes| {
+            read_map(bytes, &ReadOptions::default()).map_err(|error| format!("x.asc: {error}"))
+        }),
+        spoil_all(POINTS, times / 2, seed + 5, |_, bytes| {
+            let unit = Some(slipgrid_topography::LengthUnit::Micrometre);
+            let options = ReadOptions { height_unit: unit, lateral_unit: unit, ..ReadOptions::default() };
+            read_map(bytes, &options).map_err(|error| format!("x.xyz: {error}"))
+        }),
+    ];
+    // Spoiling must neither spare everything nor break everything.
+    assert!(accepted.iter().all(|&accepted| accepted > times / 100 && accepted < times), "{accepted:?}");
+}
+
+#[test]
+fn ten_thousand_spoiled_files_are_refused_or_read() {
+    spoil_everything(2000, 1);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn two_million_spoiled_files_are_refused_or_read() {
+    for seed in 1..=200 {
+        spoil_everything(2000, 100 * seed);
+    }
+}
+
+/// The program itself, on a few hundred of them, from the file to the exit code.
+#[test]
+fn the_program_answers_spoiled_files_or_refuses_them() {
+    let result = r#"{"name": "x", "version": "0", "seed": 1,
+"design": {"width_um": 130.0, "spacing_um": 370.0, "depth_um": 5.2, "planform": "square",
+"areal_density": 0.1, "section_density": 0.1},
+"laser": {"spot_um": 23.0, "hatch_um": 20.0, "wall_taper_deg": 5.0},
+"specimen": {"shape": "ring",
+"outer_diameter_mm": 4.0,
+"inner_diameter_mm": 1.0},
+"material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#;
+    let place = Place::with(&[]);
+    let mut dice = Dice(7);
+    let mut codes = [0; 2];
+    for _ in 0..200 {
+        // JSON has colons where TOML has equals signs.
+        let spoiled = spoil(&result.replace(": ", "= "), &mut dice);
+        let spoiled: Vec<u8> = String::from_utf8_lossy(&spoiled).replace("= ", ": ").into_bytes();
+        fs::write(place.path("x.json"), &spoiled).unwrap();
+        let path = place.path("x.json").display().to_string();
+        let folder = place.path("out").display().to_string();
+        let (mut out, mut err) = (Vec::new(), Vec::new());
+        let args = ["slipgrid", "export", &path, "--format", "csv,svg,process", "--threads", "1", "-o", &folder];
+        let code = catch_unwind(AssertUnwindSafe(|| slipgrid_cli::run(args, &mut out, &mut err)))
+            .unwrap_or_else(|_| panic!("a panic from {}", String::from_utf8_lossy(&spoiled)));
+        assert!(code == 0 || code == 2, "{code}: {}", String::from_utf8_lossy(&err));
+        assert_eq!(code == 2, String::from_utf8_lossy(&err).starts_with("error: "));
+        codes[usize::from(code == 2)] += 1;
+    }
+    assert!(codes.iter().all(|&count| count > 10), "{codes:?}");
+}

@@ -1,0 +1,88 @@
+//! Files to start from run as they are; completions and manual name every command.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+
+use common::{Place, names};
+use slipgrid_cli::formats::design::Design;
+
+const COMMANDS: [&str; 11] = [
+    "simulate",
+    "optimize",
+    "calibrate",
+    "area-law",
+    "synthesize",
+    "export",
+    "validate",
+    "accuracy",
+    "new",
+    "completions",
+    "man",
+];
+
+#[test]
+fn templates_run_as_they_are() {
+    let place = Place::with(&[]);
+    for (template, made) in [("scene", "scene.toml"), ("design", "design.toml"), ("calibration", "calibration")] {
+        assert_eq!(place.succeed(&["new", template]).trim_end(), made);
+        let message = place.refuse(&["new", template]);
+        assert!(message.contains(made) && message.contains("exists already"), "{message}");
+    }
+    assert!(place.succeed(&["simulate", "scene.toml"]).contains("converged"));
+    assert!(place.succeed(&["calibrate", "calibration/calibration.toml", "-o", "m.toml"]).contains("my polymer"));
+    Design::read(&place.path("design.toml")).unwrap();
+
+    // The design as it is, but on a short sample and with few evaluations: it takes a second instead of ten.
+    let text = fs::read_to_string(place.path("design.toml")).unwrap();
+    let short =
+        text.replace("length_um = 9960.0", "length_um = 1500.0").replace("tolerance = 0.02", "tolerance = 0.05");
+    fs::write(place.path("short.toml"), short).unwrap();
+    let output = place.run(&["optimize", "short.toml", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(names(&place.path("out")).contains(&"report.html".to_owned()));
+}
+
+/// A line that is a comment with a key in it may be uncommented, alone or with those that it names.
+#[test]
+fn commented_keys_of_templates_are_known() {
+    let place = Place::with(&[]);
+    place.succeed(&["new", "design"]);
+    let text = fs::read_to_string(place.path("design.toml")).unwrap();
+    let every: String = text
+        .lines()
+        .map(|line| match line.strip_prefix("# ") {
+            Some(key)
+                if key.contains(" = ") && !key.starts_with(char::is_uppercase) && !key.starts_with("condition") =>
+            {
+                key
+            }
+            _ => line,
+        })
+        .filter(|line| !line.starts_with("depth_per_burst_um"))
+        .map(|line| format!("{line}\n"))
+        .collect();
+    fs::write(place.path("every.toml"), every).unwrap();
+    let design = Design::read(&place.path("every.toml")).unwrap();
+    assert!(design.laser.ablation.is_some() && design.laser.speed_mm_s.is_some() && design.outline.is_clipped);
+}
+
+#[test]
+fn shells_and_readers_learn_every_command() {
+    let place = Place::with(&[]);
+    for shell in ["bash", "zsh", "fish"] {
+        let script = place.succeed(&["completions", shell]);
+        assert!(COMMANDS.iter().all(|command| script.contains(command)), "{shell}");
+    }
+    let page = place.succeed(&["man"]);
+    assert!(page.contains(".TH slipgrid 1") && page.contains("Exit codes"));
+    place.succeed(&["man", "-o", "man1"]);
+    let mut expected: Vec<String> = COMMANDS.iter().map(|command| format!("slipgrid-{command}.1")).collect();
+    expected.push("slipgrid.1".to_owned());
+    expected.sort();
+    assert_eq!(names(&place.path("man1")), expected);
+    let page = fs::read_to_string(place.path("man1/slipgrid-optimize.1")).unwrap();
+    assert!(page.contains(".TH slipgrid-optimize 1") && page.contains("Design file"), "{page}");
+}

@@ -1,0 +1,301 @@
+//! A cavity cut by the specimen's outline: polygons and discs about the origin, in closed form.
+//!
+//! Polygons run anticlockwise. What is left of one within a disc is bounded by its own edges and by arcs of
+//! the circle, anticlockwise; what is left outside a disc by arcs clockwise. Arcs become chords that depart
+//! from the circle by at most [`ARC_SAGITTA_M`].
+
+use crate::Outline;
+
+/// Departure of a chord from its arc, in metres: a hundredth of what a laser can place.
+pub(crate) const ARC_SAGITTA_M: f64 = 1e-8;
+
+/// Pieces with less area than this are rounding, in square metres: a square nanometre.
+const LEAST_AREA_M2: f64 = 1e-18;
+
+type Polygon = Vec<[f64; 2]>;
+
+/// The parts of a convex polygon that lie on the specimen.
+pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
+    let mut parts = match *outline {
+        Outline::Disc { diameter_m } => vec![within_disc(&polygon, diameter_m / 2.0)],
+        Outline::Rectangle { length_m, width_m } => {
+            let sides =
+                [([1.0, 0.0], length_m), ([-1.0, 0.0], length_m), ([0.0, 1.0], width_m), ([0.0, -1.0], width_m)];
+            vec![sides.into_iter().fold(polygon, |left, (normal, extent_m)| within_side(&left, normal, extent_m / 2.0))]
+        }
+        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+            outside_disc(&within_disc(&polygon, outer_diameter_m / 2.0), inner_diameter_m / 2.0)
+        }
+    };
+    parts.retain(|part| area_m2(part) > LEAST_AREA_M2);
+    parts
+}
+
+/// Area of a polygon, positive where it runs anticlockwise, in square metres.
+pub(crate) fn area_m2(polygon: &[[f64; 2]]) -> f64 {
+    // A = 1/2 sum (x_i y_i+1 - x_i+1 y_i), from the first corner, so that a small one far out keeps its digits.
+    let Some(&[x0, y0]) = polygon.first() else { return 0.0 };
+    let moved = |[x, y]: [f64; 2]| [x - x0, y - y0];
+    edges(polygon)
+        .map(|(a, b)| {
+            let ([xa, ya], [xb, yb]) = (moved(a), moved(b));
+            (xa * yb - xb * ya) / 2.0
+        })
+        .sum()
+}
+
+/// A circle as a polygon, its corners on the circle.
+pub(crate) fn circle([x_m, y_m]: [f64; 2], radius_m: f64) -> Polygon {
+    let count = chords(std::f64::consts::TAU, radius_m);
+    (0..count)
+        .map(|corner| {
+            let angle = std::f64::consts::TAU * corner as f64 / count as f64;
+            [x_m + radius_m * libm::cos(angle), y_m + radius_m * libm::sin(angle)]
+        })
+        .collect()
+}
+
+/// Chords for an arc of `angle`, at least one.
+fn chords(angle: f64, radius_m: f64) -> usize {
+    // s = R (1 - cos(a/2)), a the angle of one chord.
+    let one = 2.0 * libm::acos((1.0 - ARC_SAGITTA_M / radius_m).clamp(-0.5, 1.0));
+    // At most some ten thousand on a specimen of metres.
+    (angle / one).ceil().clamp(1.0, 1e6) as usize
+}
+
+fn edges(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    let next = polygon.iter().skip(1).chain(polygon.first());
+    polygon.iter().copied().zip(next.copied())
+}
+
+fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
+    [xa + t * (xb - xa), ya + t * (yb - ya)]
+}
+
+/// The part of the edge from `a` to `b` within the disc of `radius_m`, as shares of the edge.
+fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[f64; 2]> {
+    // |a + t (b - a)|^2 = R^2
+    let along = [b[0] - a[0], b[1] - a[1]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    let half = a[0] * along[0] + a[1] * along[1];
+    let excess = a[0].hypot(a[1]) - radius_m;
+    let rest = excess * (a[0].hypot(a[1]) + radius_m);
+    let discriminant = half * half - square * rest;
+    if square == 0.0 || discriminant <= 0.0 {
+        return None;
+    }
+    let root = discriminant.sqrt();
+    // Without cancellation: one root by the quotient, the other by the product.
+    let (t0, t1) = if half > 0.0 {
+        (-(half + root) / square, -rest / (half + root))
+    } else {
+        (rest / (root - half), (root - half) / square)
+    };
+    let (t0, t1) = (t0.max(0.0), t1.min(1.0));
+    (t0 < t1).then_some([t0, t1])
+}
+
+fn contains_origin(polygon: &[[f64; 2]]) -> bool {
+    !polygon.is_empty() && edges(polygon).all(|([xa, ya], [xb, yb])| xa * yb - xb * ya > 0.0)
+}
+
+/// Appends the points of the arc between `from` and `to`, without these two.
+fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m: f64, anticlockwise: bool) {
+    let (start, end) = (libm::atan2(from[1], from[0]), libm::atan2(to[1], to[0]));
+    let turn = if anticlockwise { end - start } else { start - end }.rem_euclid(std::f64::consts::TAU);
+    let count = chords(turn, radius_m);
+    for step in 1..count {
+        let turned = turn * step as f64 / count as f64;
+        let angle = if anticlockwise { start + turned } else { start - turned };
+        out.push([radius_m * libm::cos(angle), radius_m * libm::sin(angle)]);
+    }
+}
+
+/// The part of a polygon at most `limit_m` along the unit vector `normal`.
+fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygon {
+    let beyond = |[x, y]: [f64; 2]| x * nx + y * ny - limit_m;
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (a, b) in edges(polygon) {
+        let (of_a, of_b) = (beyond(a), beyond(b));
+        if of_a <= 0.0 {
+            kept.push(a);
+        }
+        if (of_a < 0.0 && of_b > 0.0) || (of_a > 0.0 && of_b < 0.0) {
+            kept.push(at(a, b, of_a / (of_a - of_b)));
+        }
+    }
+    kept
+}
+
+/// The part of a convex polygon within the disc.
+fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
+    let mut kept: Polygon = Vec::with_capacity(polygon.len() + 8);
+    let mut first_entry = None;
+    let mut exit: Option<[f64; 2]> = None;
+    for (a, b) in edges(polygon) {
+        let Some([t0, t1]) = chord_in_disc(a, b, radius_m) else { continue };
+        let start = at(a, b, t0);
+        if t0 > 0.0 {
+            match exit.take() {
+                Some(left) => push_arc(&mut kept, left, start, radius_m, true),
+                None => first_entry = Some(start),
+            }
+        }
+        kept.push(start);
+        if t1 < 1.0 {
+            let end = at(a, b, t1);
+            kept.push(end);
+            exit = Some(end);
+        }
+    }
+    if let (Some(exit), Some(entry)) = (exit, first_entry) {
+        push_arc(&mut kept, exit, entry, radius_m, true);
+    }
+    if kept.is_empty() && contains_origin(polygon) {
+        return circle([0.0; 2], radius_m);
+    }
+    kept
+}
+
+/// The parts of a convex polygon outside the disc.
+fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
+    // Runs of the boundary outside the disc: each starts where it leaves the disc and ends where it enters.
+    let mut runs: Vec<Polygon> = Vec::new();
+    let mut current: Polygon = Vec::new();
+    let starts_outside = polygon.first().is_some_and(|[x, y]| x.hypot(*y) > radius_m);
+    for (a, b) in edges(polygon) {
+        let Some([t0, t1]) = chord_in_disc(a, b, radius_m) else {
+            current.push(a);
+            continue;
+        };
+        if t0 > 0.0 {
+            current.push(a);
+            current.push(at(a, b, t0));
+            runs.push(std::mem::take(&mut current));
+        }
+        if t1 < 1.0 {
+            current.push(at(a, b, t1));
+        }
+    }
+    if runs.is_empty() {
+        if starts_outside && contains_origin(polygon) {
+            // The hole lies within: two halves have no hole.
+            let half = |side: f64| outside_disc(&within_side(polygon, [side, 0.0], 0.0), radius_m);
+            return [half(1.0), half(-1.0)].concat();
+        }
+        return if starts_outside { vec![current] } else { Vec::new() };
+    }
+    if starts_outside {
+        current.append(&mut runs[0]);
+        runs[0] = current;
+    } else if !current.is_empty() {
+        runs.push(current);
+    }
+    join_runs(&runs, radius_m)
+}
+
+/// Joins runs end to start along the circle, clockwise, into closed polygons.
+fn join_runs(runs: &[Polygon], radius_m: f64) -> Vec<Polygon> {
+    let angle = |[x, y]: [f64; 2]| libm::atan2(y, x);
+    let ends: Vec<([f64; 2], [f64; 2])> =
+        runs.iter().filter_map(|run| run.first().copied().zip(run.last().copied())).collect();
+    let mut free = vec![true; ends.len()];
+    let mut parts = Vec::new();
+    for first in 0..ends.len() {
+        if !free[first] {
+            continue;
+        }
+        let mut part = Vec::new();
+        let mut at_run = first;
+        loop {
+            free[at_run] = false;
+            part.extend_from_slice(&runs[at_run]);
+            let end = ends[at_run].1;
+            // The next start clockwise; its own where it is alone.
+            let clockwise = |run: usize| (angle(end) - angle(ends[run].0)).rem_euclid(std::f64::consts::TAU);
+            let next = (0..ends.len())
+                .filter(|&run| free[run] || run == first)
+                .min_by(|&a, &b| clockwise(a).total_cmp(&clockwise(b)));
+            let Some(next) = next else { break };
+            push_arc(&mut part, end, ends[next].0, radius_m, false);
+            if next == first {
+                break;
+            }
+            at_run = next;
+        }
+        parts.push(part);
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn rectangle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> Polygon {
+        vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+    }
+
+    const DISC: Outline = Outline::Disc { diameter_m: 2.0 };
+    const RING: Outline = Outline::Ring { outer_diameter_m: 2.0, inner_diameter_m: 1.0 };
+
+    /// Areas of the parts of a rectangle on `outline`, against their closed forms; chords cost a few 1e-8.
+    fn close(x: [f64; 2], y: [f64; 2], outline: Outline, expected: &[f64]) {
+        let mut areas: Vec<f64> = clip(rectangle(x, y), &outline).iter().map(|part| area_m2(part)).collect();
+        areas.sort_by(f64::total_cmp);
+        assert_eq!(areas.len(), expected.len(), "{x:?} {y:?}: {areas:?}");
+        for (area, expected) in areas.iter().zip(expected) {
+            assert!((area - expected).abs() < 1e-7, "{x:?} {y:?}: {area} for {expected}");
+        }
+    }
+
+    /// The segment of a disc of radius r beyond the distance d from its centre: r^2 acos(d/r) - d sqrt(r^2 - d^2).
+    fn segment(r: f64, d: f64) -> f64 {
+        r * r * (d / r).acos() - d * (r * r - d * d).sqrt()
+    }
+
+    #[test]
+    fn parts_of_a_disc() {
+        close([-2.0, 2.0], [-2.0, 2.0], DISC, &[PI]);
+        close([0.5, 2.0], [-2.0, 2.0], DISC, &[segment(1.0, 0.5)]);
+        close([-0.25, 0.25], [-2.0, 2.0], DISC, &[PI - 2.0 * segment(1.0, 0.25)]);
+        close([0.0, 2.0], [0.0, 2.0], DISC, &[PI / 4.0]);
+        // Wholly inside, wholly outside.
+        close([0.1, 0.2], [0.1, 0.3], DISC, &[0.02]);
+        close([0.9, 1.2], [0.9, 1.2], DISC, &[]);
+    }
+
+    #[test]
+    fn parts_of_a_ring() {
+        let disc = |d: f64| segment(1.0, d) - if d < 0.5 { segment(0.5, d) } else { 0.0 };
+        close([-2.0, 2.0], [-2.0, 2.0], RING, &[3.0 * PI / 8.0, 3.0 * PI / 8.0]);
+        close([0.6, 2.0], [-2.0, 2.0], RING, &[disc(0.6)]);
+        close([0.25, 2.0], [-2.0, 2.0], RING, &[disc(0.25)]);
+        // A strip through the hole leaves two parts, one along its edge leaves one.
+        close([-0.1, 0.1], [-2.0, 2.0], RING, &[disc(-0.1) / 2.0 - disc(0.1) / 2.0; 2]);
+        close([0.45, 0.55], [-2.0, 2.0], RING, &[disc(0.45) - disc(0.55)]);
+        close([-0.2, 0.2], [-0.2, 0.2], RING, &[]);
+        close([0.0, 2.0], [0.0, 2.0], RING, &[3.0 * PI / 16.0]);
+        close([0.6, 0.65], [-0.1, 0.1], RING, &[0.01]);
+    }
+
+    #[test]
+    fn parts_of_a_rectangle() {
+        let outline = Outline::Rectangle { length_m: 2.0, width_m: 1.0 };
+        close([0.5, 3.0], [-3.0, 0.25], outline, &[0.5 * 0.75]);
+        close([2.0, 3.0], [-3.0, 0.25], outline, &[]);
+        let quarter: f64 = clip(circle([1.0, 0.5], 0.3), &outline).iter().map(|part| area_m2(part)).sum();
+        assert!((quarter - PI * 0.09 / 4.0).abs() < 1e-7, "{quarter}");
+    }
+
+    #[test]
+    fn every_corner_of_a_part_lies_on_the_specimen() {
+        for part in clip(rectangle([-0.3, 0.1], [-2.0, 2.0]), &RING) {
+            for [x, y] in part {
+                let distance = x.hypot(y);
+                assert!((0.5 - 1e-12..=1.0 + 1e-12).contains(&distance) && (-0.3..=0.1).contains(&x));
+            }
+        }
+    }
+}

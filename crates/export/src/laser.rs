@@ -1,0 +1,163 @@
+//! The laser: what a design says of it, and what it can make.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_pattern::{ManufacturingLimits, Pattern};
+
+use crate::error::positive;
+use crate::{Ablation, ExportError};
+
+/// How a cavity is exposed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exposure {
+    /// The spot fills the cavity line by line.
+    #[default]
+    Hatch,
+    /// A mask has the cavity's shape: its contour is all that the laser needs.
+    Mask,
+}
+
+/// Laser parameters as the design gives them; absent ones are left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Laser {
+    /// Wavelength, in nm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelength_nm: Option<f64>,
+    /// Diameter of the spot, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot_um: Option<f64>,
+    /// Pulse duration, in ns.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse_ns: Option<f64>,
+    /// Power density, in GW/cm^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub power_density_gw_cm2: Option<f64>,
+    /// Depth that one burst removes, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_per_burst_um: Option<f64>,
+    /// Bursts per second, in Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repetition_hz: Option<f64>,
+    /// Speed of the spot along a line, in mm/s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_mm_s: Option<f64>,
+    /// Distance of lines, in um; the spot's diameter where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hatch_um: Option<f64>,
+    /// How far walls lean from upright, in degrees: cavities narrow downwards.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_taper_deg: Option<f64>,
+    /// Hatch or mask; hatch where absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<Exposure>,
+    /// Smallest gap between two cavities, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_land_um: Option<f64>,
+    /// Depth per burst against fluence, where it was fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ablation: Option<Ablation>,
+}
+
+/// Walls that lean more than this meet before they have depth worth the name.
+const MOST_TAPER_DEG: f64 = 80.0;
+
+impl Laser {
+    /// Checks each number by itself, and lines and pulses against the spot.
+    ///
+    /// # Errors
+    /// [`ExportError::NotPositive`], [`ExportError::BeyondLaser`] where lines or pulses lie farther apart than
+    /// the spot is wide, [`ExportError::TaperOutOfRange`].
+    pub fn validate(&self) -> Result<(), ExportError> {
+        for (quantity, value) in [
+            ("wavelength_nm", self.wavelength_nm),
+            ("spot_um", self.spot_um),
+            ("pulse_ns", self.pulse_ns),
+            ("power_density_gw_cm2", self.power_density_gw_cm2),
+            ("depth_per_burst_um", self.depth_per_burst_um),
+            ("repetition_hz", self.repetition_hz),
+            ("speed_mm_s", self.speed_mm_s),
+            ("hatch_um", self.hatch_um),
+            ("min_land_um", self.min_land_um),
+        ] {
+            value.map_or(Ok(0.0), |value| positive(quantity, value))?;
+        }
+        if let Some(taper_deg) = self.wall_taper_deg
+            && !(0.0..=MOST_TAPER_DEG).contains(&taper_deg)
+        {
+            return Err(ExportError::TaperOutOfRange { taper_deg, most_deg: MOST_TAPER_DEG });
+        }
+        let Some(spot_um) = self.spot_um else { return Ok(()) };
+        let beyond = |what, value_um: f64| {
+            let limit = "spot_um";
+            Err(ExportError::BeyondLaser { what, value_um, relation: "above", limit, limit_um: spot_um })
+        };
+        // One part in a million forgiven as rounding.
+        match (self.hatch_um, self.pulse_distance_um()) {
+            (Some(hatch_um), _) if hatch_um > spot_um * (1.0 + 1e-6) => beyond("hatch_um", hatch_um),
+            (_, Some(pulse_um)) if pulse_um > spot_um * (1.0 + 1e-6) => {
+                beyond("pulse distance, speed_mm_s over repetition_hz,", pulse_um)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses a pattern finer than what the laser makes, and names the limit.
+    ///
+    /// # Errors
+    /// [`ExportError::BeyondLaser`]; as [`Laser::validate`].
+    pub fn check(&self, pattern: &Pattern) -> Result<(), ExportError> {
+        self.validate()?;
+        let extent_um = pattern.least_extent_m() * 1e6;
+        let below = |what, value_um: f64, limit, limit_um: f64| {
+            // One part in a million forgiven as rounding.
+            if value_um < limit_um * (1.0 - 1e-6) {
+                Err(ExportError::BeyondLaser { what, value_um, relation: "below", limit, limit_um })
+            } else {
+                Ok(())
+            }
+        };
+        if let Some(spot_um) = self.spot_um {
+            below("smallest extent of a cavity", extent_um, "spot_um", spot_um)?;
+        }
+        if let Some(land_um) = self.min_land_um {
+            below("land between cavities", pattern.least_land_m() * 1e6, "min_land_um", land_um)?;
+        }
+        if self.floor_inset_m(pattern.depth_m()) > 0.0 {
+            let walls_um = 2e6 * self.floor_inset_m(pattern.depth_m());
+            below("smallest extent of a cavity", extent_um, "what two walls of wall_taper_deg take", walls_um)?;
+        }
+        Ok(())
+    }
+
+    /// Bursts for a depth of `depth_m`, at least one; `None` without a depth per burst.
+    #[must_use]
+    pub fn bursts(&self, depth_m: f64) -> Option<u32> {
+        let depth_per_burst_m = self.depth_per_burst_um.map(|depth_um| depth_um * 1e-6);
+        ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
+    }
+
+    /// Distance of pulses along a line, in um.
+    #[must_use]
+    pub fn pulse_distance_um(&self) -> Option<f64> {
+        // p = v / f
+        self.speed_mm_s.zip(self.repetition_hz).map(|(speed_mm_s, repetition_hz)| speed_mm_s * 1e3 / repetition_hz)
+    }
+
+    /// Distance of lines, in um.
+    #[must_use]
+    pub fn line_distance_um(&self) -> Option<f64> {
+        self.hatch_um.or(self.spot_um)
+    }
+
+    /// How far the floor's edge lies inside the cavity's, in metres.
+    #[must_use]
+    pub fn floor_inset_m(&self, depth_m: f64) -> f64 {
+        depth_m * self.slope()
+    }
+
+    /// Horizontal extent of a wall over its height.
+    pub(crate) fn slope(&self) -> f64 {
+        self.wall_taper_deg.map_or(0.0, |taper_deg| libm::tan(taper_deg.to_radians()))
+    }
+}

@@ -1,0 +1,225 @@
+//! The lines that the spot follows.
+//!
+//! Hatching fills a cavity with lines along its longer side (along x where both are alike), every second line
+//! backwards. The spot's edge, not its centre, ends on the cavity's edge: lines lie half a spot inside it. A
+//! mask needs the contour alone.
+
+use crate::{Boundary, Cavity, ExportError, Exposure, Laser};
+
+/// A straight line of the spot's centre, from one end to the other, in metres.
+pub type Line = [[f64; 2]; 2];
+
+/// How cavities are marked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Marking {
+    exposure: Exposure,
+    /// Half the spot, in metres.
+    inset_m: f64,
+    distance_m: f64,
+}
+
+/// Share of a line's distance that is forgiven as rounding.
+const ROUNDING: f64 = 1e-6;
+
+impl Marking {
+    /// The marking by `laser`.
+    ///
+    /// # Errors
+    /// [`ExportError::Needs`] where hatching lacks the spot; as [`Laser::validate`].
+    pub fn new(laser: &Laser) -> Result<Self, ExportError> {
+        laser.validate()?;
+        let exposure = laser.exposure.unwrap_or_default();
+        let (inset_m, distance_m) = match (exposure, laser.spot_um.zip(laser.line_distance_um())) {
+            (Exposure::Mask, _) => (0.0, 0.0),
+            (Exposure::Hatch, Some((spot_um, distance_um))) => (spot_um * 0.5e-6, distance_um * 1e-6),
+            (Exposure::Hatch, None) => return Err(ExportError::Needs { what: "hatching", key: "laser.spot_um" }),
+        };
+        Ok(Self { exposure, inset_m, distance_m })
+    }
+
+    /// Hatch or mask.
+    #[must_use]
+    pub const fn exposure(&self) -> Exposure {
+        self.exposure
+    }
+
+    /// How far the spot's centre stays inside a cavity's edge, in metres.
+    #[must_use]
+    pub const fn spot_compensation_m(&self) -> f64 {
+        self.inset_m
+    }
+
+    /// The direction of the lines in a cavity: a unit vector in the specimen's axes.
+    #[must_use]
+    pub fn direction(&self, cavity: &Cavity) -> [f64; 2] {
+        let [cosine, sine] = cavity.orientation;
+        if cavity.length_m > cavity.width_m { [-sine, cosine] } else { [cosine, sine] }
+    }
+
+    /// The lines of a cavity in marking order; none where less than a spot is left of it.
+    #[must_use]
+    pub fn lines(&self, cavity: &Cavity) -> Vec<Line> {
+        if self.exposure == Exposure::Mask {
+            return cavity.boundaries().iter().flat_map(contour).collect();
+        }
+        let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return Vec::new() };
+        let direction = self.direction(cavity);
+        let mut lines = Vec::new();
+        for boundary in inner.boundaries() {
+            match boundary {
+                Boundary::Rectangle { .. } => self.hatch_rectangle(&inner, direction, &mut lines),
+                Boundary::Circle { .. } | Boundary::Polygon { .. } => {
+                    self.hatch_polygon(&boundary.polygon_m(), direction, &mut lines);
+                }
+            }
+        }
+        for line in lines.iter_mut().skip(1).step_by(2) {
+            line.reverse();
+        }
+        lines
+    }
+
+    /// Lines from one edge to the other, both included, evenly and at most the distance apart.
+    fn hatch_rectangle(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
+        let (along_m, across_m) = (inner.length_m.max(inner.width_m), inner.length_m.min(inner.width_m));
+        let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
+        // Bounded by the cavity over the distance of lines: the cast is exact.
+        for line in 0..=gaps as u64 {
+            let offset_m = if gaps > 0.0 { across_m * (line as f64 / gaps - 0.5) } else { 0.0 };
+            let end = |half_m: f64| {
+                [inner.centre_x_m + half_m * dx - offset_m * dy, inner.centre_y_m + half_m * dy + offset_m * dx]
+            };
+            lines.push([end(-along_m / 2.0), end(along_m / 2.0)]);
+        }
+    }
+
+    /// Lines in the middles of equal strips at most the distance wide.
+    fn hatch_polygon(&self, polygon: &[[f64; 2]], [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
+        let turned: Vec<[f64; 2]> = polygon.iter().map(|[x, y]| [x * dx + y * dy, y * dx - x * dy]).collect();
+        let across = turned.iter().map(|[_, across_m]| *across_m);
+        let (low_m, high_m) = (across.clone().fold(f64::INFINITY, f64::min), across.fold(f64::NEG_INFINITY, f64::max));
+        if high_m <= low_m {
+            return;
+        }
+        let strips = ((high_m - low_m) / self.distance_m - ROUNDING).ceil().max(1.0);
+        for strip in 0..strips as u64 {
+            let at_m = low_m + (high_m - low_m) * (strip as f64 + 0.5) / strips;
+            let mut ends_m: Vec<f64> = turned
+                .iter()
+                .zip(turned.iter().skip(1).chain(turned.first()))
+                .filter(|([_, from], [_, to])| (*from <= at_m) != (*to <= at_m))
+                .map(|([u0, v0], [u1, v1])| u0 + (at_m - v0) / (v1 - v0) * (u1 - u0))
+                .collect();
+            ends_m.sort_by(f64::total_cmp);
+            let back = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
+            lines.extend(ends_m.chunks_exact(2).map(|ends| [back(ends[0]), back(ends[1])]));
+        }
+    }
+}
+
+/// The edges of a boundary in turn.
+fn contour(boundary: &Boundary) -> Vec<Line> {
+    let corners = boundary.polygon_m();
+    let next = corners.iter().skip(1).chain(corners.first());
+    corners.iter().zip(next).map(|(from, to)| [*from, *to]).collect()
+}
+
+/// Length of a line, in metres.
+pub(crate) fn length_m([[x0, y0], [x1, y1]]: &Line) -> f64 {
+    (x1 - x0).hypot(y1 - y0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::every_kind;
+    use crate::{Layout, Outline};
+    use slipgrid_pattern::{Pattern, Planform};
+
+    const LASER: Laser = Laser {
+        wavelength_nm: None,
+        spot_um: Some(23.0),
+        pulse_ns: None,
+        power_density_gw_cm2: None,
+        depth_per_burst_um: None,
+        repetition_hz: None,
+        speed_mm_s: None,
+        hatch_um: Some(15.0),
+        wall_taper_deg: None,
+        exposure: None,
+        min_land_um: None,
+        ablation: None,
+    };
+
+    fn first(planform: Planform) -> Cavity {
+        let pattern = Pattern::new(planform, 130e-6, 370e-6, 5e-6).unwrap();
+        let outline = Outline::Rectangle { length_m: 1e-3, width_m: 2e-3 };
+        Layout::new(pattern, outline).unwrap().iter().next().unwrap()
+    }
+
+    #[test]
+    fn a_square_is_filled_from_edge_to_edge() {
+        let marking = Marking::new(&LASER).unwrap();
+        let lines = marking.lines(&first(Planform::Square));
+        // 130 - 23 = 107 um across: eight gaps of 13.375 um.
+        assert_eq!(lines.len(), 9);
+        assert!(lines.iter().all(|line| (length_m(line) - 107e-6).abs() < 1e-12));
+        assert!(lines.windows(2).all(|pair| (pair[1][0][1] - pair[0][0][1] - 13.375e-6).abs() < 1e-12));
+        // Forth and back: the next line starts where this one ends.
+        assert!(lines.windows(2).all(|pair| (pair[1][0][0] - pair[0][1][0]).abs() < 1e-12));
+        let wide = Marking::new(&Laser { spot_um: Some(130.0), hatch_um: None, ..LASER }).unwrap();
+        assert_eq!(wide.lines(&first(Planform::Square)).len(), 1);
+        let wider = Marking::new(&Laser { spot_um: Some(131.0), hatch_um: None, ..LASER }).unwrap();
+        assert!(wider.lines(&first(Planform::Square)).is_empty());
+    }
+
+    #[test]
+    fn the_spots_edge_stays_inside_every_kind_of_cavity_and_reaches_its_edge() {
+        let marking = Marking::new(&LASER).unwrap();
+        let half_m = 11.5e-6;
+        for texture in every_kind() {
+            let pattern = Pattern::new(texture, 131.2e-6, 370e-6, 5e-6).unwrap();
+            for outline in [
+                Outline::Disc { diameter_m: 4e-3 },
+                Outline::Rectangle { length_m: 3e-3, width_m: 2e-3 },
+                Outline::Ring { outer_diameter_m: 4e-3, inner_diameter_m: 1.3e-3 },
+            ] {
+                for cavity in Layout::clipped(pattern, outline).unwrap().iter() {
+                    let lines = marking.lines(&cavity);
+                    let distances =
+                        lines.iter().flatten().map(|point| Cavity { cut_by: None, ..cavity }.wall_distance_m(*point));
+                    let nearest = distances.fold(f64::INFINITY, f64::min);
+                    assert!(nearest > half_m - 1e-10, "{cavity:?}: {nearest}");
+                    if cavity.cut_by.is_none() {
+                        assert!(nearest < half_m + 7.6e-6, "{cavity:?}: {nearest}");
+                    } else {
+                        let inner = outline.inset(half_m - 1.1e-8).unwrap();
+                        assert!(lines.iter().flatten().all(|point| inner.contains(*point)), "{cavity:?}");
+                    }
+                    // What lines sweep is the area within half a spot, but for the ends of strips.
+                    let swept: f64 = lines.iter().map(length_m).sum::<f64>();
+                    assert!(swept * 15e-6 < 1.3 * cavity.area_m2());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mask_needs_the_contour_alone() {
+        let marking =
+            Marking::new(&Laser { exposure: Some(Exposure::Mask), spot_um: None, hatch_um: None, ..LASER }).unwrap();
+        let lines = marking.lines(&first(Planform::Square));
+        assert_eq!(lines.len(), 4);
+        assert!(lines.iter().all(|line| (length_m(line) - 130e-6).abs() < 1e-12));
+    }
+
+    #[test]
+    fn lines_that_do_not_meet_are_refused_with_the_limit() {
+        let refused = |laser: Laser| Marking::new(&laser).unwrap_err().to_string();
+        assert!(refused(Laser { hatch_um: Some(30.0), ..LASER }).contains("hatch_um of 30 um is above spot_um, 23 um"));
+        let fast = Laser { speed_mm_s: Some(100.0), repetition_hz: Some(1000.0), ..LASER };
+        assert!(refused(fast).contains("of 100 um is above spot_um"));
+        assert!(refused(Laser { spot_um: None, ..LASER }).contains("laser.spot_um"));
+        assert!(refused(Laser { wall_taper_deg: Some(90.0), ..LASER }).contains("80"));
+    }
+}

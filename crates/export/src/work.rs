@@ -1,0 +1,219 @@
+//! What follows from a layout and a laser for the work: bursts, lines, passes and time.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_pattern::Planform;
+
+use crate::marking::length_m;
+use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
+use crate::{Exposure, Laser, Layout, Marking};
+
+const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
+     overlap, which a round spot needs for an even floor, adds to it";
+const SPOT_TIME_FORMULA: &str = "spots_on_specimen * bursts_per_cavity / repetition_hz";
+const SPOT_TIME_ASSUMPTIONS: &str =
+    "one burst per spot and repetition; movement between spots and cavities not counted";
+const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
+const LINE_TIME_ASSUMPTIONS: &str =
+    "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
+const BURSTS_FORMULA: &str =
+    "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass, on average";
+
+/// Bursts, lines and time.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WorkSheet {
+    /// `hatch` or `mask`.
+    pub exposure: Exposure,
+    /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bursts_per_cavity: Option<u32>,
+    /// Depth that those bursts give, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_of_bursts_um: Option<f64>,
+    /// Its standard error, where depth per burst was fitted against fluence, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_of_bursts_stderr_um: Option<f64>,
+    /// Width of a cavity on its floor, where walls lean, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_width_um: Option<f64>,
+    /// Spots that tile a cavity; of grooves on a disc the longest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spots_per_cavity: Option<u64>,
+    /// Spots that tile all cavities.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spots_on_specimen: Option<u64>,
+    /// How spots are counted.
+    pub spots_formula: String,
+    /// The spot's centre stays this far inside a cavity's edge, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot_compensation_um: Option<f64>,
+    /// Where lines run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub marking_direction: Option<String>,
+    /// Distance of lines, in um, at most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_distance_um: Option<f64>,
+    /// Share of the spot by which lines overlap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line_overlap: Option<f64>,
+    /// Lines on the specimen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lines_on_specimen: Option<u64>,
+    /// Length of all lines, in mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub marked_length_mm: Option<f64>,
+    /// Distance of bursts along a line: speed over repetition rate, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse_distance_um: Option<f64>,
+    /// Share of the spot by which bursts overlap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pulse_overlap: Option<f64>,
+    /// Bursts that reach a point in one pass, on average.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bursts_per_pass: Option<f64>,
+    /// How those are counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bursts_per_pass_formula: Option<String>,
+    /// Passes over every line: bursts over bursts per pass, to the nearest whole.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub passes: Option<u32>,
+    /// Depth that those passes give, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_of_passes_um: Option<f64>,
+    /// Time under the laser, in s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_time_s: Option<f64>,
+    /// Why there is no estimate.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_estimate_because: Option<String>,
+    /// How time is estimated.
+    pub estimated_time_formula: String,
+    /// What the estimate takes for granted.
+    pub estimated_time_assumptions: String,
+}
+
+/// Passes over every line for a depth of `depth_m`, at least one; `None` where spot, speed, repetition rate or
+/// depth per burst are not given.
+#[must_use]
+pub fn passes(laser: &Laser, depth_m: f64) -> Option<u32> {
+    let bursts = depth_m * 1e6 / laser.depth_per_burst_um?;
+    // At most a billion: the cast cannot overflow.
+    Some((bursts / bursts_per_pass(laser)?).round().clamp(1.0, 1e9) as u32)
+}
+
+fn bursts_per_pass(laser: &Laser) -> Option<f64> {
+    let spot_um = laser.spot_um?;
+    // n = (pi / 4) s^2 / (p h)
+    Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (laser.pulse_distance_um()? * laser.line_distance_um()?))
+}
+
+impl WorkSheet {
+    pub(crate) fn new(layout: &Layout, laser: &Laser) -> Self {
+        let depth_m = layout.pattern().depth_m();
+        let bursts = laser.bursts(depth_m);
+        let inset_m = laser.floor_inset_m(depth_m);
+        let of_bursts_um = |value: Option<f64>| {
+            bursts
+                .zip(value)
+                .map(|(bursts, depth_um)| round_decimals(f64::from(bursts) * depth_um, MICROMETRE_DECIMALS))
+        };
+        let mut sheet = Self {
+            exposure: laser.exposure.unwrap_or_default(),
+            bursts_per_cavity: bursts,
+            depth_of_bursts_um: of_bursts_um(laser.depth_per_burst_um),
+            depth_of_bursts_stderr_um: of_bursts_um(laser.ablation.map(|law| law.depth_per_burst_stderr_um)),
+            floor_width_um: (inset_m > 0.0).then(|| micrometres((layout.pattern().width_m() - 2.0 * inset_m).max(0.0))),
+            spots_formula: match layout.pattern().planform() {
+                Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
+                _ => SPOTS_FORMULA.to_owned(),
+            },
+            ..Self::default()
+        };
+        if let Some(spot_um) = laser.spot_um {
+            let (longest, sum) = layout.iter().fold((0, 0), |(longest, sum), cavity| {
+                let spots = spots_along(cavity.width_m, spot_um) * spots_along(cavity.length_m, spot_um);
+                (spots.max(longest), sum + spots)
+            });
+            (sheet.spots_per_cavity, sheet.spots_on_specimen) = (Some(longest), Some(sum));
+        }
+        sheet.mark(layout, laser);
+        sheet.estimate(laser);
+        sheet
+    }
+
+    /// Lines, overlaps and passes.
+    fn mark(&mut self, layout: &Layout, laser: &Laser) {
+        let Ok(marking) = Marking::new(laser) else { return };
+        let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
+        let (mut lines, mut marked_m) = (0, 0.0);
+        for cavity in layout.iter() {
+            for line in marking.lines(&cavity) {
+                lines += 1;
+                marked_m += length_m(&line);
+            }
+        }
+        (self.lines_on_specimen, self.marked_length_mm) = (Some(lines), Some(rounded(marked_m * 1e3)));
+        self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
+        self.marking_direction = Some(
+            match marking.exposure() {
+                Exposure::Hatch => {
+                    "along the longer side of a cavity, along x where both are alike; every second line backwards"
+                }
+                Exposure::Mask => "along the contour, anticlockwise",
+            }
+            .to_owned(),
+        );
+        if marking.exposure() == Exposure::Mask {
+            return;
+        }
+        let overlap =
+            |distance_um: Option<f64>| distance_um.zip(laser.spot_um).map(|(d, spot)| rounded(1.0 - d / spot));
+        self.line_distance_um = laser.line_distance_um();
+        self.line_overlap = overlap(laser.line_distance_um());
+        self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
+        self.pulse_overlap = overlap(laser.pulse_distance_um());
+        self.bursts_per_pass = bursts_per_pass(laser).map(rounded);
+        self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
+        self.passes = passes(laser, layout.pattern().depth_m());
+        let each_um = laser.depth_per_burst_um.zip(bursts_per_pass(laser)).map(|(depth_um, bursts)| depth_um * bursts);
+        self.depth_of_passes_um = self
+            .passes
+            .zip(each_um)
+            .map(|(passes, each_um)| round_decimals(f64::from(passes) * each_um, MICROMETRE_DECIMALS));
+    }
+
+    fn estimate(&mut self, laser: &Laser) {
+        let lines = self.passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
+        let spots = self.spots_on_specimen.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
+        let time_s = match (lines, spots) {
+            // t = n_passes L / v
+            (Some(((passes, length_mm), speed_mm_s)), _) => Some(f64::from(passes) * length_mm / speed_mm_s),
+            // t = N_spots n_bursts / f
+            (None, Some(((spots, bursts), repetition_hz))) => Some(spots as f64 * f64::from(bursts) / repetition_hz),
+            (None, None) => None,
+        };
+        self.estimated_time_s = time_s.map(|time_s| round_digits(time_s, DERIVED_DIGITS));
+        let missing: Vec<&str> = [
+            ("spot_um", laser.spot_um),
+            ("depth_per_burst_um", laser.depth_per_burst_um),
+            ("repetition_hz", laser.repetition_hz),
+        ]
+        .into_iter()
+        .filter_map(|(name, value)| value.is_none().then_some(name))
+        .collect();
+        self.no_estimate_because = (!missing.is_empty()).then(|| format!("not given: {}", missing.join(", ")));
+        let (formula, assumptions) = if lines.is_some() {
+            (LINE_TIME_FORMULA, LINE_TIME_ASSUMPTIONS)
+        } else {
+            (SPOT_TIME_FORMULA, SPOT_TIME_ASSUMPTIONS)
+        };
+        self.estimated_time_formula = formula.to_owned();
+        self.estimated_time_assumptions = assumptions.to_owned();
+    }
+}
+
+/// ceil(length / spot), one part in a million of a spot forgiven as rounding.
+pub(crate) fn spots_along(length_m: f64, spot_um: f64) -> u64 {
+    // Lengths are finite and positive; the cast saturates.
+    (length_m * 1e6 / spot_um - 1e-6).ceil().max(1.0) as u64
+}
