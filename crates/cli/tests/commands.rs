@@ -285,7 +285,9 @@ fn a_dynamic_run_says_from_when_it_averaged() {
 fn help_shows_examples_for_every_command() {
     let place = Place::with(&[]);
     let help = place.succeed(&["--help"]);
-    for command in ["simulate", "optimize", "calibrate", "area-law", "synthesize", "export", "validate", "accuracy"] {
+    for command in
+        ["simulate", "optimize", "calibrate", "area-law", "surface", "synthesize", "export", "validate", "accuracy"]
+    {
         assert!(help.contains(command), "{command}");
         let help = place.succeed(&[command, "--help"]);
         assert!(help.contains(&format!("slipgrid {command}")) && help.contains("Examples:"), "{help}");

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 use slipgrid_material::THRESHOLD_PRESSURE_PA;
-use slipgrid_topography::LengthUnit;
+use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
 
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law};
-use crate::args::AreaLawArgs;
+use super::altitude_map::{MapOptions, Missing, SurfaceMap};
+use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law};
+use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::charts::{self, AreaLawChart};
 use crate::diagnostic::Diagnostic;
 use crate::output::{Outputs, check_folder};
@@ -63,11 +64,10 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
     let tolerance = checked("--tolerance", args.tolerance, TOLERANCE)?;
     let pressures_pa = pressures(args)?;
-    let options = MapOptions {
-        pixel_m: args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?,
-        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
-        level: !args.no_level,
-    };
+    let mut options = map_options(&args.reading)?;
+    if args.no_level {
+        options.form = Form::Mean;
+    }
     let surface = SurfaceMap::read(&args.map, &options)?;
     // E* = E / (1 - nu^2)
     let contact_modulus_pa = youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio);
@@ -157,10 +157,47 @@ fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {
     listed.iter().map(|&pressure_mpa| checked("--pressures-mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
+/// How the flags want a map read.
+pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
+    let pixel_m = args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?;
+    let read = ReadOptions {
+        pixel_m: pixel_m.map(|pixel_m| [pixel_m; 2]),
+        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
+        lateral_unit: args.lateral_unit.as_deref().map(|name| unit("--lateral-unit", name)).transpose()?,
+        decimal_comma: args.decimal_comma,
+        crop: args.crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
+        decimation: args.decimate.map(|factor| Decimation { factor: factor.get(), method: args.decimate_by.into() }),
+        ..ReadOptions::NONE
+    };
+    let form = match args.form {
+        FormName::Mean => Form::Mean,
+        FormName::Plane => Form::Plane,
+        FormName::SecondOrder => Form::SecondOrder,
+    };
+    let missing = match args.missing {
+        MissingName::Fill => Missing::Fill,
+        MissingName::Refuse => Missing::Refuse,
+    };
+    Ok(MapOptions { read, form, missing })
+}
+
+/// How a map is read of which a file says at most pixel size and unit.
+pub(super) fn plain_map(pixel_m: Option<f64>, height_unit: Option<LengthUnit>, level: bool) -> MapOptions {
+    MapOptions {
+        read: ReadOptions { pixel_m: pixel_m.map(|pixel_m| [pixel_m; 2]), height_unit, ..ReadOptions::NONE },
+        form: if level { Form::Plane } else { Form::Mean },
+        missing: Missing::Fill,
+    }
+}
+
 /// A unit of heights by its name.
 pub(super) fn height_unit(name: &str) -> Result<LengthUnit, Diagnostic> {
+    unit("--height-unit", name)
+}
+
+fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
     name.parse().map_err(|error: slipgrid_topography::UnknownUnit| Diagnostic {
-        key: Some("--height-unit".into()),
+        key: Some(flag.into()),
         reason: error.to_string(),
         ..Diagnostic::default()
     })

@@ -11,7 +11,8 @@ use slipgrid_material::{
 };
 use slipgrid_springblock::Layer;
 
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
+use super::altitude_map::SurfaceMap;
+use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients, Surface};
@@ -214,8 +215,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
         }),
         Surface::Map { path, synthetic, pixel_m, height_unit, level } => {
             let unit = height_unit.as_deref().map(super::area_law::height_unit).transpose()?;
-            let options = MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level };
-            let surface = SurfaceMap::read(path, &options)?;
+            let surface = SurfaceMap::read(path, &super::area_law::plain_map(*pixel_m, unit, *level))?;
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();

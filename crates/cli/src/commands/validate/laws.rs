@@ -5,10 +5,9 @@ use std::path::Path;
 use slipgrid_contact::Status;
 use slipgrid_material::AreaLaw;
 
-use crate::commands::area_law::height_unit;
-use crate::commands::surface::{
-    AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve,
-};
+use crate::commands::altitude_map::SurfaceMap;
+use crate::commands::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use crate::commands::area_law::{height_unit, plain_map};
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Surface};
 use crate::progress::Progress;
@@ -79,8 +78,7 @@ pub fn scaled_laws(
         }
         Surface::Map { path: map_path, synthetic, pixel_m, height_unit: unit, level } => {
             let unit = unit.as_deref().map(height_unit).transpose()?;
-            let surface =
-                SurfaceMap::read(map_path, &MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level })?;
+            let surface = SurfaceMap::read(map_path, &plain_map(*pixel_m, unit, *level))?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
             let solved_pa = unscaled_pressures_pa(factors);
             let progress = Progress::start("area law", console.quiet);

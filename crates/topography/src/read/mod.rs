@@ -1,57 +1,129 @@
-//! Altitude maps from text.
+//! Altitude maps from what instruments write. The format is told by content, not by name.
 //!
-//! | form | header | data |
+//! | format | told by | sizes and units |
 //! |---|---|---|
-//! | matrix | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), or by option | one row a line |
-//! | points | `# XY units: um`, `# Value units: um`, or titles `x_um,y_um,z_um`, or by option | x y z a line |
+//! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), or by option |
+//! | [`Xyz`](MapFormat::Xyz) text, also CSV | three values on the first line of data | `# XY units: um`, `# Value units: um`, or titles `x_um,y_um,z_um`, or by option |
+//! | [`Gsf`](MapFormat::Gsf), Gwyddion simple field | first line | in the header, where they are given |
+//! | [`Npy`](MapFormat::Npy), NumPy array | `\x93NUMPY` | by option |
+//! | [`Sdf`](MapFormat::Sdf), surface data file, text or binary | `aISO-`, `bISO-`, `aBCR-`, ... | metres |
+//! | [`Sur`](MapFormat::Sur), Digital Surf, plain or compressed | `DIGITAL SURF`, `DSCOMPRESSED` | in the header |
+//! | [`X3p`](MapFormat::X3p), XML 3-D surface | a zip archive | metres |
 //!
-//! Units are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`, `BAD`,
-//! `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments, in
-//! UTF-8 or Latin-1. Lines of a matrix run along y (the file's width), the first line is x = 0.
+//! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
+//! `BAD`, `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments,
+//! in UTF-8 or Latin-1.
+//!
+//! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
+//! x = 0. Points x y z keep their axes. All formats but points x y z and the archive of an X3P stream: no more
+//! is held than what [`ReadOptions::crop`] and [`ReadOptions::decimation`] keep. Sizes that a file claims are
+//! checked and never reserved: memory grows with the heights that arrive.
 
-use std::io::BufRead;
+mod bytes;
+mod gsf;
+mod header;
+mod lines;
+mod matrix;
+mod npy;
+mod sdf;
+mod sur;
+mod window;
+mod x3p;
+mod x3p_index;
+mod xyz;
 
-use crate::header::Header;
-use crate::lines::{Delimiter, Lines};
-use crate::matrix::MatrixReader;
-use crate::xyz::XyzReader;
+use std::io::{BufRead, Cursor, Read};
+
+use header::Header;
+use lines::{Delimiter, Lines};
+use matrix::MatrixReader;
+use xyz::XyzReader;
+
+use window::window_of;
+pub use window::{Crop, Decimation, DecimationMethod};
+
 use crate::{HeightMap, LengthUnit, ReadError};
 
-/// How a text holds a map.
+/// Comments kept for the reader of a report.
+const MOST_COMMENTS: usize = 100;
+/// Characters kept of each.
+const MOST_COMMENT_CHARS: usize = 300;
+/// Bytes by which a format is told.
+const START: usize = 64;
+/// Packed data that unpack to more than this many times their size, and more than [`HARMLESS_BYTES`], are a
+/// bomb: measured heights keep at least a byte of noise in eight.
+const MOST_EXPANSION: u64 = 300;
+const HARMLESS_BYTES: u64 = 1 << 24;
+
+/// How a file holds a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapFormat {
-    /// A matrix of heights.
+    /// A matrix of heights, as text.
     Matrix,
-    /// Points x y z.
+    /// Points x y z, as text.
     Xyz,
+    /// Gwyddion simple field.
+    Gsf,
+    /// NumPy array.
+    Npy,
+    /// Surface data file, ISO 25178-71.
+    Sdf,
+    /// Digital Surf.
+    Sur,
+    /// XML 3-D surface, ISO 25178-72.
+    X3p,
 }
 
 impl MapFormat {
     /// All formats.
-    pub const ALL: [Self; 2] = [Self::Matrix, Self::Xyz];
+    pub const ALL: [Self; 7] = [Self::Matrix, Self::Xyz, Self::Gsf, Self::Npy, Self::Sdf, Self::Sur, Self::X3p];
 
-    /// The name used in options.
+    /// What messages call it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Matrix => "matrix",
             Self::Xyz => "xyz",
+            Self::Gsf => "Gwyddion simple field (.gsf)",
+            Self::Npy => "NumPy array (.npy)",
+            Self::Sdf => "surface data file (.sdf)",
+            Self::Sur => "Digital Surf surface (.sur)",
+            Self::X3p => "XML 3-D surface (.x3p)",
         }
     }
 }
 
-/// What the caller knows about a text; what is given here goes before what the header says.
+/// What the caller knows about a file, and wants of it; what is given here goes before what the header says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// The form; `None` decides by content: a header with width or height is a matrix, otherwise three
     /// values on the first line of data are points.
     pub format: Option<MapFormat>,
-    /// Pixel sides of a matrix, between rows and between columns, in metres.
+    /// Pixel sides in the file, between rows and between columns, in metres.
     pub pixel_m: Option<[f64; 2]>,
     /// Unit of the heights.
     pub height_unit: Option<LengthUnit>,
-    /// Unit of the points' x and y.
+    /// Unit of the points' x and y, or of the header's sides.
     pub lateral_unit: Option<LengthUnit>,
+    /// Text has decimal commas: `1,5`.
+    pub decimal_comma: bool,
+    /// The part of the grid to keep.
+    pub crop: Option<Crop>,
+    /// Blocks of pixels to join, after cropping.
+    pub decimation: Option<Decimation>,
+}
+
+impl ReadOptions {
+    /// Nothing known, everything wanted.
+    pub const NONE: Self = Self {
+        format: None,
+        pixel_m: None,
+        height_unit: None,
+        lateral_unit: None,
+        decimal_comma: false,
+        crop: None,
+        decimation: None,
+    };
 }
 
 /// A map as it was read.
@@ -61,8 +133,10 @@ pub struct ReadMap {
     pub map: HeightMap,
     /// The form that was found or forced.
     pub format: MapFormat,
-    /// The first comment lines, without their mark.
+    /// The first comment lines, without their mark, and what else a header says in words.
     pub comments: Vec<String>,
+    /// What a user should know about how the file was understood.
+    pub notes: Vec<String>,
 }
 
 impl ReadMap {
@@ -73,40 +147,117 @@ impl ReadMap {
     }
 }
 
-enum Data {
-    Matrix(MatrixReader),
-    Xyz(XyzReader),
-}
-
 /// Reads a map.
 ///
 /// # Errors
-/// [`ReadError`] names the line and the value that cannot be understood, or what is missing.
-pub fn read_map(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+/// [`ReadError`] names the line or entry and the value that cannot be understood, or what is missing.
+pub fn read_map(mut source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut start = Vec::with_capacity(START);
+    (&mut source)
+        .take(START as u64)
+        .read_to_end(&mut start)
+        .map_err(|error| ReadError::Source { line: 1, reason: error.to_string() })?;
+    let format = match options.format {
+        Some(format) => Some(format),
+        None => format_of(&start)?,
+    };
+    let source = Cursor::new(start).chain(source);
+    match format {
+        None | Some(MapFormat::Matrix | MapFormat::Xyz) => read_text(source, options),
+        Some(MapFormat::Gsf) => gsf::read(source, options),
+        Some(MapFormat::Npy) => npy::read(source, options),
+        Some(MapFormat::Sdf) => sdf::read(source, options),
+        Some(MapFormat::Sur) => sur::read(source, options),
+        Some(MapFormat::X3p) => x3p::read(source, options),
+    }
+}
+
+/// The format of a file that begins with `start`; `None` is text.
+fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
+    let begins = |magic: &[u8]| start.starts_with(magic);
+    let format = if begins(gsf::MAGIC) {
+        MapFormat::Gsf
+    } else if begins(npy::MAGIC) {
+        MapFormat::Npy
+    } else if sdf::is_sdf(start) {
+        MapFormat::Sdf
+    } else if begins(sur::MAGIC_PLAIN) || begins(sur::MAGIC_COMPRESSED) {
+        MapFormat::Sur
+    } else if begins(x3p::MAGIC) {
+        MapFormat::X3p
+    } else if start.iter().any(|&byte| byte < 9) {
+        // No text has such bytes.
+        return Err(ReadError::Unrecognized { beginning: start[..start.len().min(16)].escape_ascii().to_string() });
+    } else {
+        return Ok(None);
+    };
+    Ok(Some(format))
+}
+
+/// Keeps a comment, within bounds.
+fn keep_comment(comments: &mut Vec<String>, comment: &str) {
+    if comments.len() < MOST_COMMENTS && !comment.is_empty() {
+        comments.push(comment.chars().take(MOST_COMMENT_CHARS).collect());
+    }
+}
+
+/// Refuses packed data that unpack to far more than measured heights ever do.
+fn check_expansion(format: &'static str, unpacked: u64, packed: u64) -> Result<(), ReadError> {
+    if unpacked > HARMLESS_BYTES && unpacked / MOST_EXPANSION > packed {
+        return Err(ReadError::Bomb { format, unpacked, packed, most_expansion: MOST_EXPANSION });
+    }
+    Ok(())
+}
+
+enum Data {
+    Matrix(Box<MatrixReader>),
+    Xyz(XyzReader),
+}
+
+fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let mut header = Header::default();
     let mut data = None;
+    let mut pointed;
     loop {
         let line = lines.line() + 1;
-        let Some(text) = lines.next()? else { break };
+        let Some(mut text) = lines.next()? else { break };
+        if options.decimal_comma {
+            pointed = text.replace(',', ".");
+            text = &pointed;
+        }
         if text.is_empty() || ((data.is_none() || text.starts_with(['#', '%'])) && header.take(text, line)?) {
             continue;
         }
-        let target = data.get_or_insert_with(|| match options.format.unwrap_or_else(|| detect(&header, text)) {
-            MapFormat::Matrix => Data::Matrix(MatrixReader::default()),
-            MapFormat::Xyz => Data::Xyz(XyzReader::default()),
-        });
+        let target = match &mut data {
+            Some(target) => target,
+            None => data.insert(match options.format.unwrap_or_else(|| detect(&header, text)) {
+                MapFormat::Xyz => Data::Xyz(XyzReader::default()),
+                _ => Data::Matrix(Box::new(MatrixReader::new(text, options)?)),
+            }),
+        };
         match target {
-            Data::Matrix(matrix) => matrix.push(text, line)?,
+            Data::Matrix(matrix) => {
+                matrix.push(text, line)?;
+                if matrix.is_full() {
+                    break;
+                }
+            }
             Data::Xyz(points) => points.push(text, line)?,
         }
     }
     let (map, format) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
-        Some(Data::Matrix(matrix)) => (matrix.finish(&header, options)?, MapFormat::Matrix),
-        Some(Data::Xyz(points)) => (points.finish(&header, options)?, MapFormat::Xyz),
+        Some(Data::Matrix(matrix)) => {
+            // The rows behind a crop say how large a pixel is, where the header gives only the sides.
+            let rows = matrix.count_rest(&mut lines, options, &header)?;
+            (matrix.finish(rows, &header, options)?, MapFormat::Matrix)
+        }
+        Some(Data::Xyz(points)) => {
+            (window_of(points.finish(&header, options)?, options.crop, options.decimation)?, MapFormat::Xyz)
+        }
     };
-    Ok(ReadMap { map, format, comments: header.comments })
+    Ok(ReadMap { map, format, comments: header.comments, notes: Vec::new() })
 }
 
 /// The form of a text, from its header and its first line of data.
@@ -127,7 +278,7 @@ mod tests {
 
     /// The message with which `text` is refused, read as micrometres on pixels of a micrometre.
     fn refused(text: &str) -> String {
-        let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, format: None };
+        let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
         read_map(text.as_bytes(), &options).unwrap_err().to_string()
     }
 
@@ -193,6 +344,7 @@ mod tests {
             pixel_m: Some([1e-6; 2]),
             height_unit: UM,
             lateral_unit: UM,
+            ..ReadOptions::NONE
         };
         let map = read_map("1 2 3\n4 5 6\n".as_bytes(), &options).unwrap().map;
         assert_eq!((map.rows(), map.cols()), (2, 3));
@@ -227,8 +379,13 @@ mod tests {
     fn damaged_texts_are_read_or_refused_but_never_break() {
         let whole =
             "# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\nx_um y_um z_um\n1 2 NaN\n4 BAD ---\n0 1 2\n";
-        let options =
-            ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, format: Some(MapFormat::Xyz) };
+        let options = ReadOptions {
+            pixel_m: Some([1e-6; 2]),
+            height_unit: UM,
+            lateral_unit: UM,
+            format: Some(MapFormat::Xyz),
+            ..ReadOptions::NONE
+        };
         let mut state = 1_u32;
         for round in 0..20_000_usize {
             let mut bytes = whole.as_bytes().to_vec();

@@ -1,13 +1,9 @@
 //! What comment lines before the data say: sizes, units, titles.
 
-use crate::lines::{Delimiter, excerpt, number};
+use super::keep_comment;
+use super::lines::{Delimiter, excerpt, number};
 use crate::unit::UNIT_NAMES;
 use crate::{LengthUnit, ReadError};
-
-/// Comment lines kept for the reader of a report.
-const MOST_COMMENTS: usize = 100;
-/// Characters kept of each.
-const MOST_COMMENT_CHARS: usize = 300;
 
 /// What the header said.
 #[derive(Clone, Debug, Default)]
@@ -33,9 +29,7 @@ impl Header {
     }
 
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
-        if self.comments.len() < MOST_COMMENTS && !comment.is_empty() {
-            self.comments.push(comment.chars().take(MOST_COMMENT_CHARS).collect());
-        }
+        keep_comment(&mut self.comments, comment);
         let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
         let value = value.trim();
         match key.trim().to_ascii_lowercase().as_str() {

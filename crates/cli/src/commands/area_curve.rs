@@ -1,15 +1,10 @@
-//! From the file of an altitude map to contact area against pressure and the area law.
-
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
+//! From an altitude map to contact area against pressure and the area law.
 
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{ContactError, SolveOptions, Status};
 use slipgrid_material::{AreaLaw, MaterialError, THRESHOLD_PRESSURE_PA};
-use slipgrid_topography::{HeightMap, LengthUnit, ReadOptions, read_map};
+use slipgrid_topography::HeightMap;
 
-use crate::diagnostic::Diagnostic;
 use crate::progress::Progress;
 
 /// Pressures of an area law where none are given, in MPa: dense where f bends, up to full contact.
@@ -17,84 +12,6 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 24] = [
     0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
     22.0, 30.0,
 ];
-
-/// How a map is read.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MapOptions {
-    /// Pixel size of a plain matrix, in metres.
-    pub pixel_m: Option<f64>,
-    /// Unit of its heights.
-    pub height_unit: Option<LengthUnit>,
-    /// Subtract the least-squares plane.
-    pub level: bool,
-}
-
-/// A map ready for a contact computation.
-#[derive(Clone, Debug)]
-pub struct SurfaceMap {
-    /// The map, complete.
-    pub map: HeightMap,
-    /// The file says of itself that it is synthetic.
-    pub synthetic: bool,
-    /// Arithmetic mean height Sa, in metres.
-    pub sa_m: f64,
-    /// Rms slope, from the spectrum.
-    pub rms_slope: f64,
-    /// What was done to it.
-    pub notes: Vec<String>,
-}
-
-impl SurfaceMap {
-    /// Reads the map at `path`, fills what is missing and levels it.
-    ///
-    /// # Errors
-    /// [`Diagnostic`] if the file cannot be read or is no map.
-    pub fn read(path: &Path, options: &MapOptions) -> Result<Self, Diagnostic> {
-        let file = File::open(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
-        let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
-        let read = read_map(
-            BufReader::new(file),
-            &ReadOptions {
-                pixel_m: options.pixel_m.map(|pixel_m| [pixel_m; 2]),
-                height_unit: options.height_unit,
-                ..ReadOptions::default()
-            },
-        )
-        .map_err(|error| refuse(&error))?;
-        let synthetic = read.is_synthetic();
-        let mut map = read.map;
-        let mut notes = Vec::new();
-        let filling = map.fill_missing();
-        if filling.points > 0 {
-            notes.push(format!(
-                "{} of {} points were missing and have been filled by the smoothest surface",
-                filling.points,
-                map.rows() * map.cols()
-            ));
-        }
-        // A plane through one period would leave a step where the period closes.
-        if options.level && !is_period(&read.comments) {
-            map.subtract_plane().map_err(|error| refuse(&error))?;
-            notes.push("the least-squares plane has been subtracted".to_owned());
-        } else {
-            map.subtract_mean();
-            notes.push("no plane has been subtracted".to_owned());
-        }
-        let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
-        Ok(Self { sa_m: map.sa_m(), rms_slope, map, synthetic, notes })
-    }
-
-    /// Pixel size along the sliding direction, in metres.
-    #[must_use]
-    pub const fn pixel_m(&self) -> f64 {
-        self.map.dx_m()
-    }
-}
-
-/// Whether a file says of its map that it is one whole period, as synthetic ones do.
-fn is_period(comments: &[String]) -> bool {
-    comments.iter().any(|comment| comment.contains("one period"))
-}
 
 /// Real contact area at one pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]

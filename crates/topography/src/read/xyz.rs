@@ -1,10 +1,10 @@
 //! Heights as points x y z, in any order, on a regular grid of which points may be missing.
 
-use crate::header::Header;
-use crate::lines::{Delimiter, excerpt, height, number};
+use super::ReadOptions;
+use super::header::Header;
+use super::lines::{Delimiter, excerpt, height, number};
+use super::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
 use crate::map::MOST_POINTS;
-use crate::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
-use crate::read::ReadOptions;
 use crate::{HeightMap, MapError, ReadError};
 
 /// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
