@@ -226,6 +226,12 @@ pub enum ReadError {
         /// How much there is.
         found: u64,
     },
+    /// The file holds more than its header says.
+    #[error("{format}: data go on behind the heights that the header announces: expected the file to end there")]
+    GoesOn {
+        /// The format.
+        format: &'static str,
+    },
     /// The source failed, or what it packs is damaged.
     #[error("{format}: cannot be read: {reason}")]
     Unreadable {

@@ -87,7 +87,8 @@ fn samples() -> Vec<(String, Vec<u8>)> {
         .map(|entry| entry.unwrap())
         .filter(|entry| {
             let name = entry.file_name().to_string_lossy().into_owned();
-            name != "iso.npy" && [".sdf", ".sur", ".x3p", ".gsf", ".npy"].iter().any(|ext| name.ends_with(ext))
+            name != "iso.npy"
+                && [".sdf", ".sur", ".x3p", ".gsf", ".npy", ".asc", ".xyz"].iter().any(|ext| name.ends_with(ext))
         })
         .map(|entry| (entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).unwrap()))
         .collect();
@@ -179,7 +180,10 @@ fn claims_are_never_reserved() {
     assert!(PEAK.peak_usage() - before < 1 << 20);
     // Twenty-five million points decimated by 10 take the memory of a quarter of a million.
     let header_bytes = bytes.len() - 800;
-    let endless = std::io::BufReader::new(std::io::Read::chain(&bytes[..header_bytes], std::io::repeat(0)));
+    let endless = std::io::BufReader::new(std::io::Read::chain(
+        &bytes[..header_bytes],
+        std::io::Read::take(std::io::repeat(0), 200_000_000),
+    ));
     let decimation = Some(Decimation { factor: 10, method: DecimationMethod::Mean });
     let before = PEAK.current_usage();
     PEAK.reset_peak_usage();

@@ -16,13 +16,16 @@ fn readings() -> Value {
 }
 
 fn read(name: &str) -> HeightMap {
-    // An array knows neither pixel nor unit.
+    // An array knows neither pixel nor unit, points know no unit.
     let options = if name.ends_with(".npy") {
         ReadOptions {
             pixel_m: Some([2.5e-6, 1.5e-6]),
             height_unit: Some(LengthUnit::Micrometre),
             ..ReadOptions::default()
         }
+    } else if name.ends_with(".xyz") {
+        let unit = Some(LengthUnit::Micrometre);
+        ReadOptions { height_unit: unit, lateral_unit: unit, ..ReadOptions::default() }
     } else {
         ReadOptions::default()
     };
@@ -34,7 +37,7 @@ fn read(name: &str) -> HeightMap {
 fn validation_files_of_other_programs_read_as_others_read_them() {
     let readings = readings();
     let readings = readings.as_object().unwrap();
-    assert_eq!(readings.len(), 13);
+    assert_eq!(readings.len(), 16);
     for (name, expected) in readings {
         let map = read(name);
         let number = |key: &str| expected[key].as_f64().unwrap();

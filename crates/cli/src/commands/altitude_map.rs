@@ -7,27 +7,7 @@ use std::path::Path;
 use slipgrid_topography::{Form, HeightMap, MapFormat, ReadMap, ReadOptions, read_map};
 
 use crate::diagnostic::Diagnostic;
-
-/// What is done about missing points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Missing {
-    /// The smoothest surface takes their place.
-    #[default]
-    Fill,
-    /// The map is refused.
-    Refuse,
-}
-
-/// How a map is read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MapOptions {
-    /// What is known about the file, and the part of it that is wanted.
-    pub read: ReadOptions,
-    /// The form that is subtracted; the mean of a map that is one whole period, in any case.
-    pub form: Form,
-    /// What is done about missing points.
-    pub missing: Missing,
-}
+use crate::formats::surface::{MapOptions, Missing};
 
 /// A map ready for computation.
 #[derive(Clone, Debug)]
@@ -66,7 +46,8 @@ impl SurfaceMap {
     pub fn new(path: &Path, read: ReadMap, options: &MapOptions) -> Result<Self, Diagnostic> {
         let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
         let synthetic = read.is_synthetic();
-        let period = is_period(&read.comments);
+        // A part of a period is none.
+        let period = read.whole && is_period(&read.comments);
         let mut map = read.map;
         let mut notes = read.notes;
         if options.missing == Missing::Refuse {
@@ -78,10 +59,11 @@ impl SurfaceMap {
         };
         let filling = map.fill_missing();
         if filling.points > 0 {
+            let points = map.rows() * map.cols();
             notes.push(format!(
-                "{} of {} points were missing and have been filled by the smoothest surface",
+                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface",
                 filling.points,
-                map.rows() * map.cols()
+                100.0 * filling.points as f64 / points as f64,
             ));
         }
         // A plane through one period would leave a step where the period closes.

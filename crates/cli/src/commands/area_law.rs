@@ -6,11 +6,12 @@ use serde::Serialize;
 use slipgrid_material::THRESHOLD_PRESSURE_PA;
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
 
-use super::altitude_map::{MapOptions, Missing, SurfaceMap};
+use super::altitude_map::SurfaceMap;
 use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law};
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::charts::{self, AreaLawChart};
 use crate::diagnostic::Diagnostic;
+use crate::formats::surface::{MapOptions, Missing};
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::table::fixed;
@@ -162,7 +163,7 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
     let pixel_m = args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?;
     let read = ReadOptions {
         pixel_m: pixel_m.map(|pixel_m| [pixel_m; 2]),
-        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
+        height_unit: args.height_unit.as_deref().map(|name| unit("--height-unit", name)).transpose()?,
         lateral_unit: args.lateral_unit.as_deref().map(|name| unit("--lateral-unit", name)).transpose()?,
         decimal_comma: args.decimal_comma,
         crop: args.crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
@@ -179,20 +180,6 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
         MissingName::Refuse => Missing::Refuse,
     };
     Ok(MapOptions { read, form, missing })
-}
-
-/// How a map is read of which a file says at most pixel size and unit.
-pub(super) fn plain_map(pixel_m: Option<f64>, height_unit: Option<LengthUnit>, level: bool) -> MapOptions {
-    MapOptions {
-        read: ReadOptions { pixel_m: pixel_m.map(|pixel_m| [pixel_m; 2]), height_unit, ..ReadOptions::NONE },
-        form: if level { Form::Plane } else { Form::Mean },
-        missing: Missing::Fill,
-    }
-}
-
-/// A unit of heights by its name.
-pub(super) fn height_unit(name: &str) -> Result<LengthUnit, Diagnostic> {
-    unit("--height-unit", name)
 }
 
 fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {

@@ -1,6 +1,6 @@
 //! Calibration files: what `calibrate` takes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 use slipgrid_material::Elastic;
@@ -9,9 +9,10 @@ use toml::Spanned;
 use super::document::Document;
 use super::material::existing;
 use super::measurements::{self, Measurement};
+use super::surface::{Surface, SurfaceFile};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD, SLOPE};
+use crate::units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, RELATIVE_STD};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -35,17 +36,6 @@ struct BulkFile {
     youngs_modulus_std_gpa: Option<Number>,
     density_g_cm3: Number,
     poisson_ratio: Option<Number>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SurfaceFile {
-    map: Option<Spanned<String>>,
-    persson_rms_slope: Option<Number>,
-    synthetic: Option<bool>,
-    pixel_um: Option<Number>,
-    height_unit: Option<Spanned<String>>,
-    level: Option<bool>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -89,31 +79,6 @@ impl Coefficients {
             Self::PerCondition => "per-condition",
         }
     }
-}
-
-/// Where the area law comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Surface {
-    /// Rough contact of a measured or synthetic altitude map.
-    Map {
-        /// The map's file.
-        path: PathBuf,
-        /// The calibration file says that the map is synthetic.
-        synthetic: bool,
-        /// Pixel size of a plain matrix, in metres.
-        pixel_m: Option<f64>,
-        /// Unit of heights of a plain matrix.
-        height_unit: Option<String>,
-        /// Subtract the least-squares plane.
-        level: bool,
-    },
-    /// Persson's theory for an rms slope.
-    Persson {
-        /// Rms slope, dimensionless.
-        rms_slope: f64,
-    },
-    /// Amontons-Coulomb.
-    None,
 }
 
 /// A calibration ready to be fitted.
@@ -164,7 +129,7 @@ impl Calibration {
             document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
         )
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
-        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
+        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let flat = measurements::read(&existing(document, &file.measurements.flat, file.measurements.flat.get_ref())?)?;
         let patterned = match &file.measurements.patterned {
             Some(name) => measurements::read(&existing(document, name, name.get_ref())?)?,
@@ -197,23 +162,5 @@ impl Calibration {
     pub fn pressure_pa(&self, force_n: f64) -> f64 {
         // P = F / (pi r^2)
         force_n / (std::f64::consts::PI * self.specimen_radius_m * self.specimen_radius_m)
-    }
-}
-
-fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surface, Diagnostic> {
-    let surface = file.get_ref();
-    match (&surface.map, &surface.persson_rms_slope) {
-        (Some(_), Some(slope)) => {
-            Err(document.refuse(slope.span(), "stands beside a map").expected("either `map` or `persson_rms_slope`"))
-        }
-        (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
-        (None, Some(slope)) => Ok(Surface::Persson { rms_slope: document.number(slope, SLOPE)? }),
-        (Some(map), None) => Ok(Surface::Map {
-            path: existing(document, map, map.get_ref())?,
-            synthetic: surface.synthetic.unwrap_or(false),
-            pixel_m: document.optional(surface.pixel_um.as_ref(), LENGTH_UM)?,
-            height_unit: surface.height_unit.as_ref().map(|unit| unit.get_ref().clone()),
-            level: surface.level.unwrap_or(true),
-        }),
     }
 }

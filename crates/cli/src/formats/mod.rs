@@ -7,6 +7,7 @@ pub mod material;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
+pub mod surface;
 pub mod values;
 
 pub use document::Document;

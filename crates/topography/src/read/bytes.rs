@@ -109,7 +109,7 @@ pub(crate) fn skip(
     Ok(())
 }
 
-/// Reads `count` numbers and hands them to `take` in pieces, until it wants no more.
+/// Reads `count` numbers and hands them to `take` in pieces, until it wants no more. True if all were read.
 pub(crate) fn numbers(
     source: &mut impl Read,
     format: &'static str,
@@ -117,7 +117,7 @@ pub(crate) fn numbers(
     big_endian: bool,
     count: u64,
     mut take: impl FnMut(&mut [f64]) -> Result<bool, ReadError>,
-) -> Result<(), ReadError> {
+) -> Result<bool, ReadError> {
     let size = number.bytes();
     let mut bytes = vec![0; PIECE * size];
     let mut values = Vec::with_capacity(PIECE);
@@ -132,16 +132,25 @@ pub(crate) fn numbers(
         }
         values.clear();
         values.extend(piece[..found].chunks_exact(size).map(|bytes| number.decode(bytes)));
-        if !take(&mut values)? {
-            return Ok(());
-        }
+        let wants_more = take(&mut values)?;
         if found < wanted * size {
             let found = count - left + (found / size) as u64;
             return Err(ReadError::Ended { format, what: "heights", expected: count, found });
         }
         left -= wanted as u64;
+        if !wants_more {
+            return Ok(left == 0);
+        }
     }
-    Ok(())
+    Ok(true)
+}
+
+/// Refuses a source that goes on behind its heights. What unpacks checks its sum here, at the end.
+pub(crate) fn at_end(source: &mut impl Read, format: &'static str) -> Result<(), ReadError> {
+    match fill(source, &mut [0], format)? {
+        0 => Ok(()),
+        _ => Err(ReadError::GoesOn { format }),
+    }
 }
 
 /// A text field of fixed length, without the zeros and spaces that pad it. Latin-1 where it is no UTF-8.
@@ -163,7 +172,8 @@ mod tests {
         numbers(&mut &bytes[..], "test", number, big_endian, count, |values| {
             found.extend_from_slice(values);
             Ok(true)
-        })?;
+        })
+        .map(|whole| assert!(whole))?;
         Ok(found)
     }
 

@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use super::bytes::{Number, exact, numbers};
+use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
@@ -75,12 +75,16 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
     // Both counts passed the window's check: the product fits.
-    numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
+    let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
         window.push(values)?;
         Ok(!window.is_full())
     })?;
+    if read_all {
+        at_end(&mut source, FORMAT)?;
+    }
+    let whole = window.is_whole();
     let map = window.finish(pixel_m, |height| height_unit.to_metres(height))?;
-    Ok(ReadMap { map, format: MapFormat::Gsf, comments, notes: Vec::new() })
+    Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes: Vec::new() })
 }
 
 /// The header up to its zeros, which are read past.
@@ -150,5 +154,7 @@ mod tests {
             ..ReadOptions::default()
         };
         assert_eq!(read_map(&file("")[..], &given).unwrap().map.heights_m()[5], 6e-6);
+        let longer = [file(""), vec![0]].concat();
+        assert!(read_map(&longer[..], &given).unwrap_err().to_string().contains("go on behind"));
     }
 }

@@ -13,6 +13,10 @@ pub(crate) struct Header {
     /// Extent across the rows, in metres.
     pub(crate) height_m: Option<f64>,
     pub(crate) value_unit: Option<LengthUnit>,
+    /// Nanometres of a height of 1, where a header says that instead of a unit.
+    pub(crate) value_nm: Option<f64>,
+    /// Lines of the matrix, and values on each.
+    pub(crate) pixels: [Option<u64>; 2],
     pub(crate) lateral_unit: Option<LengthUnit>,
     /// Comment lines without their mark.
     pub(crate) comments: Vec<String>,
@@ -30,13 +34,24 @@ impl Header {
 
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         keep_comment(&mut self.comments, comment);
-        let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
+        let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
         let value = value.trim();
         match key.trim().to_ascii_lowercase().as_str() {
             "width" => self.width_m = Some(length(line, "Width", value)?),
             "height" => self.height_m = Some(length(line, "Height", value)?),
             "value units" | "z units" => self.value_unit = Some(unit(line, "Value units", value)?),
             "xy units" | "lateral units" => self.lateral_unit = Some(unit(line, "XY units", value)?),
+            // SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
+            "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
+            "y-pixels" => self.pixels[0] = Some(whole(line, "y-pixels", value)?),
+            "x-length" => self.width_m = Some(nanometres(line, "x-length", value)?),
+            "y-length" => self.height_m = Some(nanometres(line, "y-length", value)?),
+            "z-unit" => self.value_unit = Some(unit(line, "z-unit", value)?),
+            "bit2nm" => self.value_nm = Some(positive(line, "Bit2nm", value)?),
+            "voidpixels" if value.parse() != Ok(0_u64) => {
+                let expected = "0, with NaN for points that are missing";
+                return Err(ReadError::Header { line, key: "voidpixels", value: excerpt(value), expected });
+            }
             _ => {}
         }
         Ok(())
@@ -86,6 +101,21 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
     Ok(unit.to_metres(amount))
 }
 
+/// A length in nanometres, in metres.
+fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
+}
+
+fn positive(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a number of nanometres above 0" };
+    number(value).filter(|amount| *amount > 0.0).ok_or_else(refused)
+}
+
+fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a whole number from 1 up" };
+    value.parse().ok().filter(|count| *count > 0).ok_or_else(refused)
+}
+
 fn unit(line: usize, key: &'static str, value: &str) -> Result<LengthUnit, ReadError> {
     value.parse().map_err(|_| ReadError::Header { line, key, value: excerpt(value), expected: UNIT_NAMES })
 }
@@ -112,6 +142,18 @@ mod tests {
     }
 
     #[test]
+    fn headers_of_spip_are_in_nanometres() {
+        let lines =
+            ["# File Format = ASCII", "# x-pixels = 4", "# y-pixels = 3", "# x-length = 2000", "# y-length = 1500.5"];
+        let read =
+            header(&[&lines[..], &["# Bit2nm = 0.25", "# voidpixels = 0", "# Start of Data:"]].concat()).unwrap();
+        assert_eq!((read.pixels, read.value_nm, read.value_unit), ([Some(3), Some(4)], Some(0.25), None));
+        let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-15;
+        assert!(close(read.width_m, 2e-6) && close(read.height_m, 1.5005e-6));
+        assert_eq!(header(&["# z-unit = nm"]).unwrap().value_unit, Some(LengthUnit::Nanometre));
+    }
+
+    #[test]
     fn column_titles_carry_units() {
         for titles in ["x_um,y_um,z_nm", "X [um]\tY [um]\tZ [nm]", "x (\u{b5}m); y (\u{b5}m); z (nm)"] {
             let read = header(&[titles]).unwrap();
@@ -132,6 +174,9 @@ mod tests {
             ("# Height: 3", "\"3\""),
             ("# Value units: inch", "one of m"),
             ("x_um,y_mm,z_um", "um and mm"),
+            ("# x-pixels = -4", "\"-4\""),
+            ("# y-length = 0", "above 0"),
+            ("# voidpixels = 12", "NaN"),
         ] {
             let message = header(&["# ok", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");

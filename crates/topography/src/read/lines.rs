@@ -90,9 +90,9 @@ impl Delimiter {
     }
 }
 
-/// The beginning of a field, for a message.
+/// The beginning of a field, for a message: a hostile file must not steer a terminal.
 pub(crate) fn excerpt(field: &str) -> String {
-    field.chars().take(40).collect()
+    field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 /// A height: a number, or `None` where the file says that the point is missing.

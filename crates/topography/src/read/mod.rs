@@ -2,7 +2,7 @@
 //!
 //! | format | told by | sizes and units |
 //! |---|---|---|
-//! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), or by option |
+//! | [`Matrix`](MapFormat::Matrix) text, also CSV | anything else | `# Width: 1 mm`, `# Height: 1 mm`, `# Value units: m` (as Gwyddion writes), `# x-length = 1e6` and so on (as SPIP does), or by option |
 //! | [`Xyz`](MapFormat::Xyz) text, also CSV | three values on the first line of data | `# XY units: um`, `# Value units: um`, or titles `x_um,y_um,z_um`, or by option |
 //! | [`Gsf`](MapFormat::Gsf), Gwyddion simple field | first line | in the header, where they are given |
 //! | [`Npy`](MapFormat::Npy), NumPy array | `\x93NUMPY` | by option |
@@ -25,6 +25,7 @@ mod header;
 mod lines;
 mod matrix;
 mod npy;
+mod scan;
 mod sdf;
 mod sur;
 mod window;
@@ -131,6 +132,8 @@ impl ReadOptions {
 pub struct ReadMap {
     /// The map, missing points NaN.
     pub map: HeightMap,
+    /// Every pixel of the file is in the map: nothing was cropped, and no row or column left over by decimation.
+    pub whole: bool,
     /// The form that was found or forced.
     pub format: MapFormat,
     /// The first comment lines, without their mark, and what else a header says in words.
@@ -233,7 +236,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
             Some(target) => target,
             None => data.insert(match options.format.unwrap_or_else(|| detect(&header, text)) {
                 MapFormat::Xyz => Data::Xyz(XyzReader::default()),
-                _ => Data::Matrix(Box::new(MatrixReader::new(text, options)?)),
+                _ => Data::Matrix(Box::new(MatrixReader::new(text, line, &header, options)?)),
             }),
         };
         match target {
@@ -246,23 +249,25 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
             Data::Xyz(points) => points.push(text, line)?,
         }
     }
-    let (map, format) = match data {
+    let (map, whole, format) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(matrix)) => {
             // The rows behind a crop say how large a pixel is, where the header gives only the sides.
             let rows = matrix.count_rest(&mut lines, options, &header)?;
-            (matrix.finish(rows, &header, options)?, MapFormat::Matrix)
+            let whole = matrix.is_whole();
+            (matrix.finish(rows, &header, options)?, whole, MapFormat::Matrix)
         }
         Some(Data::Xyz(points)) => {
-            (window_of(points.finish(&header, options)?, options.crop, options.decimation)?, MapFormat::Xyz)
+            let (map, whole) = window_of(points.finish(&header, options)?, options.crop, options.decimation)?;
+            (map, whole, MapFormat::Xyz)
         }
     };
-    Ok(ReadMap { map, format, comments: header.comments, notes: Vec::new() })
+    Ok(ReadMap { map, whole, format, comments: header.comments, notes: Vec::new() })
 }
 
 /// The form of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
-    let sized = header.width_m.is_some() || header.height_m.is_some();
+    let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
     if !sized && Delimiter::of(text).fields(text).take(4).count() == 3 { MapFormat::Xyz } else { MapFormat::Matrix }
 }
 
@@ -292,6 +297,25 @@ mod tests {
         assert_eq!(map.heights_m()[..2], [1e-9, 2e-9]);
         assert_eq!((map.heights_m()[3], map.missing()), (4e-9, 3));
         assert!(!read.is_synthetic());
+    }
+
+    #[test]
+    fn a_matrix_with_the_header_of_spip() {
+        let text = "# File Format = ASCII\r\n# Created by SPIP 6.7 2015-03-02 10:11\r\n# x-pixels = 3\r\n\
+                    # y-pixels = 2\r\n# x-length = 6000\r\n# y-length = 2000\r\n# Bit2nm = 0.5\r\n\
+                    # Start of Data:\r\n1\t2\t3\r\n4\t5\tNaN\r\n";
+        let found = read(text).unwrap();
+        let map = &found.map;
+        assert_eq!((found.format, map.rows(), map.cols(), map.missing()), (MapFormat::Matrix, 2, 3, 1));
+        assert!((map.dx_m() - 1e-6).abs() < 1e-20 && (map.dy_m() - 2e-6).abs() < 1e-20);
+        assert!((map.heights_m()[4] - 2.5e-9).abs() < 1e-24);
+        // A unit goes before the factor.
+        let with_unit = text.replace("# Start", "# z-unit = um\r\n# Start");
+        assert!((read(&with_unit).unwrap().map.heights_m()[4] - 5e-6).abs() < 1e-21);
+        let refused = |from: &str, to: &str| read(&text.replace(from, to)).unwrap_err().to_string();
+        assert_eq!(refused("x-pixels = 3", "x-pixels = 4"), "line 9: 3 values: expected 4");
+        assert!(refused("y-pixels = 2", "y-pixels = 3").contains("rows end after 2 of 3"));
+        assert!(refused("y-pixels = 2", "y-pixels = 99999999999").contains("after 2 of"));
     }
 
     #[test]

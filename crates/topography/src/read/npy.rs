@@ -4,7 +4,7 @@
 
 use std::io::Read;
 
-use super::bytes::{Number, exact, numbers, unreadable};
+use super::bytes::{Number, at_end, exact, numbers, unreadable};
 use super::lines::excerpt;
 use super::matrix::{HOW_TO_GIVE_HEIGHT_UNIT, HOW_TO_GIVE_PIXEL};
 use super::window::{Crop, Window};
@@ -61,13 +61,17 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         ([rows, cols], options.crop, pixel_m)
     };
     let mut window = Window::new(Some(file[0]), file[1], crop, options.decimation)?;
-    numbers(&mut source, FORMAT, number, big_endian, rows.saturating_mul(cols), |values| {
+    let read_all = numbers(&mut source, FORMAT, number, big_endian, rows.saturating_mul(cols), |values| {
         window.push(values)?;
         Ok(!window.is_full())
     })?;
+    if read_all {
+        at_end(&mut source, FORMAT)?;
+    }
+    let whole = window.is_whole();
     let map = window.finish(pixel, |height| height_unit.to_metres(height))?;
     let map = if fortran_order { transposed(&map)? } else { map };
-    Ok(ReadMap { map, format: MapFormat::Npy, comments: Vec::new(), notes: Vec::new() })
+    Ok(ReadMap { map, whole, format: MapFormat::Npy, comments: Vec::new(), notes: Vec::new() })
 }
 
 fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {

@@ -92,8 +92,9 @@ impl Header {
         let lateral = |scale: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(scale);
         let pixel_m = options.pixel_m.unwrap_or([lateral(y), lateral(x)]);
         let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
+        let whole = window.is_whole();
         let map = window.finish(pixel_m, |height| unit.to_metres(height * z))?;
-        Ok(ReadMap { map, format: MapFormat::Sdf, comments, notes: Vec::new() })
+        Ok(ReadMap { map, whole, format: MapFormat::Sdf, comments, notes: Vec::new() })
     }
 }
 

@@ -22,7 +22,7 @@ use std::io::{BufRead, Read};
 
 use flate2::bufread::ZlibDecoder;
 
-use super::bytes::{Number, array, exact, numbers, skip, text, unreadable};
+use super::bytes::{Number, array, at_end, exact, numbers, skip, text, unreadable};
 use super::lines::excerpt;
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion, keep_comment};
@@ -142,12 +142,15 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
     };
     if header.0.starts_with(MAGIC_COMPRESSED) {
         let mut streams = Streams::new(source, total * number.bytes() as u64)?;
-        numbers(&mut streams, FORMAT, number, false, total, take)?;
+        if numbers(&mut streams, FORMAT, number, false, total, take)? {
+            at_end(&mut streams, FORMAT)?;
+        }
     } else {
         numbers(&mut source, FORMAT, number, false, total, take)?;
     }
+    let whole = window.is_whole();
     let map = window.finish(pixel_m, |height| unit.to_metres(height * step_z + offset_z))?;
-    Ok(ReadMap { map, format: MapFormat::Sur, comments, notes })
+    Ok(ReadMap { map, whole, format: MapFormat::Sur, comments, notes })
 }
 
 fn read_comment(source: &mut impl Read, length: u16, comments: &mut Vec<String>) -> Result<(), ReadError> {

@@ -71,6 +71,9 @@ impl Window {
             }
             .into());
         }
+        if file_cols == 0 {
+            return Err(MapError::TooFewPoints { rows: file_rows.map_or(0, |rows| rows as usize), cols: 0 }.into());
+        }
         let crop_ends = |axis, first: usize, count: usize, available: Option<u64>| {
             let end = first.saturating_add(count);
             match available {
@@ -116,6 +119,13 @@ impl Window {
     /// Whether all rows asked for have been taken.
     pub(crate) fn is_full(&self) -> bool {
         self.row >= self.rows[1]
+    }
+
+    /// Whether every pixel of the file, of which all rows have been seen, is in the map.
+    pub(crate) fn is_whole(&self) -> bool {
+        let Decimation { factor, .. } = self.decimation;
+        let whole = |kept: [usize; 2], count: usize| kept[0] == 0 && kept[1] >= count && count.is_multiple_of(factor);
+        whole(self.rows, self.row) && whole(self.cols, self.file_cols)
     }
 
     /// Rows seen so far.
@@ -227,22 +237,28 @@ impl HeightMap {
     /// # Errors
     /// [`ReadError`] if the crop lies outside, or nothing is left.
     pub fn windowed(&self, crop: Option<Crop>, decimation: Option<Decimation>) -> Result<Self, ReadError> {
+        self.window(crop, decimation)?.finish([self.dx_m(), self.dy_m()], |height| height)
+    }
+
+    fn window(&self, crop: Option<Crop>, decimation: Option<Decimation>) -> Result<Window, ReadError> {
         let mut window = Window::new(Some(self.rows() as u64), self.cols() as u64, crop, decimation)?;
         window.push(self.heights_m())?;
-        window.finish([self.dx_m(), self.dy_m()], |height| height)
+        Ok(window)
     }
 }
 
-/// The part of a map that is in memory already.
+/// The part of a map that is in memory already, and whether it is the whole map.
 pub(super) fn window_of(
     map: HeightMap,
     crop: Option<Crop>,
     decimation: Option<Decimation>,
-) -> Result<HeightMap, ReadError> {
+) -> Result<(HeightMap, bool), ReadError> {
     if crop.is_none() && decimation.is_none_or(|decimation| decimation.factor == 1) {
-        return Ok(map);
+        return Ok((map, true));
     }
-    map.windowed(crop, decimation)
+    let window = map.window(crop, decimation)?;
+    let whole = window.is_whole();
+    Ok((window.finish([map.dx_m(), map.dy_m()], |height| height)?, whole))
 }
 
 #[cfg(test)]
@@ -257,6 +273,20 @@ mod tests {
             window.push(part)?;
         }
         window.finish([1e-6, 2e-6], |height| height * 1e-9)
+    }
+
+    #[test]
+    fn a_part_is_not_the_whole() {
+        let whole = |rows: usize, crop, factor| {
+            let decimation = Some(Decimation { factor, method: DecimationMethod::Pick });
+            let mut window = Window::new(Some(rows as u64), 10, crop, decimation).unwrap();
+            window.push(&vec![0.0; 10 * rows]).unwrap();
+            window.is_whole()
+        };
+        assert!(whole(6, None, 1) && whole(6, None, 2));
+        assert!(!whole(7, None, 2) && !whole(6, None, 3));
+        let crop = |first_row, cols| Some(Crop { first_row, first_col: 0, rows: 6 - first_row, cols });
+        assert!(whole(6, crop(0, 10), 1) && !whole(6, crop(1, 10), 1) && !whole(6, crop(0, 9), 1));
     }
 
     #[test]
@@ -302,6 +332,7 @@ mod tests {
         let endless = Crop { first_row: usize::MAX, first_col: 0, rows: usize::MAX, cols: 1 };
         assert!(windowed(Some(endless), None, 70).is_err());
         assert!(Window::new(Some(u64::MAX), u64::MAX, None, None).is_err());
+        assert!(Window::new(None, 0, None, None).is_err());
         assert!(Window::new(Some(5), 5, None, Some(Decimation { factor: 0, method: DecimationMethod::Mean })).is_err());
     }
 }

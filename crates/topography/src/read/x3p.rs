@@ -8,7 +8,7 @@ use std::io::{BufReader, Cursor, Read};
 use zip::ZipArchive;
 use zip::read::ZipFile;
 
-use super::bytes::{numbers, unreadable};
+use super::bytes::{at_end, numbers, unreadable};
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
@@ -42,18 +42,21 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     match &index.heights {
         Heights::File { path, valid: None } => {
             let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
-            numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 window.push(values)?;
                 Ok(!window.is_full())
             })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+            }
         }
         Heights::File { path, valid: Some(valid_path) } => {
             // Two entries are read side by side: two views of the same bytes.
             let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
             let mut bits = Bits::new(data_entry(&mut other, valid_path, index.points().div_ceil(8))?);
             let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
-            numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 for value in values.iter_mut() {
                     if !bits.next()? {
@@ -63,6 +66,10 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
                 window.push(values)?;
                 Ok(!window.is_full())
             })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+                at_end(&mut bits.source, FORMAT)?;
+            }
         }
         Heights::Listed(values) => {
             if values.len() as u64 != index.points() {
@@ -76,8 +83,9 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let pixel_m = options.pixel_m.unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
     let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
     let [.., scale] = index.increment_m;
+    let whole = window.is_whole();
     let map = window.finish(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
-    Ok(ReadMap { map, format: MapFormat::X3p, comments: index.comments, notes: Vec::new() })
+    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes: Vec::new() })
 }
 
 pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
@@ -224,6 +232,23 @@ mod tests {
         assert!(whole(&index("D", "")).contains("PointDataLink"));
         assert!(whole("<p><Record1>").contains("main.xml"));
         assert!(refused(b"PK\x03\x04 and then nothing").contains("surface (.x3p)"));
+    }
+
+    #[test]
+    fn damaged_heights_fail_their_check_sum() {
+        let data: Vec<u8> = [1.0_f64, 2.0, 3.0, 4.0, 5.0, 6.0].into_iter().flat_map(f64::to_le_bytes).collect();
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        for (name, bytes) in [("main.xml", index("D", LINK).as_bytes()), ("bindata/data.bin", &data[..])] {
+            writer.start_file(name, stored).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        let mut bytes = writer.finish().unwrap().into_inner();
+        assert!(read_map(&bytes[..], &ReadOptions::default()).is_ok());
+        let at = bytes.windows(8).position(|part| part == 5.0_f64.to_le_bytes()).unwrap();
+        bytes[at + 6] ^= 1;
+        let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("checksum"), "{message}");
     }
 
     #[test]

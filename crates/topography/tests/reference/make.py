@@ -1,6 +1,6 @@
 """Sample files of every format and what independent programs read from them.
 
-Written by surfalize 0.19.2, SurfaceTopography 1.27.1, gsffile and NumPy; read back by the package that did
+Written by surfalize 0.19.2, SurfaceTopography 1.27.1, gsffile and NumPy, texts as their headers are documented; read back by the package that did
 not write them where two can, and described in readings.json. The ISO 25178 parameters of iso.npy are
 surfalize's, its power spectrum SurfaceTopography's (iso.json). Run in this folder:
 
@@ -76,6 +76,25 @@ gsffile.write_gsf(
 np.save("numpy-f4.npy", holed_um.astype("<f4"))
 np.save("numpy-fortran.npy", np.asfortranarray(holed_um.astype(">f8")))
 
+
+# Texts as Gwyddion and SPIP head them (nanometres in SPIP's), and points in no order, x across the lines.
+def lines_of(heights, missing):
+    return "".join("\t".join(missing if np.isnan(h) else f"{h:.9f}" for h in line) + "\n" for line in heights)
+
+
+with open("gwyddion.asc", "w") as file:
+    file.write("# Channel: Height\n# Width: 36 \u00b5m\n# Height: 42.5 \u00b5m\n# Value units: nm\n")
+    file.write(lines_of(holed_um * 1e3, "nan"))
+with open("spip.asc", "w", newline="\r\n") as file:
+    file.write("# File Format = ASCII\n# Created by SPIP 6.7.3 2017-05-04 11:22\n# Original file: flat 3.bcr\n")
+    file.write("# x-pixels = 24\n# y-pixels = 17\n# x-length = 36000\n# y-length = 42500\n# x-offset = 0\n")
+    file.write("# y-offset = 0\n# Bit2nm = 0.25\n# Start of Data:\n")
+    file.write(lines_of(holed_um * 4e3, "nan"))
+order = np.random.default_rng(3).permutation(17 * 24)
+with open("points.xyz", "w") as file:
+    for line, point in zip(*np.divmod(order, 24)):
+        file.write(f"{line * STEP_Y_UM:.4f} {point * STEP_X_UM:.4f} {height_um[line, point]:.9f}\n")
+
 # The reader that did not write the file, where there are two.
 for path in ["surfalize-latin1.sur", "surfalize.x3p"]:
     readings[path] = by_surface_topography(path)
@@ -86,6 +105,11 @@ for path in ["surfalize-binary.sdf", "surfalize-text.sdf", "surfalize-utf8.sur",
     readings[path] = by_surfalize(path)
 for kind in "ILFD":
     readings[f"surface-topography-{kind}.x3p"] = by_surface_topography(f"surface-topography-{kind}.x3p")
+for path in ["gwyddion.asc", "spip.asc"]:
+    readings[path] = by_surface_topography(path)
+# Grids of points are complete there.
+points = SurfaceTopography.read_topography("points.xyz", format="xyz", unit="um")
+readings["points.xyz"] = described(points.heights(), points.pixel_size[1], points.pixel_size[0])
 data, _ = gsffile.read_gsf("gsffile.gsf")
 readings["gsffile.gsf"] = described(data.astype(float) * 1e6, STEP_X_UM, STEP_Y_UM)
 for path in ["numpy-f4.npy", "numpy-fortran.npy"]:
