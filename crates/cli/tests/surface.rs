@@ -6,7 +6,7 @@ mod common;
 
 use std::fs;
 
-use common::{CALIBRATION, FLAT, Place, names};
+use common::{Place, names};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -114,35 +114,28 @@ fn parts_and_coarser_maps() {
     assert!((part["parameters"]["sz_um"].as_f64().unwrap() - 6e-3).abs() < 1e-12);
     let coarse = read("plain.csv", &["--decimate", "2"]);
     assert_eq!((size(&coarse), &coarse["pixel_um"][0]), ((2, 2), &Value::from(4.0)));
+    let narrow = read("plain.csv", &["--pixel-y-um", "0.5"]);
+    assert_eq!(narrow["pixel_um"], serde_json::json!([2.0, 0.5]));
     let picked = read("plain.csv", &["--decimate", "2", "--decimate-by", "pick"]);
     // 1, 3, 9, 11
     assert!((picked["parameters"]["sz_um"].as_f64().unwrap() - 10e-3).abs() < 1e-12);
 }
 
 #[test]
-fn calibration_reads_a_map_as_the_flags_do() {
-    let surface = "map = \"m.asc\"\ncrop = [0, 0, 32, 64]\ndecimate = 2\nmissing = \"refuse\"\nform = \"second-order\"";
-    let calibration = CALIBRATION.replace("persson_rms_slope = 0.0137", surface);
-    let place = Place::with(&[("calibration.toml", &calibration), ("flat.csv", FLAT)]);
+fn a_part_of_a_period_is_none() {
+    let place = Place::with(&[]);
     place.succeed(&["synthesize", "--pixels", "64", "--waves", "2:8", "--rms-slope", "0.02", "-o", "m.asc"]);
-    place.succeed(&["calibrate", "calibration.toml", "-o", "m.toml"]);
-    let material: toml::Table = fs::read_to_string(place.path("m.toml")).unwrap().parse().unwrap();
-    let flags = ["--crop", "0,0,32,64", "--decimate", "2", "--missing", "refuse", "--form", "second-order"];
-    let law = json(&place.succeed(&[&["area-law", "m.asc", "--json"][..], &flags].concat()));
-    assert_eq!((law["rows"].as_u64(), law["columns"].as_u64()), (Some(16), Some(32)));
-    let calibrated = |key: &str| material["area_law"][key].as_float().unwrap();
-    for key in ["rms_slope", "sa_um", "pixel_um"] {
-        let (found, expected) = (calibrated(key), law[key].as_f64().unwrap());
-        assert!((found / expected - 1.0).abs() < 1e-9, "{key}: {found} and {expected}");
-    }
-    assert_eq!(calibrated("pixel_um"), 31.25);
-    // A part of a period is none: its form is removed. Two pixels of every side joined still make the whole period.
-    let note = |law: &Value, says: &str| {
-        law["model"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains(says))
+    let says = |flags: &[&str], what: &str| {
+        let law = json(&place.succeed(&[&["area-law", "m.asc", "--pressures-mpa", "1", "--json"][..], flags].concat()));
+        assert!(law["model"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains(what)), "{law}");
+        law
     };
-    assert!(note(&law, "second order has been subtracted"));
-    let coarse = json(&place.succeed(&["area-law", "m.asc", "--json", "--decimate", "2"]));
-    assert!(note(&coarse, "no plane has been subtracted"));
+    let part = says(&["--crop", "0,0,32,64", "--form", "second-order"], "surface of second order has been subtracted");
+    assert_eq!((part["rows"].as_u64(), part["columns"].as_u64()), (Some(32), Some(64)));
+    says(&["--crop", "0,0,63,64"], "plane has been subtracted");
+    says(&["--decimate", "3"], "the least-squares plane has been subtracted");
+    let coarse = says(&["--decimate", "2"], "no plane has been subtracted");
+    assert_eq!((coarse["rows"].as_u64(), coarse["pixel_um"].as_f64()), (Some(32), Some(31.25)));
 }
 
 #[test]

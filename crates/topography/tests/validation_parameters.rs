@@ -49,7 +49,6 @@ fn validation_iso_parameters_beside_surfalize() {
         ("Str", lengths.str_ratio.unwrap(), 1e-2),
     ] {
         let reference = expected[name].as_f64().unwrap();
-        println!("{name:>5} {found:.6} {reference:.6} {:.1e}", found / reference - 1.0);
         assert!((found / reference - 1.0).abs() < tolerance, "{name}: {found} and {reference}");
     }
 }
@@ -66,7 +65,6 @@ fn validation_power_spectrum_beside_surface_topography() {
         for (bin, reference) in bins.iter().zip(reference) {
             // A map in single precision about a mean of 1e-9 of its Sq.
             let found = bin.psd_m4 * 1e24;
-            println!("{name} {:.4} {found:.6} {reference:.6}", bin.q_per_m * 1e-6);
             assert!((found / reference - 1.0).abs() < 1e-6, "{name}, q {}: {found} and {reference}", bin.q_per_m);
         }
     }

@@ -11,6 +11,9 @@ pub struct MapArgs {
     /// Pixel size, for a file that does not say it
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
+    /// Pixel size along the file's lines, where it differs from that across them
+    #[arg(long, requires = "pixel_um", value_name = "UM")]
+    pub pixel_y_um: Option<f64>,
     /// Unit of the heights, for a file that does not say it: m, mm, um or nm
     #[arg(long, value_name = "UNIT")]
     pub height_unit: Option<String>,

@@ -161,8 +161,9 @@ fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {
 /// How the flags want a map read.
 pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
     let pixel_m = args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?;
+    let pixel_y_m = args.pixel_y_um.map(|pixel_um| checked("--pixel-y-um", pixel_um, LENGTH_UM)).transpose()?;
     let read = ReadOptions {
-        pixel_m: pixel_m.map(|pixel_m| [pixel_m; 2]),
+        pixel_m: pixel_m.map(|pixel_m| [pixel_m, pixel_y_m.unwrap_or(pixel_m)]),
         height_unit: args.height_unit.as_deref().map(|name| unit("--height-unit", name)).transpose()?,
         lateral_unit: args.lateral_unit.as_deref().map(|name| unit("--lateral-unit", name)).transpose()?,
         decimal_comma: args.decimal_comma,

@@ -20,6 +20,7 @@ pub struct SurfaceFile {
     persson_rms_slope: Option<Number>,
     synthetic: Option<bool>,
     pixel_um: Option<Number>,
+    pixel_y_um: Option<Number>,
     height_unit: Option<Spanned<String>>,
     lateral_unit: Option<Spanned<String>>,
     decimal_comma: Option<bool>,
@@ -98,7 +99,7 @@ impl Surface {
 fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagnostic> {
     let unit = |name: &Option<Spanned<String>>| name.as_ref().map(|name| unit(document, name)).transpose();
     let read = ReadOptions {
-        pixel_m: document.optional(file.pixel_um.as_ref(), LENGTH_UM)?.map(|pixel_m| [pixel_m; 2]),
+        pixel_m: pixel(document, file)?,
         height_unit: unit(&file.height_unit)?,
         lateral_unit: unit(&file.lateral_unit)?,
         decimal_comma: file.decimal_comma.unwrap_or(false),
@@ -114,6 +115,18 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
         })
     });
     Ok(MapOptions { read, form: form(document, file)?, missing: missing.transpose()?.unwrap_or_default() })
+}
+
+fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let along_y_m = document.optional(file.pixel_y_um.as_ref(), LENGTH_UM)?;
+    match (&file.pixel_um, &file.pixel_y_um) {
+        (Some(along_x), _) => {
+            let along_x_m = document.number(along_x, LENGTH_UM)?;
+            Ok(Some([along_x_m, along_y_m.unwrap_or(along_x_m)]))
+        }
+        (None, Some(along_y)) => Err(document.refuse(along_y.span(), "stands alone").expected("`pixel_um` beside it")),
+        (None, None) => Ok(None),
+    }
 }
 
 fn unit(document: &Document, name: &Spanned<String>) -> Result<LengthUnit, Diagnostic> {
@@ -161,5 +174,43 @@ fn form(document: &Document, file: &SurfaceFile) -> Result<Form, Diagnostic> {
         }),
         (None, level) if level.as_ref().is_none_or(|level| *level.get_ref()) => Ok(Form::Plane),
         (None, _) => Ok(Form::Mean),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> MapOptions {
+        let document = Document::new("calibration.toml", text);
+        options(&document, &document.parse().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_key_arrives_at_the_reader() {
+        let found = read(
+            "pixel_um = 0.5\npixel_y_um = 2.0\nheight_unit = \"nm\"\nlateral_unit = \"mm\"\ndecimal_comma = true\ncrop = [1, 2, 30, 40]\n\
+             decimate = 3\ndecimate_by = \"pick\"\nmissing = \"refuse\"\nform = \"second-order\"\n",
+        );
+        let read = ReadOptions {
+            format: None,
+            pixel_m: Some([0.5e-6, 2e-6]),
+            height_unit: Some(LengthUnit::Nanometre),
+            lateral_unit: Some(LengthUnit::Millimetre),
+            decimal_comma: true,
+            crop: Some(Crop { first_row: 1, first_col: 2, rows: 30, cols: 40 }),
+            decimation: Some(Decimation { factor: 3, method: DecimationMethod::Pick }),
+        };
+        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse });
+    }
+
+    #[test]
+    fn without_keys_the_whole_map_is_filled_and_levelled() {
+        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill };
+        assert_eq!(read(""), expected(Form::Plane));
+        assert_eq!(read("level = true"), expected(Form::Plane));
+        assert_eq!(read("level = false"), expected(Form::Mean));
+        let by_mean = Decimation { factor: 2, method: DecimationMethod::Mean };
+        assert_eq!(read("decimate = 2").read.decimation, Some(by_mean));
     }
 }

@@ -15,6 +15,8 @@ pub(crate) struct Header {
     pub(crate) value_unit: Option<LengthUnit>,
     /// Nanometres of a height of 1, where a header says that instead of a unit.
     pub(crate) value_nm: Option<f64>,
+    /// The first line was SPIP's: other programs use the same words with other units.
+    spip: bool,
     /// Lines of the matrix, and values on each.
     pub(crate) pixels: [Option<u64>; 2],
     pub(crate) lateral_unit: Option<LengthUnit>,
@@ -41,7 +43,16 @@ impl Header {
             "height" => self.height_m = Some(length(line, "Height", value)?),
             "value units" | "z units" => self.value_unit = Some(unit(line, "Value units", value)?),
             "xy units" | "lateral units" => self.lateral_unit = Some(unit(line, "XY units", value)?),
-            // SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
+            "file format" => self.spip = value.eq_ignore_ascii_case("ascii"),
+            key if self.spip => self.spip_entry(key, value, line)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// An entry of a header by SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
+    fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<(), ReadError> {
+        match key {
             "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
             "y-pixels" => self.pixels[0] = Some(whole(line, "y-pixels", value)?),
             "x-length" => self.width_m = Some(nanometres(line, "x-length", value)?),
@@ -150,7 +161,11 @@ mod tests {
         assert_eq!((read.pixels, read.value_nm, read.value_unit), ([Some(3), Some(4)], Some(0.25), None));
         let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-15;
         assert!(close(read.width_m, 2e-6) && close(read.height_m, 1.5005e-6));
-        assert_eq!(header(&["# z-unit = nm"]).unwrap().value_unit, Some(LengthUnit::Nanometre));
+        let in_unit = header(&["# File Format = ASCII", "# z-unit = um"]).unwrap();
+        assert_eq!(in_unit.value_unit, Some(LengthUnit::Micrometre));
+        // The same words mean other units elsewhere.
+        let other = header(&["# Daisy frame view snapshot", "# x-length: 40.0", "# x-unit: um"]).unwrap();
+        assert_eq!((other.width_m, other.pixels), (None, [None; 2]));
     }
 
     #[test]
@@ -178,7 +193,7 @@ mod tests {
             ("# y-length = 0", "above 0"),
             ("# voidpixels = 12", "NaN"),
         ] {
-            let message = header(&["# ok", text]).unwrap_err().to_string();
+            let message = header(&["# File Format = ASCII", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");
         }
     }

@@ -38,7 +38,8 @@ pub struct Decimation {
 /// Takes the heights of a file row by row and keeps what was asked for; never holds more than that.
 #[derive(Debug)]
 pub(crate) struct Window {
-    /// Columns of the file.
+    /// Rows of the file, if they are known before they are read, and columns.
+    file_rows: Option<usize>,
     file_cols: usize,
     /// Kept: first and one past the last.
     rows: [usize; 2],
@@ -92,6 +93,7 @@ impl Window {
         };
         let file_cols = usize::try_from(file_cols).unwrap_or(usize::MAX);
         let window = Self {
+            file_rows: file_rows.map(|rows| usize::try_from(rows).unwrap_or(usize::MAX)),
             file_cols,
             rows,
             cols,
@@ -121,11 +123,13 @@ impl Window {
         self.row >= self.rows[1]
     }
 
-    /// Whether every pixel of the file, of which all rows have been seen, is in the map.
+    /// Whether every pixel of the file is in the map. A crop of a file that does not say how many rows it has
+    /// ends reading before they are known: that counts as a part.
     pub(crate) fn is_whole(&self) -> bool {
         let Decimation { factor, .. } = self.decimation;
+        let rows = self.file_rows.unwrap_or(if self.rows[1] == usize::MAX { self.row } else { usize::MAX });
         let whole = |kept: [usize; 2], count: usize| kept[0] == 0 && kept[1] >= count && count.is_multiple_of(factor);
-        whole(self.rows, self.row) && whole(self.cols, self.file_cols)
+        whole(self.rows, rows) && whole(self.cols, self.file_cols)
     }
 
     /// Rows seen so far.
@@ -277,16 +281,27 @@ mod tests {
 
     #[test]
     fn a_part_is_not_the_whole() {
-        let whole = |rows: usize, crop, factor| {
+        let pushed = |known: Option<u64>, rows: usize, crop, factor| {
             let decimation = Some(Decimation { factor, method: DecimationMethod::Pick });
-            let mut window = Window::new(Some(rows as u64), 10, crop, decimation).unwrap();
-            window.push(&vec![0.0; 10 * rows]).unwrap();
+            let mut window = Window::new(known, 10, crop, decimation).unwrap();
+            for _ in 0..rows {
+                if !window.is_full() {
+                    window.push(&[0.0; 10]).unwrap();
+                }
+            }
             window.is_whole()
         };
+        let whole = |rows: usize, crop, factor| pushed(Some(rows as u64), rows, crop, factor);
         assert!(whole(6, None, 1) && whole(6, None, 2));
         assert!(!whole(7, None, 2) && !whole(6, None, 3));
         let crop = |first_row, cols| Some(Crop { first_row, first_col: 0, rows: 6 - first_row, cols });
-        assert!(whole(6, crop(0, 10), 1) && !whole(6, crop(1, 10), 1) && !whole(6, crop(0, 9), 1));
+        assert!(pushed(None, 6, None, 2) && !pushed(None, 7, None, 2) && !pushed(None, 9, crop(0, 10), 1));
+        assert!(
+            whole(6, crop(0, 10), 1)
+                && !whole(9, crop(0, 10), 1)
+                && !whole(6, crop(1, 10), 1)
+                && !whole(6, crop(0, 9), 1)
+        );
     }
 
     #[test]

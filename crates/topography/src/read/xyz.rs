@@ -236,7 +236,7 @@ mod tests {
         let by = |order: &dyn Fn(usize) -> usize| (0..12).map(|n| scan()[order(n)].clone()).collect::<Vec<_>>();
         let y_slow = |n: usize| n % 4 * 3 + n / 4;
         // Backwards, y slow, y slow from the far side, back and forth, and in no order.
-        let back_and_forth = |n: usize| if n / 3 % 2 == 0 { n } else { n / 3 * 3 + 2 - n % 3 };
+        let back_and_forth = |n: usize| if (n / 3).is_multiple_of(2) { n } else { n / 3 * 3 + 2 - n % 3 };
         let orders: [&dyn Fn(usize) -> usize; 5] =
             [&|n| 11 - n, &y_slow, &|n| y_slow(11 - n), &back_and_forth, &|n| n * 5 % 12];
         for order in orders {
