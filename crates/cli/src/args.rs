@@ -1,9 +1,13 @@
 //! The command line.
 
+mod maps;
+
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+
+pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, SurfaceArgs, SynthesizeArgs};
 
 /// Designs laser-textured surfaces for a target dry friction.
 #[derive(Debug, Parser)]
@@ -45,7 +49,9 @@ pub enum Command {
     Traces(TracesArgs),
     /// Real contact area of an altitude map against pressure
     AreaLaw(AreaLawArgs),
-    /// Make a synthetic self-affine altitude map
+    /// Parameters, pictures and cavities of an altitude map
+    Surface(SurfaceArgs),
+    /// Make a synthetic self-affine altitude map, with cavities if wanted
     Synthesize(SynthesizeArgs),
     /// Write a result's design again in other formats
     Export(ExportArgs),
@@ -203,14 +209,11 @@ pub struct AreaLawArgs {
     /// Report f at coarser pixels, too: means over 2 x 2 and 4 x 4, or as named
     #[arg(long, value_delimiter = ',', value_name = "N,N,...", num_args = 0.., default_missing_value = "2,4", require_equals = true)]
     pub resolutions: Option<Vec<usize>>,
-    /// Pixel size, for a plain matrix of heights
-    #[arg(long, value_name = "UM")]
-    pub pixel_um: Option<f64>,
-    /// Unit of the heights, for a plain matrix: m, mm, um or nm
-    #[arg(long, value_name = "UNIT")]
-    pub height_unit: Option<String>,
+    /// How the map is read.
+    #[command(flatten)]
+    pub reading: MapArgs,
     /// Do not subtract the least-squares plane
-    #[arg(long)]
+    #[arg(long, conflicts_with = "form")]
     pub no_level: bool,
     /// Print one JSON object instead of a table
     #[arg(long)]
@@ -218,37 +221,6 @@ pub struct AreaLawArgs {
     /// Folder for result.json, the table and a picture
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-}
-
-/// `synthesize`
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    slipgrid synthesize -o flat-map.asc\n  \
-    slipgrid synthesize --pixels 256 --hurst 0.7 --waves 4:32 --sa-um 0.3 --seed 7 -o rough.asc\n\n\
-    The defaults make the map that stands in for the unpublished one of the LDPE calibration.\n\
-    Waves n:m are the longest and the shortest wave, in waves per side.")]
-pub struct SynthesizeArgs {
-    /// Pixels per side
-    #[arg(long, default_value_t = 512, value_name = "N")]
-    pub pixels: usize,
-    /// Side of the square
-    #[arg(long, default_value_t = 1.0, value_name = "MM")]
-    pub side_mm: f64,
-    /// Hurst exponent
-    #[arg(long, default_value_t = 0.8, value_name = "H")]
-    pub hurst: f64,
-    /// Fewest and most waves per side
-    #[arg(long, default_value = "4:64", value_name = "MIN:MAX", value_parser = parse_waves)]
-    pub waves: (u32, u32),
-    /// Arithmetic mean height Sa
-    #[arg(long, default_value_t = 0.158, value_name = "UM")]
-    pub sa_um: f64,
-    /// Seed of the phases
-    #[arg(long, default_value_t = 20_240_607, value_name = "SEED")]
-    pub seed: u32,
-    /// Map to write
-    #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
 }
 
 /// `export`
@@ -478,16 +450,6 @@ impl std::fmt::Display for ExportFormat {
     }
 }
 
-fn parse_waves(text: &str) -> Result<(u32, u32), String> {
-    let expected = || "expected two whole numbers, for instance 4:64".to_owned();
-    let (least, most) = text.split_once(':').ok_or_else(expected)?;
-    match (least.trim().parse(), most.trim().parse()) {
-        (Ok(least), Ok(most)) if 0 < least && least <= most => Ok((least, most)),
-        (Ok(_), Ok(_)) => Err("expected the smaller number first, from 1 up".to_owned()),
-        _ => Err(expected()),
-    }
-}
-
 /// Most draws behind a row.
 const MOST_SEEDS: u64 = 1000;
 
@@ -506,13 +468,5 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn waves_are_a_range() {
-        assert_eq!(parse_waves("4:64"), Ok((4, 64)));
-        for bad in ["4", "64:4", "0:4", "a:b", "4:"] {
-            assert!(parse_waves(bad).is_err(), "{bad}");
-        }
     }
 }

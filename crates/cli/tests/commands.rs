@@ -290,6 +290,7 @@ fn help_shows_examples_for_every_command() {
         "optimize",
         "calibrate",
         "area-law",
+        "surface",
         "synthesize",
         "export",
         "validate",

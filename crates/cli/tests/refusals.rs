@@ -301,6 +301,27 @@ fn calibrations() {
             case("source = \"nowhere\"\n", "", ":1: source: is missing", ""),
         ],
     );
+    // How a map is read; the map itself is not opened before its keys are understood.
+    for (line, place, says) in [
+        ("height_unit = \"inch\"", ":9: surface.height_unit: \"inch\" ", "m, cm, mm, um, nm or pm"),
+        ("pixel_y_um = 0.5", ":9: surface.pixel_y_um: 0.5 ", "`pixel_um`"),
+        ("crop = [0, 0, 1, 5]", ":9: surface.crop: [0, 0, 1, 5] ", "from 2 up"),
+        ("crop = [0, 0, 5]", ":9: surface.crop: [0, 0, 5] ", "[0, 0, 512, 512]"),
+        ("crop = [-1, 0, 5, 5]", ":9: surface.crop", ""),
+        ("decimate = 0", ":9: surface.decimate: 0 ", "from 1 up"),
+        ("decimate_by = \"pick\"", ":9: surface.decimate_by: \"pick\" ", "`decimate`"),
+        ("decimate = 2\ndecimate_by = \"mode\"", ":10: surface.decimate_by: \"mode\" ", "\"mean\" or \"pick\""),
+        ("missing = \"ignore\"", ":9: surface.missing: \"ignore\" ", "\"fill\" or \"refuse\""),
+        ("form = \"plain\"", ":9: surface.form: \"plain\" ", "did you mean `plane`?"),
+        ("form = \"plane\"\nlevel = true", ":10: surface.level: true ", "either `form` or `level`"),
+    ] {
+        let bad = CALIBRATION.replace("persson_rms_slope = 0.0137", &format!("map = \"flat.csv\"\n{line}"));
+        let folder = Place::with(&[("calibration.toml", &bad), ("flat.csv", FLAT)]);
+        let message = folder.refuse(&["calibrate", "calibration.toml", "-o", "m.toml"]);
+        assert!(message.starts_with(&format!("error: calibration.toml{place}")), "{line}: {message}");
+        assert!(message.contains(says), "{line}: {message}");
+        assert_eq!(folder.names(), ["calibration.toml", "flat.csv"]);
+    }
     let folder = Place::with(&[("calibration.toml", CALIBRATION), ("flat.csv", &FLAT.replace("0.248", "24.8"))]);
     let message = folder.refuse(&["calibrate", "calibration.toml", "-o", "m.toml"]);
     assert!(message.starts_with("error: flat.csv:2: mu_dynamic: \"24.8\" is out of range"), "{message}");

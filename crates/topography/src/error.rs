@@ -51,6 +51,20 @@ pub enum MapError {
         /// Points of the grid.
         points: usize,
     },
+    /// The points present do not determine the form to remove.
+    #[error("the {points} heights present do not determine a {form}: expected more, spread over the map")]
+    FormUndetermined {
+        /// The form.
+        form: &'static str,
+        /// Points present.
+        points: usize,
+    },
+    /// No cavities that could be measured.
+    #[error("no cavities found: {reason}")]
+    NoCavities {
+        /// Why.
+        reason: &'static str,
+    },
     /// The points present lie on one line.
     #[error("the {points} heights present lie on one line: expected points that span a plane")]
     PlaneUndetermined {
@@ -59,7 +73,7 @@ pub enum MapError {
     },
 }
 
-/// Why a text was refused as an altitude map. Lines count from 1.
+/// Why a file was refused as an altitude map. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReadError {
     /// The source failed.
@@ -171,6 +185,86 @@ pub enum ReadError {
         cols: f64,
         /// The limit.
         most_nodes_per_point: usize,
+    },
+    /// A binary file of no format that is read.
+    #[error(
+        "the file begins with \"{beginning}\": expected text, .gsf, .npy, .sdf, .sur or .x3p (export one of these)"
+    )]
+    Unrecognized {
+        /// The first bytes, escaped.
+        beginning: String,
+    },
+    /// An entry of a binary file's header that cannot be understood.
+    #[error("{format}: {field} is \"{value}\": expected {expected}")]
+    Field {
+        /// The format.
+        format: &'static str,
+        /// The entry.
+        field: &'static str,
+        /// Its value; empty where it is absent.
+        value: String,
+        /// What would be accepted.
+        expected: &'static str,
+    },
+    /// A header longer than any map's.
+    #[error("{format}: the header is longer than {most_bytes} bytes")]
+    HeaderTooLong {
+        /// The format.
+        format: &'static str,
+        /// The limit.
+        most_bytes: usize,
+    },
+    /// The file holds less or more than its header says.
+    #[error("{format}: the {what} end after {found} of {expected}")]
+    Ended {
+        /// The format.
+        format: &'static str,
+        /// Which part.
+        what: &'static str,
+        /// How much the header says there is: bytes, or heights.
+        expected: u64,
+        /// How much there is.
+        found: u64,
+    },
+    /// The file holds more than its header says.
+    #[error("{format}: data go on behind the heights that the header announces: expected the file to end there")]
+    GoesOn {
+        /// The format.
+        format: &'static str,
+    },
+    /// The source failed, or what it packs is damaged.
+    #[error("{format}: cannot be read: {reason}")]
+    Unreadable {
+        /// The format.
+        format: &'static str,
+        /// What the source or the library that unpacks said.
+        reason: String,
+    },
+    /// Packed data that unpack to far more than measured heights ever do.
+    #[error(
+        "{format}: what is packed in {packed} bytes unpacks to {unpacked} bytes: expected at most {most_expansion} times as many"
+    )]
+    Bomb {
+        /// The format.
+        format: &'static str,
+        /// Bytes that it unpacks to.
+        unpacked: u64,
+        /// Bytes in the file.
+        packed: u64,
+        /// The limit.
+        most_expansion: u64,
+    },
+    /// A crop beyond the map.
+    #[error("the crop takes {axis} {first} to {}: the file has {available} {axis}, from 0", first.saturating_add(count.saturating_sub(1)))]
+    CropOutside {
+        /// `rows` or `columns`.
+        axis: &'static str,
+        /// First row or column asked for.
+        first: usize,
+        /// How many.
+        count: usize,
+        /// Rows or columns of the file.
+        available: u64,
     },
     /// The numbers make no map.
     #[error(transparent)]

@@ -200,9 +200,17 @@ impl Fourier {
     /// rad/m on pixels of `dx_m` x `dy_m`, the mean left out.
     #[must_use]
     pub fn spectral_sum(&self, input: &[f64], dx_m: f64, dy_m: f64, weight: impl Fn(f64) -> f64) -> f64 {
+        let mut sum = 0.0;
+        self.visit_waves(input, dx_m, dy_m, |q, twins, square| sum += twins * weight(q) * square);
+        let points = self.rows as f64 * self.cols as f64;
+        sum / (points * points)
+    }
+
+    /// Calls `visit(|q|, twins, |sum h exp(-i q x)|^2)` for every wave but the mean; of a wave and its mirror
+    /// image only one is visited, and `twins` is 2.
+    pub(crate) fn visit_waves(&self, input: &[f64], dx_m: f64, dy_m: f64, mut visit: impl FnMut(f64, f64, f64)) {
         let work = &mut self.work();
         self.rows_forward(input, work);
-        let mut sum = 0.0;
         for (l, column) in work.spectrum.chunks_exact_mut(self.stride()).enumerate() {
             let column = &mut column[..self.rows];
             self.column_forward.process_with_scratch(column, &mut work.scratch);
@@ -210,13 +218,28 @@ impl Fourier {
             let twins = if l == 0 || 2 * l == self.cols { 1.0 } else { 2.0 };
             for (k, wave) in column.iter().enumerate() {
                 if k > 0 || l > 0 {
-                    let q = self.wave_number(k.min(self.rows - k), l, dx_m, dy_m);
-                    sum += twins * weight(q) * wave.norm_sqr();
+                    visit(self.wave_number(k.min(self.rows - k), l, dx_m, dy_m), twins, wave.norm_sqr());
                 }
             }
         }
-        let points = self.rows as f64 * self.cols as f64;
-        sum / (points * points)
+    }
+
+    /// The map's product with itself displaced, summed over one period:
+    /// map(t) = sum over x of map(x) map(x + t).
+    pub(crate) fn autocorrelate(&self, map: &mut [f64]) {
+        let work = &mut self.work();
+        self.rows_forward(map, work);
+        let inverse_points = 1.0 / (self.rows as f64 * self.cols as f64);
+        for column in work.spectrum.chunks_exact_mut(self.stride()) {
+            let column = &mut column[..self.rows];
+            self.column_forward.process_with_scratch(column, &mut work.scratch);
+            for wave in column.iter_mut() {
+                // Wiener-Khinchin: the transform of the correlation is |h_q|^2.
+                *wave = Complex::new(wave.norm_sqr() * inverse_points, 0.0);
+            }
+            self.column_inverse.process_with_scratch(column, &mut work.scratch);
+        }
+        self.rows_inverse(map, work);
     }
 }
 
@@ -286,6 +309,20 @@ mod tests {
         double.filter(&input, &double.multiplier(1.0, 1.0, 0.3, factor), &mut expected, &mut double.work());
         single.filter(&rounded, &single.multiplier(1.0, 1.0, 0.3, factor), &mut output, &mut single.work());
         assert!(expected.iter().zip(&output).all(|(a, &b)| (a - f64::from(b)).abs() < 1e-6));
+    }
+
+    #[test]
+    fn autocorrelation_agrees_with_the_sum_for_any_size() {
+        for (rows, cols) in [(8, 8), (9, 7), (6, 15), (1, 5)] {
+            let input = uneven(rows, cols);
+            let mut output = input.clone();
+            Fourier::new(rows, cols).autocorrelate(&mut output);
+            for (n, found) in output.iter().enumerate() {
+                let moved = |m: usize| (m / cols + n / cols) % rows * cols + (m % cols + n % cols) % cols;
+                let sum: f64 = (0..rows * cols).map(|m| input[m] * input[moved(m)]).sum();
+                assert!((found - sum).abs() < 1e-12, "{rows} x {cols}: {found} and {sum}");
+            }
+        }
     }
 
     #[test]

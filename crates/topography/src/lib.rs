@@ -1,6 +1,6 @@
-//! Altitude maps of measured or synthetic surfaces: readers, levelling, roughness parameters.
+//! Altitude maps of measured or synthetic surfaces: readers, form removal, ISO 25178 parameters, cavities.
 //!
-//! A map is a periodic surface h(x, y) on a grid of pixels dx by dy. Its parameters are
+//! A map is a surface h(x, y) on a grid of pixels dx by dy. Its parameters are
 //!
 //! ```text
 //! Sa = mean |h - mean h|,   Sq^2 = mean (h - mean h)^2,   h'rms^2 = sum over waves of |q|^2 |h_q|^2
@@ -8,10 +8,14 @@
 //!
 //! | item | role |
 //! |---|---|
-//! | [`HeightMap`] | a valid map in metres: parameters, levelling, filling of missing points, writing |
-//! | [`read_map`] | a map from text: matrix or points x y z, units in the header or given |
-//! | [`SelfAffine`] | synthetic self-affine maps, the same on every platform |
-//! | [`Filling`], [`Plane`] | what filling and levelling did |
+//! | [`HeightMap`] | a valid map in metres: parameters, form removal, filling of missing points, writing |
+//! | [`read_map`], [`ReadOptions`] | a map from what instruments write ([`MapFormat`]), whole, cropped or decimated |
+//! | [`Form`], [`Filling`], [`Plane`] | what form removal, filling and levelling do |
+//! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; [`HeightMap::sdq`] and [`HeightMap::sdr`] |
+//! | [`MaterialRatioCurve`], [`CoreParameters`] | bearing curve; Sk, Spk, Svk, Smr1, Smr2 |
+//! | [`SpectrumBin`] | the radial power spectrum in m^4 |
+//! | [`CavityMetrology`] | width, spacing and depth of cavities with their spread |
+//! | [`SelfAffine`], [`CutPattern`] | synthetic self-affine maps and cavities, the same on every platform |
 //! | [`Fourier`](fourier::Fourier) | the periodic transform behind spectral parameters and contact solvers |
 //!
 //! This crate knows nothing of contact and opens no files.
@@ -30,25 +34,29 @@
 
 pub mod fourier;
 
+mod cavities;
 mod error;
 mod fill;
-mod header;
+mod form;
 mod level;
-mod lines;
 mod map;
-mod matrix;
 mod parameters;
 mod read;
 mod synthetic;
 mod unit;
 mod write;
-mod xyz;
 
+pub use cavities::{Cavity, CavityMetrology, CutCavity, CutPattern, CutShape, Spread};
 pub use error::{MapError, ReadError};
 pub use fill::Filling;
+pub use form::Form;
 pub use level::Plane;
 pub use map::{HeightMap, MOST_POINTS};
-pub use read::{MapFormat, ReadMap, ReadOptions, read_map};
+pub use parameters::{
+    CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, MaterialRatioCurve, Sides,
+    SpectrumBin, SpectrumWindow,
+};
+pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;
 pub use unit::{LengthUnit, UnknownUnit};
 pub use write::MatrixStyle;

@@ -87,6 +87,19 @@ impl SelfAffine {
         shape.scaled(self.sa_m / shape.sa_m())
     }
 
+    /// The same map with the Sa that gives it `rms_slope` (spectral): heights and slopes are proportional.
+    ///
+    /// # Errors
+    /// [`MapError`] if the numbers make no map, or the slope is not positive and finite.
+    pub fn with_rms_slope(self, rms_slope: f64) -> Result<Self, MapError> {
+        if !(rms_slope.is_finite() && rms_slope > 0.0) {
+            let expected = "a number above 0";
+            return Err(MapError::OutOfRange { quantity: "rms slope", value: rms_slope, expected });
+        }
+        let sa_m = self.sa_m * rms_slope / self.map()?.rms_slope_spectral()?;
+        Ok(Self { sa_m, ..self })
+    }
+
     /// What was computed, for the header of a file or a report: one line each.
     #[must_use]
     pub fn description(&self) -> [String; 3] {
@@ -153,7 +166,7 @@ impl SelfAffine {
 }
 
 /// One output step of the splitmix64 generator (Steele, Lea and Flood, OOPSLA 2014).
-fn splitmix64(state: u64) -> u64 {
+pub(crate) fn splitmix64(state: u64) -> u64 {
     let mut z = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -175,6 +188,15 @@ mod tests {
             assert!((map.sq_m() * 1e6 - sq_um).abs() < 5e-6, "{}", map.sq_m());
             assert!((map.rms_slope_spectral().unwrap() - slope).abs() < 5e-7);
             assert!(map.mean_m().abs() < 1e-20);
+        }
+    }
+
+    #[test]
+    fn a_slope_can_be_asked_for() {
+        let map = A_256.with_rms_slope(0.02).unwrap().map().unwrap();
+        assert!((map.rms_slope_spectral().unwrap() / 0.02 - 1.0).abs() < 1e-12);
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(A_256.with_rms_slope(bad).is_err());
         }
     }
 

@@ -26,7 +26,7 @@ pub(super) const RIGHT: f64 = 28.0;
 
 /// The drawing library rounds to whole pixels: pictures are drawn this much larger, and the view
 /// box scales them back.
-const PRECISION: f64 = 8.0;
+pub(super) const PRECISION: f64 = 8.0;
 /// The drawing library writes a font size of s as s / 1.24.
 const FONT_FACTOR: f64 = 1.24;
 /// Mean width of a character over the font size, on the generous side.

@@ -9,6 +9,10 @@
 //! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
 //! | [`tribometer`] | repeats of a test against time, with what was read from them |
+//! | [`surface_map`] | a surface from above, heights as colours |
+//! | [`height_histogram`] | how often heights occur, and the bearing curve |
+//! | [`section`] | height along a line |
+//! | [`spectrum`] | power against wave number |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
 //! Each picture is 900 units wide, text stays text, and the legend stands outside the axes. Colours
@@ -18,19 +22,26 @@
 mod area_law;
 mod canvas;
 mod friction_trace;
+mod height_histogram;
 mod interface_pressure;
 mod plot;
+mod raster;
 mod ratios;
 mod residuals;
+mod section;
+mod surface_map;
 mod target;
 mod tribometer;
 mod work_precision;
 
 pub use area_law::{AreaLawChart, area_law};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
+pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
 pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
+pub use section::{SectionChart, SpectrumChart, section, spectrum};
+pub use surface_map::{SurfaceMapChart, surface_map};
 pub use target::{TargetChart, TargetPoint, target};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};

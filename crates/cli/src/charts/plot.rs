@@ -68,6 +68,27 @@ impl Axis {
         Self { title: title.to_owned(), range, ticks }
     }
 
+    /// An axis of decimal logarithms over all of `values` that may span many decades: every power of ten, or
+    /// every few, as 1e-9.
+    pub(super) fn powers(title: &str, values: impl IntoIterator<Item = f64>) -> Self {
+        const ROOM: f64 = 0.3;
+        const MOST_NUMBERS: i32 = 10;
+        let [low, high] = extremes(values);
+        let range = [low - ROOM, high + ROOM];
+        let (first, last) = (range[0].ceil() as i32, range[1].floor() as i32);
+        let step = ((last - first) / MOST_NUMBERS + 1).max(1);
+        let ticks = (first..=last)
+            .filter(|power| power.rem_euclid(step) == 0)
+            .map(|power| (f64::from(power), format!("1e{power}")))
+            .collect();
+        Self { title: title.to_owned(), range, ticks }
+    }
+
+    /// Where numbers stand, and the numbers.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = (f64, &str)> {
+        self.ticks.iter().map(|(value, text)| (*value, text.as_str()))
+    }
+
     /// An axis of named places 0, 1, 2, ...
     pub(super) fn of_names(title: &str, names: Vec<String>) -> Self {
         let range = [-0.5, names.len() as f64 - 0.5];

@@ -3,16 +3,18 @@
 use std::path::Path;
 
 use slipgrid_material::AreaLaw;
-use slipgrid_topography::LengthUnit;
+use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
 
+use super::altitude_map::SurfaceMap;
+use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
     takes_default_windows, window_spread,
 };
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
-use crate::args::AreaLawArgs;
+use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::diagnostic::Diagnostic;
+use crate::formats::surface::{MapOptions, Missing};
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json};
@@ -159,12 +161,11 @@ fn of_map(
     request: &Request,
     console: &Console<'_>,
 ) -> Result<AreaLawReport, CliError> {
-    let options = MapOptions {
-        pixel_m: args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?,
-        height_unit: args.height_unit.as_deref().map(height_unit).transpose()?,
-        level: !args.no_level,
-    };
-    let surface = SurfaceMap::read(path, &options)?;
+    let mut options = map_options(&args.reading)?;
+    if args.no_level {
+        options.form = Form::Mean;
+    }
+    let surface = SurfaceMap::read_period(path, &options)?;
     let progress = Progress::start("area law", console.quiet);
     let curve = area_curve(&surface.map, request.contact_modulus_pa, &request.solved_pa, request.tolerance, &progress)
         .map_err(|error| Diagnostic::file(path, error.to_string()))?;
@@ -291,10 +292,34 @@ fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {
     listed.iter().map(|&pressure_mpa| checked("--pressures-mpa", pressure_mpa, PRESSURE_MPA)).collect()
 }
 
-/// A unit of heights by its name.
-pub(super) fn height_unit(name: &str) -> Result<LengthUnit, Diagnostic> {
+/// How the flags want a map read.
+pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
+    let pixel_m = args.pixel_um.map(|pixel_um| checked("--pixel-um", pixel_um, LENGTH_UM)).transpose()?;
+    let pixel_y_m = args.pixel_y_um.map(|pixel_um| checked("--pixel-y-um", pixel_um, LENGTH_UM)).transpose()?;
+    let read = ReadOptions {
+        pixel_m: pixel_m.map(|pixel_m| [pixel_m, pixel_y_m.unwrap_or(pixel_m)]),
+        height_unit: args.height_unit.as_deref().map(|name| unit("--height-unit", name)).transpose()?,
+        lateral_unit: args.lateral_unit.as_deref().map(|name| unit("--lateral-unit", name)).transpose()?,
+        decimal_comma: args.decimal_comma,
+        crop: args.crop.map(|[first_row, first_col, rows, cols]| Crop { first_row, first_col, rows, cols }),
+        decimation: args.decimate.map(|factor| Decimation { factor: factor.get(), method: args.decimate_by.into() }),
+        ..ReadOptions::NONE
+    };
+    let form = match args.form {
+        FormName::Mean => Form::Mean,
+        FormName::Plane => Form::Plane,
+        FormName::SecondOrder => Form::SecondOrder,
+    };
+    let missing = match args.missing {
+        MissingName::Fill => Missing::Fill,
+        MissingName::Refuse => Missing::Refuse,
+    };
+    Ok(MapOptions { read, form, missing })
+}
+
+fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
     name.parse().map_err(|error: slipgrid_topography::UnknownUnit| Diagnostic {
-        key: Some("--height-unit".into()),
+        key: Some(flag.into()),
         reason: error.to_string(),
         ..Diagnostic::default()
     })

@@ -3,7 +3,7 @@
 use slipgrid_contact::{ContactError, Monitor, coarser, windows};
 use slipgrid_topography::HeightMap;
 
-use super::surface::{area_curve, area_law};
+use super::area_curve::{area_curve, area_law};
 
 /// Windows along either side where nobody asks for another number.
 pub const DEFAULT_WINDOWS: usize = 2;

@@ -1,6 +1,8 @@
 //! One module a command: read, call the libraries, report.
 
 mod accuracy;
+mod altitude_map;
+mod area_curve;
 mod area_law;
 mod area_report;
 mod area_statistics;
@@ -32,6 +34,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Calibrate(args) => calibrate::run(args, console),
         Command::Traces(args) => traces::run(args, console),
         Command::AreaLaw(args) => area_law::run(args, console),
+        Command::Surface(args) => surface::run(args, console),
         Command::Synthesize(args) => synthesize::run(args, console),
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),

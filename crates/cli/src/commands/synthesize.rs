@@ -1,25 +1,19 @@
-//! `synthesize`: a synthetic self-affine altitude map.
+//! `synthesize`: a synthetic self-affine altitude map, with cavities if wanted.
 
-use slipgrid_topography::{LengthUnit, MapError, MatrixStyle, SelfAffine};
+use slipgrid_topography::{CutPattern, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
 
-use crate::args::SynthesizeArgs;
+use super::area_law::checked;
+use crate::args::{CutName, SynthesizeArgs};
 use crate::diagnostic::Diagnostic;
 use crate::output::{check_file, write_file};
 use crate::report::table::fixed;
-use crate::units::{LENGTH_MM, LENGTH_UM, Quantity};
+use crate::units::{LENGTH_MM, LENGTH_UM, SLOPE};
 use crate::{CliError, Console, exit_code};
 
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     check_file(&args.output)?;
-    let checked = |flag: &str, value: f64, quantity: Quantity| {
-        if quantity.accepts(value) {
-            Ok(quantity.to_si(value))
-        } else {
-            Err(Diagnostic::flag(flag, value.to_string(), "is out of range").expected(quantity.to_string()))
-        }
-    };
-    let parameters = SelfAffine {
+    let mut parameters = SelfAffine {
         pixels: args.pixels,
         side_m: checked("--side-mm", args.side_mm, LENGTH_MM)?,
         hurst: args.hurst,
@@ -28,27 +22,77 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
         sa_m: checked("--sa-um", args.sa_um, LENGTH_UM)?,
         seed: args.seed,
     };
-    let refuse = |error: MapError| Diagnostic { reason: error.to_string(), ..Diagnostic::default() };
-    let map = parameters.map().map_err(refuse)?;
+    if let Some(rms_slope) = args.rms_slope {
+        parameters = parameters.with_rms_slope(checked("--rms-slope", rms_slope, SLOPE)?).map_err(refuse)?;
+    }
+    let mut map = parameters.map().map_err(refuse)?;
     let rms_slope = map.rms_slope_spectral().map_err(refuse)?;
+    let mut comments = parameters.description().to_vec();
+    let cavities = pattern(args)?.map(|pattern| cut(&mut map, &pattern, &mut comments)).transpose()?;
     // A hundred thousandth of Sa is far below what a contact computation sees.
-    let decimals = (5.0 - (args.sa_um * 1e3).log10().ceil()).clamp(0.0, 15.0) as u8;
-    let style = MatrixStyle {
-        channel: "altitude".to_owned(),
-        comments: parameters.description().to_vec(),
-        unit: LengthUnit::Nanometre,
-        decimals,
-    };
+    let decimals = (5.0 - (parameters.sa_m * 1e9).log10().ceil()).clamp(0.0, 15.0) as u8;
+    let style = MatrixStyle { channel: "altitude".to_owned(), comments, unit: LengthUnit::Nanometre, decimals };
     write_file(&args.output, map.to_matrix_text(&style).as_bytes())?;
     writeln!(
         console.out,
-        "{}: synthetic, {} x {} pixels of {} um, Sa {} um, rms slope {}",
+        "{}: synthetic, {} x {} pixels of {} um, Sa {} um, rms slope {}{}",
         args.output.display(),
         map.rows(),
         map.cols(),
         LENGTH_UM.from_si(map.dx_m()),
-        fixed(Some(LENGTH_UM.from_si(map.sa_m())), 4),
+        fixed(Some(LENGTH_UM.from_si(parameters.sa_m)), 4),
         fixed(Some(rms_slope), 6),
+        cavities.map_or_else(String::new, |count| format!(" before {count} cavities were cut")),
     )?;
     Ok(exit_code::DONE)
+}
+
+fn refuse(error: MapError) -> Diagnostic {
+    Diagnostic { reason: error.to_string(), ..Diagnostic::default() }
+}
+
+/// The cavities that the flags ask for.
+fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
+    let Some(lengths_um) = args.cavities else { return Ok(None) };
+    let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| checked("--cavities", length_um, LENGTH_UM));
+    let std_um = args.cavity_std.unwrap_or_default();
+    let [width_std_m, pitch_std_m, depth_std_m] =
+        std_um.map(|std_um| checked("--cavity-std", std_um, LENGTH_UM.or_least()));
+    Ok(Some(CutPattern {
+        shape: match args.cavity_shape {
+            CutName::Groove => CutShape::Groove,
+            CutName::Square => CutShape::Square,
+        },
+        width_m: width_m?,
+        spacing_m: spacing_m?,
+        depth_m: depth_m?,
+        wall_m: checked("--wall-um", args.wall_um, LENGTH_UM.or_least())?,
+        width_std_m: width_std_m?,
+        pitch_std_m: pitch_std_m?,
+        depth_std_m: depth_std_m?,
+        seed: args.seed.into(),
+    }))
+}
+
+/// Cuts the cavities, says so in the comments, and returns their number.
+fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) -> Result<usize, Diagnostic> {
+    let count = map.cut_cavities(pattern).map_err(refuse)?.len();
+    // The pattern seldom closes where the roughness does.
+    comments.retain(|comment| !comment.contains("one period"));
+    let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    comments.push(format!(
+        "{count} {} cut: width {} +- {} um, spacing {} um, pitch +- {} um, depth {} +- {} um, walls {} um",
+        match pattern.shape {
+            CutShape::Groove => "grooves",
+            CutShape::Square => "squares",
+        },
+        um(pattern.width_m),
+        um(pattern.width_std_m),
+        um(pattern.spacing_m),
+        um(pattern.pitch_std_m),
+        um(pattern.depth_m),
+        um(pattern.depth_std_m),
+        um(pattern.wall_m),
+    ));
+    Ok(count)
 }

@@ -1,6 +1,6 @@
 //! Calibration files: what `calibrate` takes.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
@@ -12,12 +12,11 @@ use super::material::existing;
 use super::measurements::{self, Measurement};
 use super::pattern::{PatternFile, read_pattern};
 use super::scene::DEFAULT_LAYER;
+use super::surface::{Surface, SurfaceFile};
 use super::traces::{self, ConditionTraces, SurfaceKind, TracesFile};
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
-use crate::units::{
-    DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE,
-};
+use crate::units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
@@ -43,19 +42,6 @@ struct BulkFile {
     youngs_modulus_std_gpa: Option<Number>,
     density_g_cm3: Number,
     poisson_ratio: Option<Number>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SurfaceFile {
-    map: Option<Spanned<String>>,
-    persson_rms_slope: Option<Number>,
-    synthetic: Option<bool>,
-    pixel_um: Option<Number>,
-    height_unit: Option<Spanned<String>>,
-    level: Option<bool>,
-    threshold_mpa: Option<Number>,
-    windows: Option<Spanned<usize>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -129,34 +115,6 @@ impl DiscrepancyForm {
     }
 }
 
-/// Where the area law comes from.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Surface {
-    /// Rough contact of a measured or synthetic altitude map.
-    Map {
-        /// The map's file.
-        path: PathBuf,
-        /// The calibration file says that the map is synthetic.
-        synthetic: bool,
-        /// Pixel size of a plain matrix, in metres.
-        pixel_m: Option<f64>,
-        /// Unit of heights of a plain matrix.
-        height_unit: Option<String>,
-        /// Subtract the least-squares plane.
-        level: bool,
-        /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None`
-        /// for the default.
-        windows: Option<usize>,
-    },
-    /// Persson's theory for an rms slope.
-    Persson {
-        /// Rms slope, dimensionless.
-        rms_slope: f64,
-    },
-    /// Amontons-Coulomb.
-    None,
-}
-
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
@@ -215,7 +173,7 @@ impl Calibration {
             document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
         )
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
-        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| read_surface(document, surface))?;
+        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
         let (flat, patterned, traces) = read_measured(document, &file)?;
@@ -305,28 +263,5 @@ fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64
     match document.numbers(bounds, PRESSURE_MPA)?[..] {
         [from, to] if from < to => Ok(Some([from, to])),
         _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
-    }
-}
-
-fn read_surface(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Surface, Diagnostic> {
-    let surface = file.get_ref();
-    match (&surface.map, &surface.persson_rms_slope) {
-        (Some(_), Some(slope)) => {
-            Err(document.refuse(slope.span(), "stands beside a map").expected("either `map` or `persson_rms_slope`"))
-        }
-        (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
-        (None, Some(_)) if surface.windows.is_some() => {
-            let windows = surface.windows.as_ref().map_or(0..0, Spanned::span);
-            Err(document.refuse(windows, "stands without a map").expected("windows only of a map"))
-        }
-        (None, Some(slope)) => Ok(Surface::Persson { rms_slope: document.number(slope, SLOPE)? }),
-        (Some(map), None) => Ok(Surface::Map {
-            path: existing(document, map, map.get_ref())?,
-            synthetic: surface.synthetic.unwrap_or(false),
-            pixel_m: document.optional(surface.pixel_um.as_ref(), LENGTH_UM)?,
-            height_unit: surface.height_unit.as_ref().map(|unit| unit.get_ref().clone()),
-            level: surface.level.unwrap_or(true),
-            windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
-        }),
     }
 }

@@ -9,6 +9,7 @@ pub mod material;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
+pub mod surface;
 pub mod trace_columns;
 pub mod trace_file;
 pub mod traces;

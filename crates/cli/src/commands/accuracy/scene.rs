@@ -5,7 +5,7 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 
 use crate::CliError;
-use crate::commands::surface::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
+use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::units::PRESSURE_MPA;
 

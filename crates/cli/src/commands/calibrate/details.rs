@@ -7,7 +7,7 @@ use slipgrid_material::AreaLaw;
 use super::Fit;
 use crate::CliError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
-use crate::commands::surface::{AreaPoint, persson_curve};
+use crate::commands::area_curve::{AreaPoint, persson_curve};
 use crate::formats::calibration::Calibration;
 use crate::report::Table;
 use crate::report::table::fixed;

@@ -10,7 +10,7 @@ use toml::Spanned;
 
 use super::CalibrationInput;
 use crate::CliError;
-use crate::commands::surface::{AreaPoint, area_law};
+use crate::commands::area_curve::{AreaPoint, area_law};
 use crate::formats::calibration::{Calibration, DiscrepancyForm};
 use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile};
 use crate::formats::measurements::Measurement;
@@ -106,7 +106,7 @@ fn rows(
     let modelled = |log_modulus: f64| -> Result<Vec<Option<f64>>, CliError> {
         let law = match input.area_law {
             None => None,
-            Some(_) => Some(stiffer(curve, log_modulus)?),
+            Some(_) => Some(stiffer(curve, log_modulus, calibration.threshold_pa)?),
         };
         ratios(calibration, law, input.layer, pattern, &pairs)
     };
@@ -131,11 +131,11 @@ fn rows(
 }
 
 /// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E).
-fn stiffer(curve: &[AreaPoint], log_modulus: f64) -> Result<AreaLaw, CliError> {
+fn stiffer(curve: &[AreaPoint], log_modulus: f64, threshold_pa: f64) -> Result<AreaLaw, CliError> {
     let factor = log_modulus.exp();
     let moved: Vec<AreaPoint> =
         curve.iter().map(|point| AreaPoint { pressure_pa: point.pressure_pa * factor, ..*point }).collect();
-    area_law(&moved).map_err(|error| CliError::Other(error.to_string()))
+    area_law(&moved, threshold_pa).map_err(|error| CliError::Other(error.to_string()))
 }
 
 /// Modelled ratios of the patterned samples: steady cells, the flat surface at its measured friction.

@@ -7,7 +7,7 @@ use slipgrid_material::THRESHOLD_PRESSURE_PA;
 use super::details::FitDetails;
 use super::{CalibrationInput, Fit, FittedPair};
 use crate::CliError;
-use crate::commands::surface::persson_curve;
+use crate::commands::area_curve::persson_curve;
 use crate::formats::calibration::Coefficients;
 use crate::formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 use crate::progress::Progress;

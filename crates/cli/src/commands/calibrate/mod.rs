@@ -16,16 +16,19 @@ use slipgrid_topography::HeightMap;
 
 use details::FitDetails;
 use discrepancy::Report;
+
+use super::altitude_map::SurfaceMap;
+use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
 };
-use super::surface::{AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve};
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::{Calibration, Coefficients, Surface};
+use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material::read_material;
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
+use crate::formats::surface::Surface;
 use crate::formats::{Document, material::MaterialFile};
 use crate::output::{Outputs, check_file, check_folder, write_file};
 use crate::progress::Progress;
@@ -248,10 +251,8 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
             ..SurfaceFacts::default()
         }),
-        Surface::Map { path, synthetic, pixel_m, height_unit, level, windows } => {
-            let unit = height_unit.as_deref().map(super::area_law::height_unit).transpose()?;
-            let options = MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level };
-            let surface = SurfaceMap::read(path, &options)?;
+        Surface::Map { path, synthetic, options, windows } => {
+            let surface = SurfaceMap::read_period(path, options)?;
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();

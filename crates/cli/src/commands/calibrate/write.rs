@@ -151,9 +151,9 @@ mod tests {
     use super::*;
     use crate::commands::calibrate::details::FitDetails;
     use crate::formats::Document;
-    use crate::formats::calibration::Surface;
     use crate::formats::material::read_material;
     use crate::formats::measurements::Measurement;
+    use crate::formats::surface::Surface;
     use slipgrid_material::{AreaLaw, Elastic, Friction};
 
     fn measurement(force_n: f64, humidity: f64) -> Measurement {

@@ -5,12 +5,11 @@ use std::path::Path;
 use slipgrid_contact::Status;
 use slipgrid_material::AreaLaw;
 
-use crate::commands::area_law::height_unit;
-use crate::commands::surface::{
-    AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve,
-};
+use crate::commands::altitude_map::SurfaceMap;
+use crate::commands::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::{Calibration, Surface};
+use crate::formats::calibration::Calibration;
+use crate::formats::surface::Surface;
 use crate::progress::Progress;
 use crate::report::table::fixed;
 use crate::units::{PRESSURE_MPA, tidy};
@@ -78,10 +77,8 @@ pub fn scaled_laws(
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
-        Surface::Map { path: map_path, synthetic, pixel_m, height_unit: unit, level, .. } => {
-            let unit = unit.as_deref().map(height_unit).transpose()?;
-            let surface =
-                SurfaceMap::read(map_path, &MapOptions { pixel_m: *pixel_m, height_unit: unit, level: *level })?;
+        Surface::Map { path: map_path, synthetic, options, .. } => {
+            let surface = SurfaceMap::read_period(map_path, options)?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
             let solved_pa = unscaled_pressures_pa(factors);
             let progress = Progress::start("area law", console.quiet);

@@ -1,13 +1,9 @@
 //! What comment lines before the data say: sizes, units, titles.
 
-use crate::lines::{Delimiter, excerpt, number};
+use super::keep_comment;
+use super::lines::{Delimiter, excerpt, number};
 use crate::unit::UNIT_NAMES;
 use crate::{LengthUnit, ReadError};
-
-/// Comment lines kept for the reader of a report.
-const MOST_COMMENTS: usize = 100;
-/// Characters kept of each.
-const MOST_COMMENT_CHARS: usize = 300;
 
 /// What the header said.
 #[derive(Clone, Debug, Default)]
@@ -17,6 +13,12 @@ pub(crate) struct Header {
     /// Extent across the rows, in metres.
     pub(crate) height_m: Option<f64>,
     pub(crate) value_unit: Option<LengthUnit>,
+    /// Nanometres of a height of 1, where a header says that instead of a unit.
+    pub(crate) value_nm: Option<f64>,
+    /// The first line was SPIP's: other programs use the same words with other units.
+    spip: bool,
+    /// Lines of the matrix, and values on each.
+    pub(crate) pixels: [Option<u64>; 2],
     pub(crate) lateral_unit: Option<LengthUnit>,
     /// Comment lines without their mark.
     pub(crate) comments: Vec<String>,
@@ -33,16 +35,34 @@ impl Header {
     }
 
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
-        if self.comments.len() < MOST_COMMENTS && !comment.is_empty() {
-            self.comments.push(comment.chars().take(MOST_COMMENT_CHARS).collect());
-        }
-        let Some((key, value)) = comment.split_once(':') else { return Ok(()) };
+        keep_comment(&mut self.comments, comment);
+        let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
         let value = value.trim();
         match key.trim().to_ascii_lowercase().as_str() {
             "width" => self.width_m = Some(length(line, "Width", value)?),
             "height" => self.height_m = Some(length(line, "Height", value)?),
             "value units" | "z units" => self.value_unit = Some(unit(line, "Value units", value)?),
             "xy units" | "lateral units" => self.lateral_unit = Some(unit(line, "XY units", value)?),
+            "file format" => self.spip = value.eq_ignore_ascii_case("ascii"),
+            key if self.spip => self.spip_entry(key, value, line)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// An entry of a header by SPIP: lengths in nanometres, heights in their unit or, without one, times Bit2nm.
+    fn spip_entry(&mut self, key: &str, value: &str, line: usize) -> Result<(), ReadError> {
+        match key {
+            "x-pixels" => self.pixels[1] = Some(whole(line, "x-pixels", value)?),
+            "y-pixels" => self.pixels[0] = Some(whole(line, "y-pixels", value)?),
+            "x-length" => self.width_m = Some(nanometres(line, "x-length", value)?),
+            "y-length" => self.height_m = Some(nanometres(line, "y-length", value)?),
+            "z-unit" => self.value_unit = Some(unit(line, "z-unit", value)?),
+            "bit2nm" => self.value_nm = Some(positive(line, "Bit2nm", value)?),
+            "voidpixels" if value.parse() != Ok(0_u64) => {
+                let expected = "0, with NaN for points that are missing";
+                return Err(ReadError::Header { line, key: "voidpixels", value: excerpt(value), expected });
+            }
             _ => {}
         }
         Ok(())
@@ -92,6 +112,21 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
     Ok(unit.to_metres(amount))
 }
 
+/// A length in nanometres, in metres.
+fn nanometres(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    Ok(LengthUnit::Nanometre.to_metres(positive(line, key, value)?))
+}
+
+fn positive(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a number of nanometres above 0" };
+    number(value).filter(|amount| *amount > 0.0).ok_or_else(refused)
+}
+
+fn whole(line: usize, key: &'static str, value: &str) -> Result<u64, ReadError> {
+    let refused = || ReadError::Header { line, key, value: excerpt(value), expected: "a whole number from 1 up" };
+    value.parse().ok().filter(|count| *count > 0).ok_or_else(refused)
+}
+
 fn unit(line: usize, key: &'static str, value: &str) -> Result<LengthUnit, ReadError> {
     value.parse().map_err(|_| ReadError::Header { line, key, value: excerpt(value), expected: UNIT_NAMES })
 }
@@ -118,6 +153,22 @@ mod tests {
     }
 
     #[test]
+    fn headers_of_spip_are_in_nanometres() {
+        let lines =
+            ["# File Format = ASCII", "# x-pixels = 4", "# y-pixels = 3", "# x-length = 2000", "# y-length = 1500.5"];
+        let read =
+            header(&[&lines[..], &["# Bit2nm = 0.25", "# voidpixels = 0", "# Start of Data:"]].concat()).unwrap();
+        assert_eq!((read.pixels, read.value_nm, read.value_unit), ([Some(3), Some(4)], Some(0.25), None));
+        let close = |found: Option<f64>, expected: f64| (found.unwrap() / expected - 1.0).abs() < 1e-15;
+        assert!(close(read.width_m, 2e-6) && close(read.height_m, 1.5005e-6));
+        let in_unit = header(&["# File Format = ASCII", "# z-unit = um"]).unwrap();
+        assert_eq!(in_unit.value_unit, Some(LengthUnit::Micrometre));
+        // The same words mean other units elsewhere.
+        let other = header(&["# Daisy frame view snapshot", "# x-length: 40.0", "# x-unit: um"]).unwrap();
+        assert_eq!((other.width_m, other.pixels), (None, [None; 2]));
+    }
+
+    #[test]
     fn column_titles_carry_units() {
         for titles in ["x_um,y_um,z_nm", "X [um]\tY [um]\tZ [nm]", "x (\u{b5}m); y (\u{b5}m); z (nm)"] {
             let read = header(&[titles]).unwrap();
@@ -138,8 +189,11 @@ mod tests {
             ("# Height: 3", "\"3\""),
             ("# Value units: inch", "one of m"),
             ("x_um,y_mm,z_um", "um and mm"),
+            ("# x-pixels = -4", "\"-4\""),
+            ("# y-length = 0", "above 0"),
+            ("# voidpixels = 12", "NaN"),
         ] {
-            let message = header(&["# ok", text]).unwrap_err().to_string();
+            let message = header(&["# File Format = ASCII", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");
         }
     }

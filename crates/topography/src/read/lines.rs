@@ -83,15 +83,16 @@ impl Delimiter {
             Self::Space => None,
         };
         let line = mark.and_then(|mark| line.strip_suffix(mark)).unwrap_or(line);
-        let marked = mark.map(|mark| line.split(mark).map(str::trim));
+        // Tables quote fields at will.
+        let marked = mark.map(|mark| line.split(mark).map(|field| field.trim().trim_matches('"')));
         let spaced = mark.is_none().then(|| line.split_whitespace());
         marked.into_iter().flatten().chain(spaced.into_iter().flatten())
     }
 }
 
-/// The beginning of a field, for a message.
+/// The beginning of a field, for a message: a hostile file must not steer a terminal.
 pub(crate) fn excerpt(field: &str) -> String {
-    field.chars().take(40).collect()
+    field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
 }
 
 /// A height: a number, or `None` where the file says that the point is missing.
@@ -137,6 +138,7 @@ mod tests {
         }
         assert_eq!(Delimiter::Semicolon.fields("1;;3").collect::<Vec<_>>(), ["1", "", "3"]);
         assert_eq!(Delimiter::of("1,5;2,5"), Delimiter::Semicolon);
+        assert_eq!(Delimiter::Comma.fields("\"1\", \"2\"").collect::<Vec<_>>(), ["1", "2"]);
     }
 
     #[test]

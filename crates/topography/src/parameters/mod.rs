@@ -1,4 +1,15 @@
-//! Parameters of a surface. Sa and Sq are those of ISO 25178-2 of the map as it is: level it first.
+//! Parameters of a surface, those of ISO 25178-2 of the map as it is: remove its form first.
+
+mod height;
+mod hybrid;
+mod material_ratio;
+mod spatial;
+mod spectrum;
+
+pub use height::HeightParameters;
+pub use material_ratio::{CoreParameters, MaterialRatioCurve};
+pub use spatial::{CORRELATION_THRESHOLD, CorrelationLengths, Sides};
+pub use spectrum::{SpectrumBin, SpectrumWindow};
 
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};

@@ -1,0 +1,213 @@
+//! Flags of altitude maps.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+/// How an altitude map is read.
+#[derive(Args, Debug)]
+pub struct MapArgs {
+    /// Pixel size, for a file that does not say it
+    #[arg(long, value_name = "UM")]
+    pub pixel_um: Option<f64>,
+    /// Pixel size along the file's lines, where it differs from that across them
+    #[arg(long, requires = "pixel_um", value_name = "UM")]
+    pub pixel_y_um: Option<f64>,
+    /// Unit of the heights, for a file that does not say it: m, mm, um or nm
+    #[arg(long, value_name = "UNIT")]
+    pub height_unit: Option<String>,
+    /// Unit of the points' x and y, for a file that does not say it
+    #[arg(long, value_name = "UNIT")]
+    pub lateral_unit: Option<String>,
+    /// Text has decimal commas
+    #[arg(long)]
+    pub decimal_comma: bool,
+    /// Keep a part of the map: first row, first column (from 0), rows, columns
+    #[arg(long, value_name = "ROW,COL,ROWS,COLS", value_parser = parse_crop)]
+    pub crop: Option<[usize; 4]>,
+    /// Join blocks of N x N pixels into one
+    #[arg(long, value_name = "N")]
+    pub decimate: Option<NonZeroUsize>,
+    /// How a block becomes one height
+    #[arg(long, value_enum, default_value_t = DecimateName::Mean, requires = "decimate", value_name = "HOW")]
+    pub decimate_by: DecimateName,
+    /// What is done about missing points
+    #[arg(long, value_enum, default_value_t = MissingName::Fill, value_name = "WHAT")]
+    pub missing: MissingName,
+    /// The least-squares form that is subtracted; of a map that is one whole period only the mean is
+    #[arg(long, value_enum, default_value_t = FormName::Plane, value_name = "FORM")]
+    pub form: FormName,
+}
+
+/// How a block of pixels becomes one height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DecimateName {
+    /// The mean of the heights
+    Mean,
+    /// The first of the heights
+    Pick,
+}
+
+impl From<DecimateName> for slipgrid_topography::DecimationMethod {
+    fn from(name: DecimateName) -> Self {
+        match name {
+            DecimateName::Mean => Self::Mean,
+            DecimateName::Pick => Self::Pick,
+        }
+    }
+}
+
+/// What is done about missing points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MissingName {
+    /// The smoothest surface takes their place
+    Fill,
+    /// The map is refused
+    Refuse,
+}
+
+/// The form that is subtracted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormName {
+    /// The mean height
+    Mean,
+    /// The plane
+    Plane,
+    /// x, y, x^2, xy, y^2
+    SecondOrder,
+}
+
+/// `surface`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid surface flat.x3p\n  \
+    slipgrid surface textured.sur --cavities -o out/textured\n  \
+    slipgrid surface scan.csv --pixel-um 0.5 --height-unit um --decimate 4 --json\n\n\
+    Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content.\n\
+    Writes map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv,\n\
+    spectrum.csv and result.json, with --cavities also cavities.csv. x runs along the file's rows.\n\n\
+    Cavities: connected regions below half depth. Widths and gaps at half depth; depth from the land\n\
+    beside a cavity to the middle third of its width, as ISO 5436-1 has it.")]
+pub struct SurfaceArgs {
+    /// Altitude map
+    pub map: PathBuf,
+    /// How the map is read.
+    #[command(flatten)]
+    pub reading: MapArgs,
+    /// Measure the cavities of a patterned sample
+    #[arg(long)]
+    pub cavities: bool,
+    /// Where the section runs along x: distance from the side y = 0; the middle by default
+    #[arg(long, value_name = "UM")]
+    pub section_um: Option<f64>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for result.json, tables and pictures
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `synthesize`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid synthesize -o flat-map.asc\n  \
+    slipgrid synthesize --side-mm 2.56 --cavities 130,370,5.2 --wall-um 10 -o textured.asc\n  \
+    slipgrid synthesize --pixels 256 --hurst 0.7 --waves 4:32 --sa-um 0.3 --seed 7 -o rough.asc\n\n\
+    The defaults make the map that stands in for the unpublished one of the LDPE calibration.\n\
+    Waves n:m are the longest and the shortest wave, in waves per side.")]
+pub struct SynthesizeArgs {
+    /// Pixels per side
+    #[arg(long, default_value_t = 512, value_name = "N")]
+    pub pixels: usize,
+    /// Side of the square
+    #[arg(long, default_value_t = 1.0, value_name = "MM")]
+    pub side_mm: f64,
+    /// Hurst exponent
+    #[arg(long, default_value_t = 0.8, value_name = "H")]
+    pub hurst: f64,
+    /// Fewest and most waves per side
+    #[arg(long, default_value = "4:64", value_name = "MIN:MAX", value_parser = parse_waves)]
+    pub waves: (u32, u32),
+    /// Arithmetic mean height Sa
+    #[arg(long, default_value_t = 0.158, value_name = "UM")]
+    pub sa_um: f64,
+    /// Root mean square slope, instead of Sa
+    #[arg(long, value_name = "SLOPE", conflicts_with = "sa_um")]
+    pub rms_slope: Option<f64>,
+    /// Seed of the phases and of the cavities' scatter
+    #[arg(long, default_value_t = 20_240_607, value_name = "SEED")]
+    pub seed: u32,
+    /// Cut cavities: width, spacing and depth
+    #[arg(long, value_name = "UM,UM,UM", value_parser = parse_three)]
+    pub cavities: Option<[f64; 3]>,
+    /// Shape of the cavities seen from above
+    #[arg(long, value_enum, default_value_t = CutName::Groove, requires = "cavities", value_name = "SHAPE")]
+    pub cavity_shape: CutName,
+    /// Horizontal extent of the cavities' walls
+    #[arg(long, default_value_t = 0.0, requires = "cavities", value_name = "UM")]
+    pub wall_um: f64,
+    /// Standard deviations of the cavities' width, pitch and depth
+    #[arg(long, requires = "cavities", value_name = "UM,UM,UM", value_parser = parse_three)]
+    pub cavity_std: Option<[f64; 3]>,
+    /// Map to write
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+}
+
+/// Shape of synthetic cavities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CutName {
+    /// Across the sliding direction, through the whole map
+    Groove,
+    /// Squares, repeated in both directions
+    Square,
+}
+
+fn parse_waves(text: &str) -> Result<(u32, u32), String> {
+    let expected = || "expected two whole numbers, for instance 4:64".to_owned();
+    let (least, most) = text.split_once(':').ok_or_else(expected)?;
+    match (least.trim().parse(), most.trim().parse()) {
+        (Ok(least), Ok(most)) if 0 < least && least <= most => Ok((least, most)),
+        (Ok(_), Ok(_)) => Err("expected the smaller number first, from 1 up".to_owned()),
+        _ => Err(expected()),
+    }
+}
+
+fn parse_three(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .ok_or_else(|| "expected three numbers, for instance 130,370,5.2".to_owned())
+}
+
+fn parse_crop(text: &str) -> Result<[usize; 4], String> {
+    let numbers: Option<Vec<usize>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    numbers
+        .and_then(|numbers| numbers.try_into().ok())
+        .filter(|[_, _, rows, cols]: &[usize; 4]| *rows > 1 && *cols > 1)
+        .ok_or_else(|| "expected four whole numbers, the last two from 2 up, for instance 0,0,512,512".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crops_and_cavities_are_lists_of_numbers() {
+        assert_eq!(parse_crop("0, 10,512,256"), Ok([0, 10, 512, 256]));
+        assert_eq!(parse_three("130,370,5.2"), Ok([130.0, 370.0, 5.2]));
+        for bad in ["1,2,3", "0,0,1,5", "-1,0,5,5", "a,b,c,d", ""] {
+            assert!(parse_crop(bad).is_err() && parse_three(&format!("{bad},x")).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn waves_are_a_range() {
+        assert_eq!(parse_waves("4:64"), Ok((4, 64)));
+        for bad in ["4", "64:4", "0:4", "a:b", "4:"] {
+            assert!(parse_waves(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Pictures made of pixels, set into a drawing.
+
+use super::ChartError;
+
+/// Pixels as a PNG file.
+pub(super) struct Raster {
+    png: Result<Vec<u8>, String>,
+}
+
+impl Raster {
+    /// `wide` x `tall` pixels, `color(across, down)` from the top left.
+    pub(super) fn new(wide: usize, tall: usize, color: impl Fn(usize, usize) -> [u8; 3]) -> Self {
+        let mut bytes = Vec::with_capacity(3 * wide * tall);
+        for down in 0..tall {
+            for across in 0..wide {
+                bytes.extend_from_slice(&color(across, down));
+            }
+        }
+        Self { png: encoded(wide, tall, &bytes) }
+    }
+
+    /// The drawing with the pixels within `frame` (left, top, right, bottom) on it.
+    pub(super) fn onto(&self, svg: String, [left, top, right, bottom]: [f64; 4]) -> Result<String, ChartError> {
+        /// The drawing's view box is this much larger than the page.
+        const PRECISION: f64 = super::canvas::PRECISION;
+        let png = self.png.as_ref().map_err(|reason| ChartError::Drawing { reason: reason.clone() })?;
+        let image = format!(
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" \
+             style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{}\"/>\n",
+            left * PRECISION,
+            top * PRECISION,
+            (right - left) * PRECISION,
+            (bottom - top) * PRECISION,
+            base64(png)
+        );
+        let Some(end) = svg.rfind("</svg>") else {
+            return Err(ChartError::Drawing { reason: "the drawing has no end".to_owned() });
+        };
+        let mut whole = svg;
+        whole.insert_str(end, &image);
+        Ok(whole)
+    }
+}
+
+fn encoded(wide: usize, tall: usize, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let size = |pixels: usize| u32::try_from(pixels).map_err(|error| error.to_string());
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, size(wide)?, size(tall)?);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
+    writer.write_image_data(bytes).map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())?;
+    Ok(file)
+}
+
+/// Base 64 of RFC 4648.
+fn base64(bytes: &[u8]) -> String {
+    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let bits = group.iter().fold(0_u32, |bits, &byte| bits << 8 | u32::from(byte)) << (8 * (3 - group.len()));
+        for place in 0..4 {
+            // 6 bits index 64 letters; what no byte reaches is padding.
+            let letter = ALPHABET[(bits >> (18 - 6 * place) & 63) as usize];
+            text.push(if place <= group.len() { char::from(letter) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_of_the_standard() {
+        for (bytes, text) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("foobar", "Zm9vYmFy")]
+        {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn pixels_come_back_from_the_file() {
+        let raster = Raster::new(3, 2, |across, down| [across as u8, down as u8, 7]);
+        let png = raster.png.unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&png[..])).read_info().unwrap();
+        let mut pixels = vec![0; 18];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((info.width, info.height), (3, 2));
+        assert_eq!(pixels[..6], [0, 0, 7, 1, 0, 7]);
+        assert_eq!(pixels[15..], [2, 1, 7]);
+    }
+}

@@ -1,0 +1,159 @@
+//! A surface seen from above.
+
+use plotters::style::RGBColor;
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::canvas::{INK, LEFT, WIDTH, picture};
+use super::plot::{Axis, Plot};
+use super::raster::Raster;
+use super::{ChartError, check};
+
+/// Heights from above as colours.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceMapChart<'a> {
+    /// Title above the picture.
+    pub title: &'a str,
+    /// Heights, row by row along y, NaN where missing.
+    pub height_um: &'a [f64],
+    /// Heights of a row.
+    pub columns: usize,
+    /// Sides of the map along x and y.
+    pub side_um: [f64; 2],
+    /// Heights at the ends of the colour scale.
+    pub scale_um: [f64; 2],
+    /// Where a section runs along x.
+    pub section_y_um: f64,
+}
+
+/// Page height at most, and the least side of the drawn map.
+const MOST_HEIGHT: f64 = 760.0;
+const LEAST_SIDE: f64 = 90.0;
+/// Space right of the map for the colour scale.
+const SCALE_SPACE: f64 = 130.0;
+const SCALE_WIDTH: f64 = 22.0;
+const TOP: f64 = 48.0;
+const BOTTOM: f64 = 62.0;
+/// A point that was not measured.
+const MISSING: [u8; 3] = [190, 190, 190];
+
+/// Viridis (van der Walt and Smith), at ten equal steps: even in lightness, so that it also reads in grey and with
+/// any colour vision.
+const SCALE: [[u8; 3]; 10] = [
+    [68, 1, 84],
+    [72, 40, 120],
+    [62, 73, 137],
+    [49, 104, 142],
+    [38, 130, 142],
+    [31, 158, 137],
+    [53, 183, 121],
+    [110, 206, 88],
+    [181, 222, 43],
+    [253, 231, 37],
+];
+
+/// The colour of `share` of the scale, 0 to 1.
+fn color(share: f64) -> [u8; 3] {
+    if share.is_nan() {
+        return MISSING;
+    }
+    let place = share.clamp(0.0, 1.0) * (SCALE.len() - 1) as f64;
+    let step = (place as usize).min(SCALE.len() - 2);
+    let rest = place - step as f64;
+    // Between two bytes: the cast is exact after rounding.
+    std::array::from_fn(|c| {
+        (f64::from(SCALE[step][c]) * (1.0 - rest) + f64::from(SCALE[step + 1][c]) * rest).round() as u8
+    })
+}
+
+/// Draws the surface from above, x to the right, y upwards, to scale, with the colour scale beside it.
+///
+/// # Errors
+/// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
+pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
+    check(chart.title, chart.side_um.iter().chain(&chart.scale_um).chain([&chart.section_y_um]))?;
+    let columns = chart.columns.max(1);
+    let rows = chart.height_um.len() / columns;
+    if rows == 0 || rows * columns != chart.height_um.len() {
+        return Err(ChartError::Empty { title: chart.title.to_owned() });
+    }
+    let [low, high] = chart.scale_um;
+    let span = if high > low { high - low } else { 1.0 };
+    let map = Raster::new(rows, columns, |across, down| {
+        color((chart.height_um[across * columns + (columns - 1 - down)] - low) / span)
+    });
+    let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0));
+
+    let wide = WIDTH - LEFT - SCALE_SPACE;
+    let tall = MOST_HEIGHT - TOP - BOTTOM;
+    let per_um = (wide / chart.side_um[0]).min(tall / chart.side_um[1]);
+    let [width, height] = chart.side_um.map(|side| (side * per_um).max(LEAST_SIDE));
+    let frame = [LEFT, TOP, LEFT + width, TOP + height];
+    let scale_frame = [frame[2] + 34.0, TOP, frame[2] + 34.0 + SCALE_WIDTH, TOP + height];
+    let svg = picture(height + TOP + BOTTOM, |canvas| {
+        canvas.heading(chart.title, &[])?;
+        let (x, y) = (Axis::over("x (um)", [0.0, chart.side_um[0]]), Axis::over("y (um)", [0.0, chart.side_um[1]]));
+        let plot = Plot::new(canvas, frame, x, y)?;
+        // Where the section runs is marked outside: nothing hides the map.
+        let [right, level] = plot.at([chart.side_um[0], chart.section_y_um]);
+        canvas.polygon(&[[right + 3.0, level], [right + 12.0, level - 5.0], [right + 12.0, level + 5.0]], INK, 1.0)?;
+        for (value, text) in Axis::over("", [low, low + span]).numbers() {
+            let share = (value - low) / span;
+            let at = [scale_frame[2] + 7.0, scale_frame[3] - share * height];
+            canvas.line(&[[scale_frame[2], at[1]], [scale_frame[2] + 4.0, at[1]]], INK, 1.0)?;
+            canvas.text(text, at, (HPos::Left, VPos::Center), RGBColor(INK.0, INK.1, INK.2))?;
+        }
+        canvas.text("um", [scale_frame[0], TOP - 12.0], (HPos::Left, VPos::Center), INK)
+    })?;
+    map.onto(scale.onto(svg, scale_frame)?, frame)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart<'a>(height_um: &'a [f64], columns: usize, side_um: [f64; 2]) -> SurfaceMapChart<'a> {
+        SurfaceMapChart { title: "t", height_um, columns, side_um, scale_um: [-1.0, 1.0], section_y_um: 1.0 }
+    }
+
+    #[test]
+    fn a_map_and_its_scale_are_images_with_units() {
+        let svg = surface_map(&chart(&[0.0, 1.0, -1.0, f64::NAN, 0.5, 0.2], 3, [20.0, 30.0])).unwrap();
+        assert_eq!(svg.matches("<image ").count(), 2);
+        assert_eq!(svg.matches("data:image/png;base64,iVBORw0KGgo").count(), 2);
+        for text in ["x (um)", "y (um)", "um", "-1.0", "0.5"] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        assert!(svg.trim_end().ends_with("</svg>"));
+    }
+
+    #[test]
+    fn pages_stay_bounded_whatever_the_aspect() {
+        let heights = vec![0.0; 400];
+        for side_um in [[1e4, 1.0], [1.0, 1e4], [1e3, 1e3]] {
+            let svg = surface_map(&chart(&heights, 20, side_um)).unwrap();
+            let height: f64 = svg.split("height=\"").nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+            assert!((200.0 - 1.0..=MOST_HEIGHT).contains(&height), "{height}");
+        }
+    }
+
+    #[test]
+    fn colours_run_from_dark_to_light_and_missing_is_grey() {
+        let light = |share| color(share).iter().map(|&c| u32::from(c)).sum::<u32>();
+        assert_eq!((color(0.0), color(1.0), color(f64::NAN)), (SCALE[0], SCALE[9], MISSING));
+        assert_eq!((color(-5.0), color(7.0)), (SCALE[0], SCALE[9]));
+        // Lightness (Rec. 709) never falls.
+        let lightness = |share: f64| {
+            let [r, g, b] = color(share).map(f64::from);
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        assert!((0..100).all(|n| lightness(f64::from(n + 1) / 100.0) > lightness(f64::from(n) / 100.0)));
+        assert!(light(1.0) > light(0.0));
+    }
+
+    #[test]
+    fn maps_without_points_are_refused() {
+        assert!(surface_map(&chart(&[], 3, [1.0, 1.0])).is_err());
+        assert!(surface_map(&chart(&[0.0; 4], 3, [1.0, 1.0])).is_err());
+        assert!(surface_map(&chart(&[0.0; 6], 3, [f64::NAN, 1.0])).is_err());
+    }
+}

@@ -1,0 +1,103 @@
+//! From an altitude map to contact area against pressure and the area law.
+
+use slipgrid_contact::closed_form::persson_area_fraction;
+use slipgrid_contact::{ContactError, Monitor, SolveOptions, Status};
+use slipgrid_material::{AreaLaw, MaterialError};
+use slipgrid_topography::HeightMap;
+
+/// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
+/// From full contact on a pressure costs nothing.
+pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
+    0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
+    22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
+];
+
+/// Real contact area at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaPoint {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Counted share of the surface in contact.
+    pub area_fraction: f64,
+    /// The same, corrected for the pixels along the perimeter.
+    pub area_fraction_corrected: f64,
+    /// Iterations of the contact computation; 0 for a closed form.
+    pub iterations: usize,
+    /// Its error at the end.
+    pub residual: f64,
+    /// Estimate of what is left of the error of the area; 0 for a closed form.
+    pub area_error: f64,
+    /// How it ended.
+    pub status: Status,
+}
+
+/// Real contact area against pressure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaCurve {
+    /// One per pressure, in the order asked for.
+    pub points: Vec<AreaPoint>,
+    /// From which pressure all of the map is in contact, in pascals.
+    pub full_contact_pressure_pa: f64,
+}
+
+/// Computes the contact area of `map` at every pressure.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the contact solver.
+pub fn area_curve(
+    map: &HeightMap,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+    tolerance: f64,
+    monitor: &dyn Monitor,
+) -> Result<AreaCurve, ContactError> {
+    let options = SolveOptions { tolerance, ..SolveOptions::default() };
+    let curve = slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)?;
+    let point = |point: &slipgrid_contact::AreaPoint| AreaPoint {
+        pressure_pa: point.pressure_pa,
+        area_fraction: point.area_fraction,
+        area_fraction_corrected: point.area_fraction_corrected,
+        iterations: point.convergence.iterations,
+        residual: point.convergence.residual,
+        area_error: point.area_error,
+        status: point.convergence.status,
+    };
+    Ok(AreaCurve {
+        points: curve.points.iter().map(point).collect(),
+        full_contact_pressure_pa: curve.full_contact_pressure_pa,
+    })
+}
+
+/// The area law that `curve` implies, proportional up to `threshold_pa`.
+///
+/// # Errors
+/// [`MaterialError`] if the curve does not bracket the threshold pressure.
+pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, MaterialError> {
+    let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
+    let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
+    AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
+}
+
+/// The contact area of a surface of which only the rms slope is known, by Persson's theory.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the theory.
+pub fn persson_curve(
+    rms_slope: f64,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+) -> Result<Vec<AreaPoint>, ContactError> {
+    let point = |&pressure_pa: &f64| {
+        let area_fraction = persson_area_fraction(pressure_pa, contact_modulus_pa, rms_slope)?;
+        Ok(AreaPoint {
+            pressure_pa,
+            area_fraction,
+            area_fraction_corrected: area_fraction,
+            iterations: 0,
+            residual: 0.0,
+            area_error: 0.0,
+            status: Status::Converged,
+        })
+    };
+    pressures_pa.iter().map(point).collect()
+}

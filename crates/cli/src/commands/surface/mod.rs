@@ -1,0 +1,69 @@
+//! `surface`: parameters, pictures and cavities of an altitude map.
+
+mod pictures;
+mod report;
+
+use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, Sides, SpectrumWindow};
+
+use self::report::SurfaceReport;
+use super::altitude_map::{SurfaceMap, open};
+use super::area_law::{checked, map_options};
+use crate::args::SurfaceArgs;
+use crate::diagnostic::Diagnostic;
+use crate::output::{Outputs, check_folder};
+use crate::report::json;
+use crate::units::LENGTH_UM;
+use crate::{CliError, Console, exit_code};
+
+/// Reads the map, measures it and reports.
+pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if let Some(folder) = &args.output {
+        check_folder(folder)?;
+    }
+    let options = map_options(&args.reading)?;
+    let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
+    let read = open(&args.map, &options.read)?;
+    let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
+    // Cavities are sought on the map as it was measured: their own form, their own missing points.
+    let cavities = args.cavities.then(|| read.map.measure_cavities(options.form)).transpose().map_err(refuse)?;
+    let surface = SurfaceMap::new(&args.map, read, &options)?;
+    let map = &surface.map;
+    let column = match section_m {
+        None => map.cols() / 2,
+        Some(section_m) => {
+            // Pixels are dy wide: the one that the distance lies in.
+            let column = (section_m / map.dy_m()) as usize;
+            if column >= map.cols() {
+                let side_um = LENGTH_UM.from_si(map.dy_m() * map.cols() as f64);
+                let flag = Diagnostic::flag("--section-um", section_um(args), "lies outside the map");
+                return Err(flag.expected(format!("less than {side_um} um")).into());
+            }
+            column
+        }
+    };
+    let (sides, window) =
+        if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
+    let curve = MaterialRatioCurve::new(map);
+    let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(refuse)?;
+    let spectrum = map.radial_spectrum(window).map_err(refuse)?;
+    let report = SurfaceReport::new(args, &surface, &curve, &lengths, &spectrum, cavities.as_ref());
+    if let Some(folder) = &args.output {
+        let mut outputs = Outputs::default();
+        outputs.add("result.json", json(&report)?);
+        outputs.add("section.csv", report::section_csv(map, column));
+        outputs.add("spectrum.csv", report::spectrum_csv(&spectrum));
+        if let Some(cavities) = &cavities {
+            outputs.add("cavities.csv", report::cavities_csv(cavities));
+        }
+        pictures::add(&mut outputs, &surface, &curve, &spectrum, column)?;
+        outputs.write(folder)?;
+        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+    }
+    let text = if args.json { json(&report)? } else { report.table() };
+    console.out.write_all(text.as_bytes())?;
+    Ok(exit_code::DONE)
+}
+
+fn section_um(args: &SurfaceArgs) -> String {
+    args.section_um.map_or_else(String::new, |section_um| section_um.to_string())
+}

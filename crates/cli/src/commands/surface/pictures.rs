@@ -1,0 +1,109 @@
+//! Pictures of a surface.
+
+use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, SpectrumBin};
+
+use super::super::altitude_map::SurfaceMap;
+use crate::CliError;
+use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
+use crate::output::Outputs;
+
+/// Most pixels of the drawn map along a side.
+const MOST_PIXELS: usize = 700;
+/// Classes of the histogram.
+const CLASSES: usize = 80;
+/// Points of the bearing curve.
+const CURVE_POINTS: u32 = 400;
+/// Share of the heights at either end that the colour scale leaves out: spikes.
+const SPIKES: f64 = 5e-4;
+
+/// Adds the pictures to `outputs`.
+pub fn add(
+    outputs: &mut Outputs,
+    surface: &SurfaceMap,
+    curve: &MaterialRatioCurve,
+    spectrum: &[SpectrumBin],
+    column: usize,
+) -> Result<(), CliError> {
+    let map = &surface.map;
+    let titled = |title: &str| {
+        if surface.synthetic { format!("{title} (synthetic surface)") } else { title.to_owned() }
+    };
+    let um = |length_m: f64| length_m * 1e6;
+
+    let drawn = drawn(surface);
+    outputs.add(
+        "map.svg",
+        charts::surface_map(&SurfaceMapChart {
+            title: &titled("Altitude"),
+            height_um: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
+            columns: drawn.cols(),
+            side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
+            scale_um: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
+            section_y_um: um((column as f64 + 0.5) * map.dy_m()),
+        })?,
+    );
+
+    let core = curve.core();
+    let (lowest, highest) = (curve.height_m(1.0), curve.height_m(0.0));
+    let edge = |class: usize| lowest + (highest - lowest) * class as f64 / CLASSES as f64;
+    // The share between two heights is the difference of the shares above them.
+    let shares: Vec<[f64; 2]> = (0..CLASSES)
+        .map(|class| {
+            // The lowest height belongs to the lowest class.
+            let above_lower = if class == 0 { 1.0 } else { curve.ratio(edge(class)) };
+            [um(0.5 * (edge(class) + edge(class + 1))), 100.0 * (above_lower - curve.ratio(edge(class + 1)))]
+        })
+        .collect();
+    let bearing: Vec<[f64; 2]> = (0..=CURVE_POINTS)
+        .map(|n| f64::from(n) / f64::from(CURVE_POINTS))
+        .map(|ratio| [100.0 * ratio, um(curve.height_m(ratio))])
+        .collect();
+    outputs.add(
+        "histogram.svg",
+        charts::height_histogram(&HeightHistogramChart {
+            title: &titled("Heights and bearing curve"),
+            class_um: um(highest - lowest) / CLASSES as f64,
+            shares: &shares,
+            bearing: &bearing,
+            core_um: [um(core.lower_m), um(core.upper_m)],
+        })?,
+    );
+
+    let section: Vec<[f64; 2]> =
+        (0..map.rows()).map(|i| [um(i as f64 * map.dx_m()), um(map.heights_m()[i * map.cols() + column])]).collect();
+    outputs.add(
+        "section.svg",
+        charts::section(&SectionChart {
+            title: &titled(&format!("Section at y = {:.0} um", um((column as f64 + 0.5) * map.dy_m()))),
+            points_um: &section,
+        })?,
+    );
+
+    let points: Vec<[f64; 2]> = spectrum
+        .iter()
+        .filter(|bin| bin.psd_m4 > 0.0)
+        .map(|bin| [(bin.q_per_m * 1e-6).log10(), (bin.psd_m4 * 1e24).log10()])
+        .collect();
+    // An even map has no spectrum.
+    if !points.is_empty() {
+        let title = titled("Power spectrum");
+        outputs.add("spectrum.svg", charts::spectrum(&SpectrumChart { title: &title, log_points: &points })?);
+    }
+    Ok(())
+}
+
+/// The map as it is drawn: coarse enough, with missing points missing.
+fn drawn(surface: &SurfaceMap) -> HeightMap {
+    let map = &surface.map;
+    let factor = map.rows().max(map.cols()).div_ceil(MOST_PIXELS);
+    // A long, narrow map keeps two pixels across.
+    let factor = factor.min(map.rows().min(map.cols()) / 2).max(1);
+    let mut heights = map.heights_m().to_vec();
+    for (height, _) in heights.iter_mut().zip(&surface.filled).filter(|(_, missing)| **missing) {
+        *height = f64::NAN;
+    }
+    HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights)
+        .ok()
+        .and_then(|holed| holed.windowed(None, Some(Decimation { factor, method: DecimationMethod::Mean })).ok())
+        .unwrap_or_else(|| map.clone())
+}

@@ -1,0 +1,304 @@
+//! What `surface` prints.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use slipgrid_topography::{CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, SpectrumBin, Spread};
+
+use super::super::altitude_map::SurfaceMap;
+use crate::args::SurfaceArgs;
+use crate::report::table::fixed;
+use crate::report::{Table, VERSION};
+use crate::units::{LENGTH_UM, tidy};
+
+/// What `surface --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct SurfaceReport {
+    program: &'static str,
+    version: &'static str,
+    map: String,
+    format: &'static str,
+    /// The file says of itself that it is synthetic.
+    synthetic_surface: bool,
+    rows: usize,
+    columns: usize,
+    /// Along x (between rows) and y (between columns).
+    pixel_um: [f64; 2],
+    missing_points: usize,
+    model: Vec<String>,
+    parameters: ParameterReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cavities: Option<CavityReport>,
+    spectrum: Vec<SpectrumReport>,
+}
+
+/// Parameters of ISO 25178-2, and the rms slope of contact theories.
+#[derive(Clone, Debug, Serialize)]
+struct ParameterReport {
+    sa_um: f64,
+    sq_um: f64,
+    ssk: f64,
+    sku: f64,
+    sp_um: f64,
+    sv_um: f64,
+    sz_um: f64,
+    sdq: f64,
+    sdr_pct: f64,
+    /// Spectral: what the area law takes.
+    rms_slope: f64,
+    /// Null where the autocorrelation does not fall to 0.2 within half the map.
+    sal_um: Option<f64>,
+    r#str: Option<f64>,
+    sk_um: f64,
+    spk_um: f64,
+    svk_um: f64,
+    smr1_pct: f64,
+    smr2_pct: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct SpectrumReport {
+    wavelength_um: f64,
+    q_per_um: f64,
+    psd_um4: f64,
+    waves: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct CavityReport {
+    width_x: Option<SpreadReport>,
+    width_y: Option<SpreadReport>,
+    spacing_x: Option<SpreadReport>,
+    spacing_y: Option<SpreadReport>,
+    depth: Option<SpreadReport>,
+    area_fraction: f64,
+    land_sq_um: f64,
+    count: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct SpreadReport {
+    mean_um: f64,
+    std_um: f64,
+    count: usize,
+}
+
+fn um(length_m: f64) -> f64 {
+    LENGTH_UM.from_si(length_m)
+}
+
+impl From<Spread> for SpreadReport {
+    fn from(spread: Spread) -> Self {
+        Self { mean_um: um(spread.mean_m), std_um: um(spread.std_m), count: spread.count }
+    }
+}
+
+impl SurfaceReport {
+    /// Gathers what was found.
+    pub fn new(
+        args: &SurfaceArgs,
+        surface: &SurfaceMap,
+        curve: &MaterialRatioCurve,
+        lengths: &CorrelationLengths,
+        spectrum: &[SpectrumBin],
+        cavities: Option<&CavityMetrology>,
+    ) -> Self {
+        let map = &surface.map;
+        let heights = map.height_parameters();
+        let core = curve.core();
+        let mut model = surface.notes.clone();
+        if surface.period {
+            model.push("the map is one whole period: its sides continue each other".to_owned());
+        } else {
+            model.push("the spectrum is that of the map faded out to a circle (Hann window)".to_owned());
+        }
+        if lengths.block > 1 {
+            model.push(format!("Sal and Str are those of blocks of {} x {} pixels", lengths.block, lengths.block));
+        }
+        Self {
+            program: "slipgrid",
+            version: VERSION,
+            map: args.map.display().to_string(),
+            format: surface.format.name(),
+            synthetic_surface: surface.synthetic,
+            rows: map.rows(),
+            columns: map.cols(),
+            pixel_um: [um(map.dx_m()), um(map.dy_m())],
+            missing_points: surface.filled.iter().filter(|missing| **missing).count(),
+            model,
+            parameters: ParameterReport {
+                sa_um: um(heights.sa_m),
+                sq_um: um(heights.sq_m),
+                ssk: tidy(heights.ssk),
+                sku: tidy(heights.sku),
+                sp_um: um(heights.sp_m),
+                sv_um: um(heights.sv_m),
+                sz_um: um(heights.sz_m),
+                sdq: tidy(map.sdq()),
+                sdr_pct: tidy(100.0 * map.sdr()),
+                rms_slope: tidy(surface.rms_slope),
+                sal_um: lengths.sal_m.map(um),
+                r#str: lengths.str_ratio.map(tidy),
+                sk_um: um(core.sk_m),
+                spk_um: um(core.spk_m),
+                svk_um: um(core.svk_m),
+                smr1_pct: tidy(100.0 * core.smr1),
+                smr2_pct: tidy(100.0 * core.smr2),
+            },
+            cavities: cavities.map(|found| CavityReport {
+                width_x: found.width[0].map(SpreadReport::from),
+                width_y: found.width[1].map(SpreadReport::from),
+                spacing_x: found.spacing[0].map(SpreadReport::from),
+                spacing_y: found.spacing[1].map(SpreadReport::from),
+                depth: found.depth.map(SpreadReport::from),
+                area_fraction: tidy(found.area_fraction),
+                land_sq_um: um(found.land_sq_m),
+                count: found.cavities.len(),
+            }),
+            spectrum: spectrum
+                .iter()
+                .map(|bin| SpectrumReport {
+                    wavelength_um: um(std::f64::consts::TAU / bin.q_per_m),
+                    q_per_um: tidy(bin.q_per_m * 1e-6),
+                    psd_um4: tidy(bin.psd_m4 * 1e24),
+                    waves: bin.waves,
+                })
+                .collect(),
+        }
+    }
+
+    /// The report for people.
+    pub fn table(&self) -> String {
+        let mut text = format!(
+            "{}: {}, {}{} x {} pixels of {} x {} um\n",
+            self.map,
+            self.format,
+            if self.synthetic_surface { "synthetic, " } else { "" },
+            self.rows,
+            self.columns,
+            self.pixel_um[0],
+            self.pixel_um[1],
+        );
+        for statement in &self.model {
+            text += &format!("- {statement}\n");
+        }
+        let p = &self.parameters;
+        let mut table = Table::new(["parameter", "value", ""]);
+        let mut row = |name: &str, value: Option<f64>, unit: &str| {
+            table.row([name.to_owned(), value.map_or_else(|| "-".to_owned(), significant), unit.to_owned()]);
+        };
+        for (name, value, unit) in [
+            ("Sa", p.sa_um, "um"),
+            ("Sq", p.sq_um, "um"),
+            ("Ssk", p.ssk, ""),
+            ("Sku", p.sku, ""),
+            ("Sp", p.sp_um, "um"),
+            ("Sv", p.sv_um, "um"),
+            ("Sz", p.sz_um, "um"),
+            ("Sdq", p.sdq, ""),
+            ("rms slope", p.rms_slope, ""),
+            ("Sdr", p.sdr_pct, "%"),
+            ("Sk", p.sk_um, "um"),
+            ("Spk", p.spk_um, "um"),
+            ("Svk", p.svk_um, "um"),
+            ("Smr1", p.smr1_pct, "%"),
+            ("Smr2", p.smr2_pct, "%"),
+        ] {
+            row(name, Some(value), unit);
+        }
+        row("Sal", p.sal_um, "um");
+        row("Str", p.r#str, "");
+        text += &format!("\n{table}");
+        if let Some(cavities) = &self.cavities {
+            text += &cavities.table();
+        }
+        text
+    }
+}
+
+impl CavityReport {
+    fn table(&self) -> String {
+        let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
+        for (name, spread) in [
+            ("width along x", &self.width_x),
+            ("width along y", &self.width_y),
+            ("spacing along x", &self.spacing_x),
+            ("spacing along y", &self.spacing_y),
+            ("depth", &self.depth),
+        ] {
+            if let Some(spread) = spread {
+                let number = |value: f64| fixed(Some(value), 2);
+                table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
+            }
+        }
+        format!(
+            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n",
+            self.count,
+            100.0 * self.area_fraction,
+            fixed(Some(self.land_sq_um), 3)
+        )
+    }
+}
+
+/// Four significant digits.
+fn significant(value: f64) -> String {
+    const DIGITS: i32 = 4;
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let decimals = (DIGITS - 1 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    fixed(Some(value), decimals)
+}
+
+/// The section along x through `column`, one row a point.
+pub fn section_csv(map: &HeightMap, column: usize) -> String {
+    let mut text = String::from("x_um,height_um\n");
+    for i in 0..map.rows() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{},{}", um(i as f64 * map.dx_m()), um(map.heights_m()[i * map.cols() + column]));
+    }
+    text
+}
+
+/// The power spectrum, one row a ring.
+pub fn spectrum_csv(spectrum: &[SpectrumBin]) -> String {
+    let mut text = String::from("q_per_um,psd_um4,waves\n");
+    for bin in spectrum {
+        let _ = writeln!(text, "{},{},{}", tidy(bin.q_per_m * 1e-6), tidy(bin.psd_m4 * 1e24), bin.waves);
+    }
+    text
+}
+
+/// The cavities, one row each; empty fields where the map's sides cut a cavity off.
+pub fn cavities_csv(metrology: &CavityMetrology) -> String {
+    let mut text = String::from("x_um,y_um,width_x_um,width_y_um,depth_um,area_um2\n");
+    let field = |length_m: Option<f64>| length_m.map_or_else(String::new, |length_m| um(length_m).to_string());
+    for cavity in &metrology.cavities {
+        let [x_m, y_m] = cavity.center_m;
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{}",
+            um(x_m),
+            um(y_m),
+            field(cavity.width_m[0]),
+            field(cavity.width_m[1]),
+            field(cavity.depth_m),
+            tidy(cavity.area_m2 * 1e12)
+        );
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_digits_whatever_the_size() {
+        for (value, text) in
+            [(0.158_234, "0.1582"), (12.3456, "12.35"), (-0.80982, "-0.8098"), (0.0, "0"), (123_456.0, "123456")]
+        {
+            assert_eq!(significant(value), text);
+        }
+    }
+}

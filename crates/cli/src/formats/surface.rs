@@ -1,0 +1,227 @@
+//! `[surface]` of a calibration file: where the area law comes from, and how an altitude map is read.
+
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use slipgrid_topography::{Crop, Decimation, DecimationMethod, Form, LengthUnit, ReadOptions};
+use toml::Spanned;
+
+use super::document::Document;
+use super::material::existing;
+use super::values::Number;
+use crate::diagnostic::Diagnostic;
+use crate::units::{LENGTH_UM, SLOPE};
+
+/// The table as it stands in a file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SurfaceFile {
+    map: Option<Spanned<String>>,
+    persson_rms_slope: Option<Number>,
+    synthetic: Option<bool>,
+    pixel_um: Option<Number>,
+    pixel_y_um: Option<Number>,
+    height_unit: Option<Spanned<String>>,
+    lateral_unit: Option<Spanned<String>>,
+    decimal_comma: Option<bool>,
+    crop: Option<Spanned<Vec<usize>>>,
+    decimate: Option<Spanned<usize>>,
+    decimate_by: Option<Spanned<String>>,
+    missing: Option<Spanned<String>>,
+    form: Option<Spanned<String>>,
+    level: Option<Spanned<bool>>,
+    /// P0.
+    pub threshold_mpa: Option<Number>,
+    windows: Option<Spanned<usize>>,
+}
+
+/// What is done about missing points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Missing {
+    /// The smoothest surface takes their place.
+    #[default]
+    Fill,
+    /// The map is refused.
+    Refuse,
+}
+
+/// How a map is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapOptions {
+    /// What is known about the file, and the part of it that is wanted.
+    pub read: ReadOptions,
+    /// The form that is subtracted; the mean of a map that is one whole period, in any case.
+    pub form: Form,
+    /// What is done about missing points.
+    pub missing: Missing,
+}
+
+/// Where the area law comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// Rough contact of a measured or synthetic altitude map.
+    Map {
+        /// The map's file.
+        path: PathBuf,
+        /// The calibration file says that the map is synthetic.
+        synthetic: bool,
+        /// How the map is read.
+        options: MapOptions,
+        /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None`
+        /// for the default.
+        windows: Option<usize>,
+    },
+    /// Persson's theory for an rms slope.
+    Persson {
+        /// Rms slope, dimensionless.
+        rms_slope: f64,
+    },
+    /// Amontons-Coulomb.
+    None,
+}
+
+impl Surface {
+    /// What the table says.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] unless it names either a map or a slope, and every value means something.
+    pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
+        let surface = file.get_ref();
+        match (&surface.map, &surface.persson_rms_slope) {
+            (Some(_), Some(slope)) => Err(document
+                .refuse(slope.span(), "stands beside a map")
+                .expected("either `map` or `persson_rms_slope`")),
+            (None, None) => Err(document.missing(file.span(), "map").expected("`map` or `persson_rms_slope`")),
+            (None, Some(_)) if surface.windows.is_some() => {
+                let windows = surface.windows.as_ref().map_or(0..0, Spanned::span);
+                Err(document.refuse(windows, "stands without a map").expected("windows only of a map"))
+            }
+            (None, Some(slope)) => Ok(Self::Persson { rms_slope: document.number(slope, SLOPE)? }),
+            (Some(map), None) => Ok(Self::Map {
+                path: existing(document, map, map.get_ref())?,
+                synthetic: surface.synthetic.unwrap_or(false),
+                options: options(document, surface)?,
+                windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
+            }),
+        }
+    }
+}
+
+fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagnostic> {
+    let unit = |name: &Option<Spanned<String>>| name.as_ref().map(|name| unit(document, name)).transpose();
+    let read = ReadOptions {
+        pixel_m: pixel(document, file)?,
+        height_unit: unit(&file.height_unit)?,
+        lateral_unit: unit(&file.lateral_unit)?,
+        decimal_comma: file.decimal_comma.unwrap_or(false),
+        crop: file.crop.as_ref().map(|crop| self::crop(document, crop)).transpose()?,
+        decimation: decimation(document, file)?,
+        ..ReadOptions::NONE
+    };
+    let missing = [Missing::Fill, Missing::Refuse];
+    let missing = file.missing.as_ref().map(|name| {
+        document.choice(name, &missing, |one| match one {
+            Missing::Fill => "fill",
+            Missing::Refuse => "refuse",
+        })
+    });
+    Ok(MapOptions { read, form: form(document, file)?, missing: missing.transpose()?.unwrap_or_default() })
+}
+
+fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let along_y_m = document.optional(file.pixel_y_um.as_ref(), LENGTH_UM)?;
+    match (&file.pixel_um, &file.pixel_y_um) {
+        (Some(along_x), _) => {
+            let along_x_m = document.number(along_x, LENGTH_UM)?;
+            Ok(Some([along_x_m, along_y_m.unwrap_or(along_x_m)]))
+        }
+        (None, Some(along_y)) => Err(document.refuse(along_y.span(), "stands alone").expected("`pixel_um` beside it")),
+        (None, None) => Ok(None),
+    }
+}
+
+fn unit(document: &Document, name: &Spanned<String>) -> Result<LengthUnit, Diagnostic> {
+    name.get_ref()
+        .parse()
+        .map_err(|_| document.refuse(name.span(), "is no unit of length").expected("m, cm, mm, um, nm or pm"))
+}
+
+fn crop(document: &Document, crop: &Spanned<Vec<usize>>) -> Result<Crop, Diagnostic> {
+    match crop.get_ref()[..] {
+        [first_row, first_col, rows, cols] if rows > 1 && cols > 1 => Ok(Crop { first_row, first_col, rows, cols }),
+        _ => Err(document
+            .refuse(crop.span(), "is no part of a map")
+            .expected("first row, first column, rows, columns, the last two from 2 up, as [0, 0, 512, 512]")),
+    }
+}
+
+fn decimation(document: &Document, file: &SurfaceFile) -> Result<Option<Decimation>, Diagnostic> {
+    let method = file.decimate_by.as_ref().map(|name| {
+        document.choice(name, &[DecimationMethod::Mean, DecimationMethod::Pick], |method| match method {
+            DecimationMethod::Mean => "mean",
+            DecimationMethod::Pick => "pick",
+        })
+    });
+    let method = method.transpose()?;
+    match (&file.decimate, &file.decimate_by) {
+        (Some(factor), _) if *factor.get_ref() == 0 => {
+            Err(document.refuse(factor.span(), "is out of range").expected("a whole number from 1 up"))
+        }
+        (Some(factor), _) => Ok(Some(Decimation { factor: *factor.get_ref(), method: method.unwrap_or_default() })),
+        (None, Some(name)) => Err(document.refuse(name.span(), "stands alone").expected("`decimate` beside it")),
+        (None, None) => Ok(None),
+    }
+}
+
+fn form(document: &Document, file: &SurfaceFile) -> Result<Form, Diagnostic> {
+    match (&file.form, &file.level) {
+        (Some(_), Some(level)) => {
+            Err(document.refuse(level.span(), "stands beside `form`").expected("either `form` or `level`"))
+        }
+        (Some(name), None) => document.choice(name, &[Form::Mean, Form::Plane, Form::SecondOrder], |form| match form {
+            Form::Mean => "mean",
+            Form::Plane => "plane",
+            Form::SecondOrder => "second-order",
+        }),
+        (None, level) if level.as_ref().is_none_or(|level| *level.get_ref()) => Ok(Form::Plane),
+        (None, _) => Ok(Form::Mean),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> MapOptions {
+        let document = Document::new("calibration.toml", text);
+        options(&document, &document.parse().unwrap()).unwrap()
+    }
+
+    #[test]
+    fn every_key_arrives_at_the_reader() {
+        let found = read(
+            "pixel_um = 0.5\npixel_y_um = 2.0\nheight_unit = \"nm\"\nlateral_unit = \"mm\"\ndecimal_comma = true\ncrop = [1, 2, 30, 40]\n\
+             decimate = 3\ndecimate_by = \"pick\"\nmissing = \"refuse\"\nform = \"second-order\"\n",
+        );
+        let read = ReadOptions {
+            format: None,
+            pixel_m: Some([0.5e-6, 2e-6]),
+            height_unit: Some(LengthUnit::Nanometre),
+            lateral_unit: Some(LengthUnit::Millimetre),
+            decimal_comma: true,
+            crop: Some(Crop { first_row: 1, first_col: 2, rows: 30, cols: 40 }),
+            decimation: Some(Decimation { factor: 3, method: DecimationMethod::Pick }),
+        };
+        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse });
+    }
+
+    #[test]
+    fn without_keys_the_whole_map_is_filled_and_levelled() {
+        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill };
+        assert_eq!(read(""), expected(Form::Plane));
+        assert_eq!(read("level = true"), expected(Form::Plane));
+        assert_eq!(read("level = false"), expected(Form::Mean));
+        let by_mean = Decimation { factor: 2, method: DecimationMethod::Mean };
+        assert_eq!(read("decimate = 2").read.decimation, Some(by_mean));
+    }
+}

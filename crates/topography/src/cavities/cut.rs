@@ -1,0 +1,239 @@
+//! Cavities cut into a map: what a laser would leave on it, for tests and rehearsals.
+
+use std::f64::consts::TAU;
+
+use crate::synthetic::splitmix64;
+use crate::{HeightMap, MapError};
+
+/// Shape of the cavities seen from above.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CutShape {
+    /// Across the whole map along y.
+    #[default]
+    Groove,
+    /// As long as wide, repeated along x and y.
+    Square,
+}
+
+/// A pattern to cut. The map begins with half a spacing of land; cavities are clipped by its sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutPattern {
+    /// Shape seen from above.
+    pub shape: CutShape,
+    /// Width at half depth, in metres.
+    pub width_m: f64,
+    /// Land between two cavities, at half depth, in metres.
+    pub spacing_m: f64,
+    /// Depth, in metres.
+    pub depth_m: f64,
+    /// Horizontal extent of a wall from the surface to the floor, in metres; less than a pixel becomes a pixel.
+    pub wall_m: f64,
+    /// Standard deviation of the widths, in metres.
+    pub width_std_m: f64,
+    /// Standard deviation of the distances between centres, in metres.
+    pub pitch_std_m: f64,
+    /// Standard deviation of the depths, in metres.
+    pub depth_std_m: f64,
+    /// Seed of the deviations.
+    pub seed: u64,
+}
+
+/// A cavity as it was cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutCavity {
+    /// Centre along x and y; a groove's y is the map's middle, in metres.
+    pub center_m: [f64; 2],
+    /// Width at half depth, in metres.
+    pub width_m: f64,
+    /// Depth, in metres.
+    pub depth_m: f64,
+}
+
+impl CutPattern {
+    fn validate(&self) -> Result<(), MapError> {
+        let check = |quantity, value: f64, range: std::ops::RangeInclusive<f64>, expected| {
+            if range.contains(&value) { Ok(()) } else { Err(MapError::OutOfRange { quantity, value, expected }) }
+        };
+        const LENGTH: &str = "a length from 1e-9 to 1 m";
+        check("cavity width", self.width_m, 1e-9..=1.0, LENGTH)?;
+        check("cavity spacing", self.spacing_m, 1e-9..=1.0, LENGTH)?;
+        check("cavity depth", self.depth_m, 1e-12..=1.0, "a length from 1e-12 to 1 m")?;
+        check("wall width", self.wall_m, 0.0..=self.width_m, "a length of at most the cavity's width")?;
+        const SPREAD: &str = "at most a fifth of the mean";
+        check("deviation of the width", self.width_std_m, 0.0..=0.2 * self.width_m, SPREAD)?;
+        check(
+            "deviation of the pitch",
+            self.pitch_std_m,
+            0.0..=0.2 * self.spacing_m,
+            "at most a fifth of the spacing",
+        )?;
+        check("deviation of the depth", self.depth_std_m, 0.0..=0.35 * self.depth_m, "at most 0.35 of the mean")
+    }
+}
+
+/// Gaussian deviates from a seed, within 2.7 standard deviations: what lies beyond is drawn again.
+struct Deviates {
+    state: u64,
+}
+
+impl Deviates {
+    fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(1);
+        // (0, 1]: the logarithm below is finite.
+        ((splitmix64(splitmix64(self.state)) >> 11) as f64 + 1.0) / (1_u64 << 53) as f64
+    }
+
+    fn next(&mut self) -> f64 {
+        const MOST: f64 = 2.7;
+        loop {
+            // Box and Muller: sqrt(-2 ln u) cos(2 pi v)
+            let deviate = libm::sqrt(-2.0 * libm::log(self.uniform())) * libm::cos(TAU * self.uniform());
+            if deviate.abs() <= MOST {
+                return deviate;
+            }
+        }
+    }
+}
+
+impl HeightMap {
+    /// Cuts the cavities of `pattern` out of the map and returns those that reach into it, in order along x and
+    /// then y.
+    ///
+    /// # Errors
+    /// [`MapError`] if a number of the pattern means nothing; the map is as it was.
+    pub fn cut_cavities(&mut self, pattern: &CutPattern) -> Result<Vec<CutCavity>, MapError> {
+        pattern.validate()?;
+        let sides = [self.rows() as f64 * self.dx_m(), self.cols() as f64 * self.dy_m()];
+        let pitch_m = pattern.width_m + pattern.spacing_m;
+        let count = |side: f64| (side / pitch_m).ceil() as usize;
+        let [along_x, along_y] = match pattern.shape {
+            CutShape::Groove => [count(sides[0]), 1],
+            CutShape::Square => [count(sides[0]), count(sides[1])],
+        };
+        let mut deviates = Deviates { state: splitmix64(pattern.seed) };
+        let mut cavities = Vec::new();
+        for i in 0..along_x {
+            for j in 0..along_y {
+                let middle = |index: usize| (index as f64 + 0.5) * pitch_m;
+                // Centres stray by s/sqrt 2 each, so that the distance of two strays by s.
+                let mut stray = || pattern.pitch_std_m * deviates.next() / 2_f64.sqrt();
+                let center_m = match pattern.shape {
+                    CutShape::Groove => [middle(i) + stray(), 0.5 * sides[1]],
+                    CutShape::Square => [middle(i) + stray(), middle(j) + stray()],
+                };
+                let width_m = pattern.width_m + pattern.width_std_m * deviates.next();
+                let depth_m = pattern.depth_m + pattern.depth_std_m * deviates.next();
+                let begins_within = |axis: usize| center_m[axis] - 0.5 * width_m < sides[axis] * (1.0 - 1e-9);
+                if begins_within(0) && (pattern.shape == CutShape::Groove || begins_within(1)) {
+                    let cavity = CutCavity { center_m, width_m, depth_m };
+                    self.cut(pattern, &cavity);
+                    cavities.push(cavity);
+                }
+            }
+        }
+        Ok(cavities)
+    }
+
+    fn cut(&mut self, pattern: &CutPattern, cavity: &CutCavity) {
+        let (cols, pixel_m) = (self.cols(), [self.dx_m(), self.dy_m()]);
+        // The share of the depth at distance d within the edge: 1/2 + d/wall, from 0 to 1.
+        let share = |axis: usize, index: usize| {
+            let d = 0.5 * cavity.width_m - ((index as f64 + 0.5) * pixel_m[axis] - cavity.center_m[axis]).abs();
+            (0.5 + d / pattern.wall_m.max(pixel_m[axis])).clamp(0.0, 1.0)
+        };
+        let along_y: Vec<f64> = match pattern.shape {
+            CutShape::Groove => vec![1.0; cols],
+            CutShape::Square => (0..cols).map(|j| share(1, j)).collect(),
+        };
+        for (i, row) in self.heights_mut().chunks_exact_mut(cols).enumerate() {
+            let along_x = share(0, i);
+            if along_x > 0.0 {
+                for (height, share) in row.iter_mut().zip(&along_y) {
+                    // Walls meet in mitred corners.
+                    *height -= cavity.depth_m * along_x.min(*share);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(crate) const GROOVES: CutPattern = CutPattern {
+        shape: CutShape::Groove,
+        width_m: 30e-6,
+        spacing_m: 70e-6,
+        depth_m: 5e-6,
+        wall_m: 0.0,
+        width_std_m: 0.0,
+        pitch_std_m: 0.0,
+        depth_std_m: 0.0,
+        seed: 1,
+    };
+
+    fn flat() -> HeightMap {
+        HeightMap::new(250, 110, 1e-6, 2e-6, vec![0.0; 250 * 110]).unwrap()
+    }
+
+    #[test]
+    fn grooves_take_away_their_volume() {
+        for wall_m in [0.0, 12e-6] {
+            let mut map = flat();
+            let cut = map.cut_cavities(&CutPattern { wall_m, ..GROOVES }).unwrap();
+            assert_eq!(cut.len(), 3);
+            // Two whole grooves, and the half land before the third: from 235 to 265, clipped at 250.
+            let volume: f64 = -map.heights_m().iter().sum::<f64>() * 2e-12;
+            let exact = 5e-6 * 220e-6 * (30e-6 + 30e-6 + 15e-6);
+            assert!((volume / exact - 1.0).abs() < 1e-12, "{wall_m}: {volume} and {exact}");
+            assert_eq!(map.heights_m()[50 * 110], -5e-6);
+            assert_eq!(map.heights_m()[110 * 110], 0.0);
+        }
+    }
+
+    #[test]
+    fn squares_stand_in_both_directions_and_deviations_have_their_size() {
+        let mut map = HeightMap::new(1000, 1000, 2e-6, 2e-6, vec![0.0; 1_000_000]).unwrap();
+        let pattern = CutPattern {
+            shape: CutShape::Square,
+            width_std_m: 2e-6,
+            pitch_std_m: 3e-6,
+            depth_std_m: 0.5e-6,
+            ..GROOVES
+        };
+        let cut = map.cut_cavities(&pattern).unwrap();
+        assert_eq!(cut.len(), 400);
+        let spread = |value: &dyn Fn(&CutCavity) -> f64| {
+            let mean = cut.iter().map(value).sum::<f64>() / 400.0;
+            (mean, (cut.iter().map(|cavity| (value(cavity) - mean).powi(2)).sum::<f64>() / 399.0).sqrt())
+        };
+        // Deviates cut at 2.7 have 0.98 of their standard deviation; 400 of them know it to 4 %.
+        let (mean, std) = spread(&|cavity| cavity.width_m);
+        assert!((mean - 30e-6).abs() < 0.3e-6 && (std / 2e-6 - 0.98).abs() < 0.1, "{mean} {std}");
+        let (mean, std) = spread(&|cavity| cavity.depth_m);
+        assert!((mean - 5e-6).abs() < 0.08e-6 && (std / 0.5e-6 - 0.98).abs() < 0.1, "{mean} {std}");
+        assert_eq!(map, {
+            let mut again = HeightMap::new(1000, 1000, 2e-6, 2e-6, vec![0.0; 1_000_000]).unwrap();
+            again.cut_cavities(&pattern).unwrap();
+            again
+        });
+    }
+
+    #[test]
+    fn patterns_that_mean_nothing_are_refused() {
+        let refused = |change: fn(&mut CutPattern)| {
+            let mut pattern = GROOVES;
+            change(&mut pattern);
+            let mut map = flat();
+            let error = map.cut_cavities(&pattern).unwrap_err().to_string();
+            assert_eq!(map, flat());
+            error
+        };
+        assert!(refused(|p| p.width_m = 0.0).contains("cavity width"));
+        assert!(refused(|p| p.spacing_m = f64::NAN).contains("cavity spacing"));
+        assert!(refused(|p| p.depth_m = -1e-6).contains("cavity depth"));
+        assert!(refused(|p| p.wall_m = 31e-6).contains("wall"));
+        assert!(refused(|p| p.depth_std_m = 2e-6).contains("deviation of the depth"));
+    }
+}

@@ -1,0 +1,216 @@
+//! The land of a patterned surface: what is left of the original surface, and its level.
+
+use crate::form::{FittedForm, Form};
+use crate::{HeightMap, MapError};
+
+/// Classes of the histogram in which land and cavities are told apart.
+const CLASSES: usize = 1024;
+/// Share of the heights at either end that is left out of it: spikes.
+const SPIKES: f64 = 1e-3;
+/// Least distance of the two means, in standard deviations within: a uniform ramp has 3.5, a Gaussian 2.7.
+const LEAST_SEPARATION: f64 = 4.0;
+/// Rounds of fitting the form to the land and finding the land anew.
+const MOST_ROUNDS: usize = 20;
+
+/// Heights above the land, and which of them are cavities.
+pub(super) struct Land {
+    /// Heights above the fitted land, NaN where missing.
+    pub(super) height_m: Vec<f64>,
+    /// Half way from the land down to the floors.
+    pub(super) threshold_m: f64,
+    /// Land proper: neither in a cavity nor near one.
+    pub(super) is_land: Vec<bool>,
+}
+
+/// Two groups of heights.
+#[derive(Clone, Copy)]
+struct Groups {
+    threshold_m: f64,
+    separation: f64,
+}
+
+impl Land {
+    /// Finds the land of `map` and the form that it follows.
+    pub(super) fn find(map: &HeightMap, form: Form) -> Result<Self, MapError> {
+        let all = |_| true;
+        let mut height_m = above(map, &map.fit_form(form, all)?);
+        let mut groups = groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
+        let mut land: Vec<bool> = Vec::new();
+        for _ in 0..MOST_ROUNDS {
+            let found: Vec<bool> = height_m.iter().map(|&height| height > groups.threshold_m).collect();
+            if found == land {
+                break;
+            }
+            land = found;
+            height_m = above(map, &map.fit_form(form, |n| land[n])?);
+            groups = self::groups(&height_m).ok_or(MapError::NoCavities { reason: "all heights are equal" })?;
+        }
+        if groups.separation < LEAST_SEPARATION {
+            return Err(MapError::NoCavities { reason: "heights do not part into land and floors" });
+        }
+        Ok(Self::new(height_m, groups.threshold_m))
+    }
+
+    /// The same with the form fitted only to points farther than `margin` pixels, along x and y, from cavities:
+    /// rims and walls belong to neither.
+    pub(super) fn refined(self, map: &HeightMap, form: Form, margin: [usize; 2]) -> Self {
+        let near = near(&self.height_m, map.cols(), self.threshold_m, margin);
+        let far = near.iter().zip(&self.height_m).filter(|(near, height)| !**near && !height.is_nan()).count();
+        // Lands too narrow to leave a margin keep what was found.
+        if far * 20 < near.len() {
+            return self;
+        }
+        match map.fit_form(form, |n| !near[n]) {
+            Ok(fitted) => {
+                let refined = Self::new(above(map, &fitted), self.threshold_m);
+                Self { is_land: near.into_iter().map(|near| !near).collect(), ..refined }
+            }
+            Err(_) => self,
+        }
+    }
+
+    /// Root mean square height of the land about its form, in metres.
+    pub(super) fn sq_m(&self) -> f64 {
+        let heights = || self.height_m.iter().zip(&self.is_land).filter(|(h, land)| **land && !h.is_nan());
+        let square: f64 = heights().map(|(height, _)| height * height).sum();
+        (square / heights().count().max(1) as f64).sqrt()
+    }
+
+    /// The threshold half way between the medians of both groups.
+    fn new(height_m: Vec<f64>, threshold_m: f64) -> Self {
+        let median = |cavity: bool| {
+            let mut group: Vec<f64> =
+                height_m.iter().copied().filter(|h| !h.is_nan() && (*h <= threshold_m) == cavity).collect();
+            median(&mut group)
+        };
+        let threshold_m = match (median(true), median(false)) {
+            (Some(floor), Some(land)) => 0.5 * (floor + land),
+            _ => threshold_m,
+        };
+        let is_land = height_m.iter().map(|&height| height > threshold_m).collect();
+        Self { height_m, threshold_m, is_land }
+    }
+}
+
+/// Heights above a form.
+fn above(map: &HeightMap, fitted: &FittedForm) -> Vec<f64> {
+    map.heights_m().iter().enumerate().map(|(n, height)| height - fitted.height_m(n, map)).collect()
+}
+
+/// The middle value; the mean of both of an even number.
+pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return None;
+    }
+    let even = values.len().is_multiple_of(2);
+    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Some(if even { 0.5 * (lower + upper) } else { upper })
+}
+
+/// The threshold that parts heights into two groups with the least variance within (Otsu).
+fn groups(height_m: &[f64]) -> Option<Groups> {
+    let mut present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
+    let spikes = (present.len() as f64 * SPIKES) as usize;
+    let last = present.len().checked_sub(1 + spikes)?;
+    let low = *present.select_nth_unstable_by(spikes, f64::total_cmp).1;
+    let high = *present.select_nth_unstable_by(last, f64::total_cmp).1;
+    if high <= low {
+        return None;
+    }
+    let mut counts = vec![0.0; CLASSES];
+    for height in &present {
+        let class = (height - low) / (high - low) * CLASSES as f64;
+        // The cast saturates: spikes join the classes at the ends.
+        counts[(class as usize).min(CLASSES - 1)] += 1.0;
+    }
+    let moments = |classes: std::ops::Range<usize>| {
+        let sums = classes.fold([0.0; 3], |[n, s, q], class| {
+            let (count, value) = (counts[class], class as f64 + 0.5);
+            [n + count, s + count * value, q + count * value * value]
+        });
+        (sums[0], sums[1] / sums[0], (sums[2] / sums[0] - (sums[1] / sums[0]).powi(2)).max(0.0))
+    };
+    let (total, mean, _) = moments(0..CLASSES);
+    let (mut best, mut most) = (0, 0.0);
+    let (mut count, mut sum) = (0.0, 0.0);
+    for (class, in_class) in counts.iter().enumerate() {
+        count += in_class;
+        sum += in_class * (class as f64 + 0.5);
+        // Variance between the groups: n1 n2 (mean1 - mean2)^2 / n^2
+        let between =
+            if count > 0.0 && count < total { (mean * count - sum).powi(2) / (count * (total - count)) } else { 0.0 };
+        if between > most {
+            (best, most) = (class, between);
+        }
+    }
+    let ((below, mean_below, variance_below), (over, mean_over, variance_over)) =
+        (moments(0..best + 1), moments(best + 1..CLASSES));
+    // A class is the least that can be told apart.
+    let within = ((below * variance_below + over * variance_over) / total + 1.0).sqrt();
+    // Half way between the means: where Otsu's ends among empty classes is chance.
+    let threshold = 0.5 * (mean_below + mean_over);
+    Some(Groups {
+        threshold_m: low + threshold / CLASSES as f64 * (high - low),
+        separation: (mean_over - mean_below) / within,
+    })
+}
+
+/// Points within `margin` pixels of a cavity along both axes, or in one.
+fn near(height_m: &[f64], cols: usize, threshold_m: f64, margin: [usize; 2]) -> Vec<bool> {
+    let rows = height_m.len() / cols;
+    let mut near: Vec<bool> = height_m.iter().map(|&height| height <= threshold_m).collect();
+    let mut widen = |first: usize, step: usize, count: usize, margin: usize| {
+        let line: Vec<bool> = (0..count).map(|k| near[first + k * step]).collect();
+        // Pixels since the last cavity, from both ends.
+        let mut since = usize::MAX;
+        for (k, &cavity) in line.iter().enumerate() {
+            since = if cavity { 0 } else { since.saturating_add(1) };
+            near[first + k * step] |= since <= margin;
+        }
+        since = usize::MAX;
+        for (k, &cavity) in line.iter().enumerate().rev() {
+            since = if cavity { 0 } else { since.saturating_add(1) };
+            near[first + k * step] |= since <= margin;
+        }
+    };
+    for j in 0..cols {
+        widen(j, cols, rows, margin[0]);
+    }
+    for i in 0..rows {
+        widen(i * cols, 1, cols, margin[1]);
+    }
+    near
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&mut [3.0, 1.0, 2.0]), Some(2.0));
+        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), Some(2.5));
+        assert_eq!(median(&mut []), None);
+    }
+
+    #[test]
+    fn two_groups_are_parted_half_way_and_one_is_not() {
+        let two: Vec<f64> = (0..1000).map(|n| if n % 10 == 0 { -5.0 } else { 0.0 } + 0.01 * f64::from(n % 7)).collect();
+        let found = groups(&two).unwrap();
+        assert!((found.threshold_m + 2.5).abs() < 0.1 && found.separation > 20.0, "{}", found.separation);
+        let ramp: Vec<f64> = (0..1000).map(f64::from).collect();
+        assert!((groups(&ramp).unwrap().separation - 3.46).abs() < 0.1);
+        assert!(groups(&[1.0; 50]).is_none());
+    }
+
+    #[test]
+    fn margins_widen_cavities_along_both_axes() {
+        let mut heights = vec![0.0; 7 * 9];
+        heights[3 * 9 + 4] = -1.0;
+        let near = near(&heights, 9, -0.5, [1, 2]);
+        assert_eq!(near.iter().filter(|near| **near).count(), 3 * 5);
+        assert!(near[2 * 9 + 2] && near[4 * 9 + 6] && !near[9 + 4]);
+    }
+}

@@ -1,0 +1,170 @@
+//! The power spectrum of a map, averaged over directions.
+//!
+//! ```text
+//! C(q) = |h~(q)|^2 / A,   h~(q) = dx dy sum over points of h exp(-i q x),   A the map's area,
+//! Sq^2 = integral of C d^2q / (2 pi)^2
+//! ```
+//!
+//! C has the unit m^4, q is in rad/m (Jacobs, Junge and Pastewka, Surf. Topogr. Metrol. Prop. 5, 013001).
+
+use std::f64::consts::{PI, TAU};
+
+use crate::fourier::Fourier;
+use crate::{HeightMap, MapError};
+
+/// What is done about the jump between opposite sides of a map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SpectrumWindow {
+    /// Nothing: the map is one period.
+    #[default]
+    None,
+    /// Heights are faded out to a circle in the map by (1 + cos(pi r/R))/2, whose mean square is made 1.
+    Hann,
+}
+
+/// The spectrum within a ring of wave vectors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectrumBin {
+    /// Ends of the ring, in rad/m.
+    pub from_per_m: f64,
+    /// Ends of the ring, in rad/m.
+    pub to_per_m: f64,
+    /// Mean of |q| over the waves within, in rad/m.
+    pub q_per_m: f64,
+    /// Mean of C over the waves within, in m^4.
+    pub psd_m4: f64,
+    /// Number of waves within, each with its mirror image.
+    pub waves: f64,
+}
+
+/// Bins of equal ratio per decade.
+const BINS_PER_DECADE: f64 = 10.0;
+
+impl HeightMap {
+    /// The spectrum in ten rings a decade, from the longest wave of the map to the shortest that both axes resolve;
+    /// rings without waves are left out.
+    ///
+    /// # Errors
+    /// [`MapError::MissingPoints`] unless the map is complete.
+    pub fn radial_spectrum(&self, window: SpectrumWindow) -> Result<Vec<SpectrumBin>, MapError> {
+        let longest = TAU / (self.rows() as f64 * self.dx_m()).max(self.cols() as f64 * self.dy_m());
+        let shortest = PI / self.dx_m().max(self.dy_m());
+        // The first ring has the longest wave in its middle, the last holds the shortest.
+        let first = longest.log10() - 0.5 / BINS_PER_DECADE;
+        let count = ((shortest.log10() - first) * BINS_PER_DECADE).max(0.0).ceil();
+        let edges: Vec<f64> = (0..=count as usize).map(|n| 10_f64.powf(first + n as f64 / BINS_PER_DECADE)).collect();
+        self.radial_spectrum_between(&edges, window)
+    }
+
+    /// The spectrum in rings with the given increasing `edges`, in rad/m.
+    ///
+    /// # Errors
+    /// [`MapError::MissingPoints`] unless the map is complete; [`MapError::OutOfRange`] unless edges increase.
+    pub fn radial_spectrum_between(
+        &self,
+        edges_per_m: &[f64],
+        window: SpectrumWindow,
+    ) -> Result<Vec<SpectrumBin>, MapError> {
+        self.require_complete()?;
+        if let Some(pair) =
+            edges_per_m.windows(2).find(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less))
+        {
+            return Err(MapError::OutOfRange {
+                quantity: "edge of a ring",
+                value: pair[1],
+                expected: "increasing edges",
+            });
+        }
+        let (rows, cols, dx_m, dy_m) = (self.rows(), self.cols(), self.dx_m(), self.dy_m());
+        let mean_m = self.mean_m();
+        let mut height: Vec<f64> = self.heights_m().iter().map(|height| height - mean_m).collect();
+        if window == SpectrumWindow::Hann {
+            fade(&mut height, rows, cols, [dx_m, dy_m]);
+        }
+        let mut bins: Vec<SpectrumBin> = edges_per_m
+            .windows(2)
+            .map(|pair| SpectrumBin { from_per_m: pair[0], to_per_m: pair[1], q_per_m: 0.0, psd_m4: 0.0, waves: 0.0 })
+            .collect();
+        // C = (dx dy)^2 |sum|^2 / A
+        let scale = dx_m * dy_m / (rows as f64 * cols as f64);
+        Fourier::new(rows, cols).visit_waves(&height, dx_m, dy_m, |q, twins, square| {
+            let after = edges_per_m.partition_point(|&edge| edge <= q);
+            if let Some(bin) = after.checked_sub(1).and_then(|bin| bins.get_mut(bin)) {
+                bin.q_per_m += twins * q;
+                bin.psd_m4 += twins * scale * square;
+                bin.waves += twins;
+            }
+        });
+        bins.retain(|bin| bin.waves > 0.0);
+        for bin in &mut bins {
+            bin.q_per_m /= bin.waves;
+            bin.psd_m4 /= bin.waves;
+        }
+        Ok(bins)
+    }
+}
+
+/// Multiplies by the Hann window about the middle.
+fn fade(height: &mut [f64], rows: usize, cols: usize, [dx_m, dy_m]: [f64; 2]) {
+    let radius = 0.5 * (rows as f64 * dx_m).min(cols as f64 * dy_m);
+    let factor = |n: usize| {
+        let x = ((n / cols) as f64 - (rows / 2) as f64) * dx_m;
+        let y = ((n % cols) as f64 - (cols / 2) as f64) * dy_m;
+        let r = x.hypot(y);
+        if r < radius { 0.5 * (1.0 + (PI * r / radius).cos()) } else { 0.0 }
+    };
+    let mean_square = (0..height.len()).map(|n| factor(n).powi(2)).sum::<f64>() / height.len() as f64;
+    let norm = mean_square.sqrt().recip();
+    for (n, height) in height.iter_mut().enumerate() {
+        *height *= norm * factor(n);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SelfAffine;
+
+    #[test]
+    fn a_wave_puts_all_its_power_into_one_ring() {
+        // a cos(q x) has mean square a^2/2 = 2 waves times C/A.
+        let height = |n: usize| 1e-6 * (TAU * 5.0 * (n / 48) as f64 / 64.0).cos();
+        let map = HeightMap::new(64, 48, 1e-6, 2e-6, (0..64 * 48).map(height).collect()).unwrap();
+        let q = TAU * 5.0 / 64e-6;
+        let bins = map.radial_spectrum_between(&[0.5 * q, q - 1.0, q + 1.0, 2.0 * q], SpectrumWindow::None).unwrap();
+        let area = 64e-6 * 96e-6;
+        let power: Vec<f64> = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).collect();
+        assert!(power[0] < 1e-30 && power[2] < 1e-30, "{power:?}");
+        assert!((power[1] / 0.5e-12 - 1.0).abs() < 1e-12, "{power:?}");
+        assert!((bins[1].q_per_m / q - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_rings_of_all_waves_add_up_to_the_mean_square() {
+        let map = SelfAffine { pixels: 128, max_wave: 20, ..SelfAffine::STAND_IN }.map().unwrap();
+        let area = (128.0 * map.dx_m()).powi(2);
+        let bins = map.radial_spectrum_between(&[1.0, 1e4, 1e5, 1e7], SpectrumWindow::None).unwrap();
+        let sum: f64 = bins.iter().map(|bin| bin.psd_m4 * bin.waves / area).sum();
+        assert!((sum.sqrt() / map.sq_m() - 1.0).abs() < 1e-12);
+        assert_eq!(bins.iter().map(|bin| bin.waves).sum::<f64>(), 128.0 * 128.0 - 1.0);
+    }
+
+    #[test]
+    fn a_self_affine_map_shows_its_hurst_exponent() {
+        // C ~ q^-2(1+H)
+        let map = SelfAffine { hurst: 0.7, ..SelfAffine::STAND_IN }.map().unwrap();
+        let bins = map.radial_spectrum(SpectrumWindow::None).unwrap();
+        let within: Vec<_> =
+            bins.iter().filter(|bin| bin.from_per_m > TAU * 6e3 && bin.to_per_m < TAU * 60e3).collect();
+        let (first, last) = (within[0], within[within.len() - 1]);
+        let exponent = (last.psd_m4 / first.psd_m4).ln() / (last.q_per_m / first.q_per_m).ln();
+        assert!(within.len() >= 8 && (exponent + 3.4).abs() < 0.03, "{exponent}");
+    }
+
+    #[test]
+    fn edges_must_increase() {
+        let map = HeightMap::new(2, 2, 1.0, 1.0, vec![0.0, 1.0, 0.0, 0.0]).unwrap();
+        assert!(map.radial_spectrum_between(&[1.0, 1.0], SpectrumWindow::None).is_err());
+        assert!(!map.radial_spectrum(SpectrumWindow::Hann).unwrap().is_empty());
+    }
+}

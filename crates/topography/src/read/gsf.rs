@@ -1,0 +1,160 @@
+//! Gwyddion simple field (`.gsf`, version 1.0): a text header of lines `name = value`, zeros up to a multiple
+//! of four bytes, then 32-bit floats, row by row. Lengths stand in base units (the format knows no prefix), a
+//! side that is not given is 1. Missing points are NaN.
+
+use std::io::Read;
+
+use super::bytes::{Number, at_end, exact, numbers};
+use super::lines::{excerpt, number};
+use super::window::Window;
+use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
+use crate::{LengthUnit, ReadError};
+
+/// The first line.
+pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+const FORMAT: &str = MapFormat::Gsf.name();
+/// Longest header: titles and notes of a few lines.
+const MOST_HEADER_BYTES: usize = 1 << 16;
+
+#[derive(Default)]
+struct Header {
+    pixels: [Option<u64>; 2],
+    side: [Option<f64>; 2],
+    lateral_unit: Option<LengthUnit>,
+    height_unit: Option<LengthUnit>,
+}
+
+pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let text = header_text(&mut source)?;
+    let (mut header, mut comments) = (Header::default(), Vec::new());
+    for line in text.lines().skip(1) {
+        let Some((key, value)) = line.split_once('=') else { continue };
+        let (key, value) = (key.trim(), value.trim());
+        keep_comment(&mut comments, &format!("{key}: {value}"));
+        let refused = |field, expected| ReadError::Field { format: FORMAT, field, value: excerpt(value), expected };
+        let pixels = |field| {
+            value.parse().ok().filter(|count| *count > 0).ok_or_else(|| refused(field, "a whole number from 1 up"))
+        };
+        let side = |field| number(value).filter(|side| *side > 0.0).ok_or_else(|| refused(field, "a length above 0"));
+        let unit = |field| match value {
+            "" => Ok(None),
+            name => name.parse().map(Some).map_err(|_| refused(field, "a unit of length, for instance m")),
+        };
+        match key {
+            "XRes" => header.pixels[1] = Some(pixels("XRes")?),
+            "YRes" => header.pixels[0] = Some(pixels("YRes")?),
+            "XReal" => header.side[1] = Some(side("XReal")?),
+            "YReal" => header.side[0] = Some(side("YReal")?),
+            "XYUnits" => header.lateral_unit = unit("XYUnits")?,
+            "ZUnits" => header.height_unit = unit("ZUnits")?,
+            _ => {}
+        }
+    }
+    let missing = |field| ReadError::Field {
+        format: FORMAT,
+        field,
+        value: String::new(),
+        expected: "the number of pixels, a whole number from 1 up",
+    };
+    let rows = header.pixels[0].ok_or_else(|| missing("YRes"))?;
+    let cols = header.pixels[1].ok_or_else(|| missing("XRes"))?;
+    let height_unit = options.height_unit.or(header.height_unit).ok_or(ReadError::NotGiven {
+        what: "unit of the heights",
+        expected: "ZUnits in the header, or a unit by option: m, cm, mm, um, nm, pm",
+    })?;
+    let pixel_m = match options.pixel_m {
+        Some(pixel_m) => pixel_m,
+        None => {
+            let unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
+                what: "unit of the sides",
+                expected: "XYUnits in the header, or a unit or a pixel size by option",
+            })?;
+            let pixel = |axis: usize, pixels: u64| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64);
+            [pixel(0, rows), pixel(1, cols)]
+        }
+    };
+    let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
+    // Both counts passed the window's check: the product fits.
+    let read_all = numbers(&mut source, FORMAT, Number::F32, false, rows.saturating_mul(cols), |values| {
+        window.push(values)?;
+        Ok(!window.is_full())
+    })?;
+    if read_all {
+        at_end(&mut source, FORMAT)?;
+    }
+    let whole = window.is_whole();
+    let map = window.finish(pixel_m, |height| height_unit.to_metres(height))?;
+    Ok(ReadMap { map, whole, format: MapFormat::Gsf, comments, notes: Vec::new() })
+}
+
+/// The header up to its zeros, which are read past.
+fn header_text(source: &mut impl Read) -> Result<String, ReadError> {
+    let mut bytes = Vec::new();
+    loop {
+        // The header ends within a group of four bytes: one to four zeros fill that group.
+        let group: [u8; 4] = exact(source, FORMAT, "header")?;
+        let text = group.iter().position(|&byte| byte == 0).unwrap_or(4);
+        if group[text..].iter().any(|&byte| byte != 0) {
+            return Err(ReadError::Field {
+                format: FORMAT,
+                field: "padding",
+                value: format!("{group:?}"),
+                expected: "zeros from the header's end to a multiple of four bytes",
+            });
+        }
+        bytes.extend_from_slice(&group[..text]);
+        if text < 4 {
+            return Ok(String::from_utf8_lossy(&bytes).into_owned());
+        }
+        if bytes.len() > MOST_HEADER_BYTES {
+            return Err(ReadError::HeaderTooLong { format: FORMAT, most_bytes: MOST_HEADER_BYTES });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_map;
+
+    /// A file of 2 x 3 heights with `extra` header lines.
+    fn file(extra: &str) -> Vec<u8> {
+        let mut bytes = format!("Gwyddion Simple Field 1.0\nXRes = 3\nYRes=2\n{extra}").into_bytes();
+        bytes.resize(bytes.len() + 4 - bytes.len() % 4, 0);
+        for height in [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0] {
+            bytes.extend_from_slice(&height.to_le_bytes());
+        }
+        bytes
+    }
+
+    #[test]
+    fn sides_units_and_every_length_of_padding() {
+        for title in ["", "T", "Ti", "Tit"] {
+            let extra = format!("XReal = 3e-6\nYReal = 4e-6\nXYUnits = m\nZUnits = nm\nTitle = {title}\n");
+            let read = read_map(&file(&extra)[..], &ReadOptions::default()).unwrap();
+            assert_eq!(read.format, MapFormat::Gsf);
+            let map = &read.map;
+            assert_eq!((map.rows(), map.cols(), map.missing()), (2, 3, 1));
+            assert!((map.dx_m() - 2e-6).abs() < 1e-20 && (map.dy_m() - 1e-6).abs() < 1e-20);
+            assert_eq!((map.heights_m()[1], map.heights_m()[4]), (2e-9, -5e-9));
+            assert!(read.comments.contains(&format!("Title: {title}")));
+        }
+    }
+
+    #[test]
+    fn what_the_header_does_not_say_must_be_given() {
+        let refused = |extra: &str| read_map(&file(extra)[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(refused("").contains("unit of the heights"));
+        assert!(refused("ZUnits = V\n").contains("\"V\""));
+        assert!(refused("ZUnits = m\n").contains("unit of the sides"));
+        assert!(refused("ZUnits = m\nXReal = -1\n").contains("XReal"));
+        let given = ReadOptions {
+            pixel_m: Some([1e-6; 2]),
+            height_unit: Some(LengthUnit::Micrometre),
+            ..ReadOptions::default()
+        };
+        assert_eq!(read_map(&file("")[..], &given).unwrap().map.heights_m()[5], 6e-6);
+        let longer = [file(""), vec![0]].concat();
+        assert!(read_map(&longer[..], &given).unwrap_err().to_string().contains("go on behind"));
+    }
+}

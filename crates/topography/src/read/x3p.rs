@@ -1,0 +1,267 @@
+//! XML 3-D surface (`.x3p`, ISO 25178-72): a zip archive with the index `main.xml`, the heights in a binary
+//! file that it names (x fastest, little endian) or as text within it, and perhaps a file of bits that says
+//! which points are valid (lowest bit first). All lengths are metres; a height is the number stored times the
+//! increment of the z axis plus its offset. Missing points are NaN, or not valid.
+
+use std::io::{BufReader, Cursor, Read};
+
+use zip::ZipArchive;
+use zip::read::ZipFile;
+
+use super::bytes::{at_end, numbers, unreadable};
+use super::window::Window;
+use super::x3p_index::{Heights, Index};
+use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
+use crate::{LengthUnit, ReadError};
+
+pub(super) const MAGIC: &[u8] = b"PK\x03\x04";
+pub(super) const FORMAT: &str = MapFormat::X3p.name();
+/// Largest archive: it is held in memory, for its directory stands at the end.
+const MOST_ARCHIVE_BYTES: u64 = 1 << 29;
+/// Largest index: heights of a few hundred thousand points fit as text; more stand in a binary file.
+const MOST_INDEX_BYTES: u64 = 1 << 24;
+
+pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut bytes = Vec::new();
+    let read = (&mut source)
+        .take(MOST_ARCHIVE_BYTES + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|error| unreadable(FORMAT, &error))?;
+    if read as u64 > MOST_ARCHIVE_BYTES {
+        return Err(refused("archive", format!("over {MOST_ARCHIVE_BYTES} bytes"), "at most 512 MiB"));
+    }
+    let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
+    let index = {
+        let file = entry(&mut archive, "main.xml")?;
+        if file.size() > MOST_INDEX_BYTES {
+            return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
+        }
+        Index::read(BufReader::new(file.take(MOST_INDEX_BYTES)))?
+    };
+    let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
+    match &index.heights {
+        Heights::File { path, valid: None } => {
+            let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+                keep_finite(values);
+                window.push(values)?;
+                Ok(!window.is_full())
+            })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+            }
+        }
+        Heights::File { path, valid: Some(valid_path) } => {
+            // Two entries are read side by side: two views of the same bytes.
+            let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
+            let mut bits = Bits::new(data_entry(&mut other, valid_path, index.points().div_ceil(8))?);
+            let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
+            let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
+                keep_finite(values);
+                for value in values.iter_mut() {
+                    if !bits.next()? {
+                        *value = f64::NAN;
+                    }
+                }
+                window.push(values)?;
+                Ok(!window.is_full())
+            })?;
+            if read_all {
+                at_end(&mut file, FORMAT)?;
+                at_end(&mut bits.source, FORMAT)?;
+            }
+        }
+        Heights::Listed(values) => {
+            if values.len() as u64 != index.points() {
+                let (expected, found) = (index.points(), values.len() as u64);
+                return Err(ReadError::Ended { format: FORMAT, what: "heights", expected, found });
+            }
+            window.push(values)?;
+        }
+    }
+    let lateral = |value: f64| options.lateral_unit.unwrap_or(LengthUnit::Metre).to_metres(value);
+    let pixel_m = options.pixel_m.unwrap_or([lateral(index.increment_m[1]), lateral(index.increment_m[0])]);
+    let unit = options.height_unit.unwrap_or(LengthUnit::Metre);
+    let [.., scale] = index.increment_m;
+    let whole = window.is_whole();
+    let map = window.finish(pixel_m, |height| unit.to_metres(height * scale + index.offset_z_m))?;
+    Ok(ReadMap { map, whole, format: MapFormat::X3p, comments: index.comments, notes: Vec::new() })
+}
+
+pub(super) fn refused(field: &'static str, value: String, expected: &'static str) -> ReadError {
+    ReadError::Field { format: FORMAT, field, value, expected }
+}
+
+fn broken(error: &zip::result::ZipError) -> ReadError {
+    unreadable(FORMAT, error)
+}
+
+type Archive<'b> = ZipArchive<Cursor<&'b [u8]>>;
+
+/// A file of the archive.
+fn entry<'a, 'b>(archive: &'a mut Archive<'b>, path: &str) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
+    archive.by_name(path).map_err(|error| match error {
+        zip::result::ZipError::FileNotFound => {
+            refused("archive", format!("no {}", super::lines::excerpt(path)), "the files of an X3P surface")
+        }
+        error => broken(&error),
+    })
+}
+
+/// A file of the archive that must unpack to `needed` bytes.
+fn data_entry<'a, 'b>(
+    archive: &'a mut Archive<'b>,
+    path: &str,
+    needed: u64,
+) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
+    let file = entry(archive, path)?;
+    if file.size() != needed {
+        let (expected, found) = (needed, file.size());
+        return Err(ReadError::Ended { format: FORMAT, what: "bytes of data", expected, found });
+    }
+    check_expansion(FORMAT, needed, file.compressed_size())?;
+    Ok(file)
+}
+
+/// Infinite heights mean missing ones.
+fn keep_finite(values: &mut [f64]) {
+    for value in values.iter_mut().filter(|value| value.is_infinite()) {
+        *value = f64::NAN;
+    }
+}
+
+/// Bits, lowest first.
+struct Bits<R> {
+    source: BufReader<R>,
+    byte: u8,
+    left: u32,
+}
+
+impl<R: Read> Bits<R> {
+    fn new(source: R) -> Self {
+        Self { source: BufReader::new(source), byte: 0, left: 0 }
+    }
+
+    fn next(&mut self) -> Result<bool, ReadError> {
+        if self.left == 0 {
+            [self.byte] = super::bytes::exact(&mut self.source, FORMAT, "validity")?;
+            self.left = 8;
+        }
+        let bit = self.byte & 1 == 1;
+        self.byte >>= 1;
+        self.left -= 1;
+        Ok(bit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+
+    use zip::write::SimpleFileOptions;
+
+    use super::*;
+    use crate::read_map;
+
+    const INDEX: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">
+ <Record1><Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>
+  <CX><AxisType>I</AxisType><DataType>D</DataType><Increment>1e-6</Increment><Offset>0</Offset></CX>
+  <CY><AxisType>I</AxisType><DataType>D</DataType><Increment>2e-6</Increment><Offset>0</Offset></CY>
+  <CZ><AxisType>A</AxisType><DataType>TYPE</DataType><Increment>1e-9</Increment><Offset>5e-9</Offset></CZ>
+ </Axes></Record1>
+ <Record2><Comment>a &lt;comment&gt;</Comment></Record2>
+ <Record3><MatrixDimension><SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ></MatrixDimension>DATA</Record3>
+</p:ISO5436_2>"#;
+
+    const LINK: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink>";
+    const LINKS: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink>\
+                         <ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>";
+
+    fn archive(index: &str, files: &[(&str, &[u8])]) -> Vec<u8> {
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+        for (name, bytes) in [("main.xml", index.as_bytes())].iter().chain(files) {
+            writer.start_file(*name, options).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        writer.finish().unwrap().into_inner()
+    }
+
+    fn index(kind: &str, data: &str) -> String {
+        INDEX.replace("TYPE", kind).replace("DATA", data)
+    }
+
+    fn check(bytes: &[u8]) {
+        let read = read_map(bytes, &ReadOptions::default()).unwrap();
+        let map = &read.map;
+        assert_eq!((read.format, map.rows(), map.cols(), map.missing()), (MapFormat::X3p, 2, 3, 1));
+        assert_eq!((map.dx_m(), map.dy_m()), (2e-6, 1e-6));
+        for (found, expected) in map.heights_m().iter().zip([6.0, 7.0, 8.0, f64::NAN, 0.0, 11.0]) {
+            assert!(expected.is_nan() || (found * 1e9 - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        assert!(read.comments.contains(&"Comment: a <comment>".to_owned()), "{:?}", read.comments);
+    }
+
+    #[test]
+    fn every_way_to_store_heights_gives_the_same_map() {
+        let floats: Vec<u8> = [1.0_f32, 2.0, 3.0, f32::NAN, -5.0, 6.0].into_iter().flat_map(f32::to_le_bytes).collect();
+        check(&archive(&index("F", LINK), &[("bindata/data.bin", &floats)]));
+        let shorts: Vec<u8> = [1_i16, 2, 3, 99, -5, 6].into_iter().flat_map(i16::to_le_bytes).collect();
+        let valid = [0b11_0111_u8];
+        check(&archive(&index("I", LINKS), &[("bindata/data.bin", &shorts), ("bindata/valid.bin", &valid)]));
+        let listed = "<DataList><Datum>1</Datum><Datum>2</Datum><Datum>3.0</Datum><Datum></Datum>\
+                      <Datum>-5</Datum><Datum> 6 </Datum></DataList>";
+        check(&archive(&index("D", listed), &[]));
+        check(&archive(&index("D", &listed.replace("<Datum></Datum>", "<Datum/>")), &[]));
+    }
+
+    #[test]
+    fn archives_that_lie_are_refused_by_name() {
+        let refused = |bytes: &[u8]| read_map(bytes, &ReadOptions::default()).unwrap_err().to_string();
+        let data = [0; 48];
+        let whole = |xml: &str| refused(&archive(xml, &[("bindata/data.bin", &data)]));
+        assert!(refused(&archive(&index("D", LINK), &[])).contains("no bindata/data.bin"));
+        assert!(refused(&archive(&index("D", LINK), &[("bindata/data.bin", &data[1..])])).contains("47"));
+        assert!(whole(&index("X", LINK)).contains("DataType"));
+        assert!(whole(&index("D", LINK).replace(">SUR<", ">PCL<")).contains("FeatureType"));
+        assert!(whole(&index("D", LINK).replace("<SizeX>3", "<SizeX>4000000000")).contains("expected at most"));
+        assert!(whole(&index("D", LINK).replace("<SizeX>3", "<SizeX>-3")).contains("SizeX"));
+        assert!(whole(&index("D", LINK).replace("<SizeZ>1", "<SizeZ>2")).contains("SizeZ"));
+        assert!(whole(&index("D", LINK).replace("1e-6", "fine")).contains("Increment"));
+        assert!(whole(&index("D", "")).contains("PointDataLink"));
+        assert!(whole("<p><Record1>").contains("main.xml"));
+        assert!(refused(b"PK\x03\x04 and then nothing").contains("surface (.x3p)"));
+    }
+
+    #[test]
+    fn damaged_heights_fail_their_check_sum() {
+        let data: Vec<u8> = [1.0_f64, 2.0, 3.0, 4.0, 5.0, 6.0].into_iter().flat_map(f64::to_le_bytes).collect();
+        let mut writer = zip::ZipWriter::new(Cursor::new(Vec::new()));
+        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        for (name, bytes) in [("main.xml", index("D", LINK).as_bytes()), ("bindata/data.bin", &data[..])] {
+            writer.start_file(name, stored).unwrap();
+            writer.write_all(bytes).unwrap();
+        }
+        let mut bytes = writer.finish().unwrap().into_inner();
+        assert!(read_map(&bytes[..], &ReadOptions::default()).is_ok());
+        let at = bytes.windows(8).position(|part| part == 5.0_f64.to_le_bytes()).unwrap();
+        bytes[at + 6] ^= 1;
+        let message = read_map(&bytes[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("checksum"), "{message}");
+    }
+
+    #[test]
+    fn zip_bombs_are_refused_before_they_unpack() {
+        // 3 million equal heights pack to a thousandth.
+        let size = index("D", LINK).replace("<SizeX>3", "<SizeX>2000").replace("<SizeY>2", "<SizeY>1500");
+        let zeros = vec![0; 8 * 3_000_000];
+        let bomb = archive(&size, &[("bindata/data.bin", &zeros)]);
+        drop(zeros);
+        let message = read_map(&bomb[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("unpacks to 24000000 bytes"), "{message}");
+        let xml = index("D", LINK) + &" ".repeat(MOST_INDEX_BYTES as usize);
+        let message = read_map(&archive(&xml, &[])[..], &ReadOptions::default()).unwrap_err().to_string();
+        assert!(message.contains("main.xml"), "{message}");
+    }
+}

@@ -1,0 +1,279 @@
+//! Heights as points x y z, in any order, on a regular grid of which points may be missing.
+
+use super::ReadOptions;
+use super::header::Header;
+use super::lines::{Delimiter, excerpt, height, number};
+use super::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
+use super::scan::Scan;
+use crate::map::MOST_POINTS;
+use crate::{HeightMap, LengthUnit, MapError, ReadError};
+
+/// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
+/// map, well above rounding.
+const SAME_COORDINATE: f64 = 1e-7;
+/// Largest distance of a point from its grid line, in steps: files round their coordinates.
+const OFF_GRID: f64 = 0.2;
+/// Most grid nodes for each point present. Sparser grids come from coordinates that are on no grid.
+const MOST_NODES_PER_POINT: usize = 20;
+
+/// A point in the text's units, and the line that it stands on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) z: f64,
+    pub(super) line: usize,
+}
+
+/// Points read so far: a scan as long as they keep its order.
+#[derive(Debug)]
+enum Points {
+    Scan(Scan),
+    Any(Vec<Point>),
+}
+
+impl Points {
+    const fn len(&self) -> usize {
+        match self {
+            Self::Scan(scan) => scan.len(),
+            Self::Any(points) => points.len(),
+        }
+    }
+}
+
+/// Reads points line by line.
+#[derive(Debug)]
+pub(super) struct XyzReader {
+    delimiter: Option<Delimiter>,
+    points: Points,
+}
+
+impl Default for XyzReader {
+    fn default() -> Self {
+        Self { delimiter: None, points: Points::Scan(Scan::default()) }
+    }
+}
+
+impl XyzReader {
+    pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
+        let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(text));
+        let mut fields = delimiter.fields(text);
+        let (Some(x), Some(y), Some(z), None) = (fields.next(), fields.next(), fields.next(), fields.next()) else {
+            return Err(ReadError::RowLength { line, found: delimiter.fields(text).count(), expected: 3 });
+        };
+        let refused = |column, field, expected| ReadError::NotANumber { line, column, value: excerpt(field), expected };
+        let coordinate =
+            |column, field| number(field).ok_or_else(|| refused(column, field, "a coordinate with a decimal point"));
+        let z = height(z)
+            .ok_or_else(|| refused(3, z, "a height with a decimal point, or NaN, BAD, --- where it is missing"))?;
+        if self.points.len() == MOST_POINTS {
+            let points = self.points.len() as f64 + 1.0;
+            return Err(MapError::TooManyPoints { points, most: MOST_POINTS }.into());
+        }
+        let point = Point { x: coordinate(1, x)?, y: coordinate(2, y)?, z: z.unwrap_or(f64::NAN), line };
+        match &mut self.points {
+            Points::Any(points) => points.push(point),
+            Points::Scan(scan) => {
+                if !scan.push(point) {
+                    self.points = Points::Any(scan.points().chain([point]).collect());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(self, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
+        let height_unit = options
+            .height_unit
+            .or(header.value_unit)
+            .ok_or(ReadError::NotGiven { what: "unit of the heights", expected: HOW_TO_GIVE_HEIGHT_UNIT })?;
+        let lateral_unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
+            what: "unit of x and y",
+            expected: "a header line such as \"# XY units: um\", titles such as x_um,y_um,z_um, or a unit by option",
+        })?;
+        let map = |[along_x, along_y]: [GridLines; 2], height_m| {
+            let [dx_m, dy_m] = [along_x.step, along_y.step].map(|step| lateral_unit.to_metres(step));
+            Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)
+        };
+        let points = match self.points {
+            Points::Any(points) => points,
+            Points::Scan(scan) => match from_scan(&scan, height_unit) {
+                Some((grid, height_m)) => {
+                    drop(scan);
+                    return map(grid, height_m);
+                }
+                None => scan.points().collect(),
+            },
+        };
+        let (grid, height_m) = from_points(&points, height_unit)?;
+        drop(points);
+        map(grid, height_m)
+    }
+}
+
+/// The grid of a scan that lacks no point of it, and its heights in metres.
+fn from_scan(scan: &Scan, unit: LengthUnit) -> Option<([GridLines; 2], Vec<f64>)> {
+    let ([x, y], z) = scan.grid()?;
+    let along_x = GridLines::find("x", x.iter().copied()).ok()?;
+    let along_y = GridLines::find("y", y.iter().copied()).ok()?;
+    let order_x = along_x.order(x)?;
+    let order_y = along_y.order(y)?;
+    let mut height_m = Vec::with_capacity(z.len());
+    for &i in &order_x {
+        height_m.extend(order_y.iter().map(|&j| unit.to_metres(z[scan.place(i, j)])));
+    }
+    Some(([along_x, along_y], height_m))
+}
+
+/// The grid of points in any order, and its heights in metres, NaN where no point is.
+fn from_points(points: &[Point], unit: LengthUnit) -> Result<([GridLines; 2], Vec<f64>), ReadError> {
+    let along_x = GridLines::find("x", points.iter().map(|point| point.x))?;
+    let along_y = GridLines::find("y", points.iter().map(|point| point.y))?;
+    let nodes = along_x.count * along_y.count;
+    if nodes > (MOST_NODES_PER_POINT * points.len()) as f64 {
+        return Err(ReadError::Sparse {
+            points: points.len(),
+            rows: along_x.count,
+            cols: along_y.count,
+            most_nodes_per_point: MOST_NODES_PER_POINT,
+        });
+    }
+    if nodes > MOST_POINTS as f64 {
+        return Err(MapError::TooManyPoints { points: nodes, most: MOST_POINTS }.into());
+    }
+    let (rows, cols) = (along_x.count as usize, along_y.count as usize);
+    let mut height_m = vec![f64::NAN; rows * cols];
+    let mut given = vec![false; rows * cols];
+    let node = |point: &Point| {
+        Ok::<_, ReadError>(along_x.index("x", point.x, point.line)? * cols + along_y.index("y", point.y, point.line)?)
+    };
+    for (count, point) in points.iter().enumerate() {
+        let at = node(point)?;
+        if given[at] {
+            let before = points[..count].iter().find(|before| node(before) == Ok(at));
+            let (line, earlier) = (point.line, before.map_or(0, |before| before.line));
+            return Err(ReadError::Duplicate { line, earlier, x: point.x, y: point.y });
+        }
+        given[at] = true;
+        height_m[at] = unit.to_metres(point.z);
+    }
+    Ok(([along_x, along_y], height_m))
+}
+
+/// Equally spaced coordinates: first, first + step, ..., `count` of them (whole, as a float).
+#[derive(Clone, Copy, Debug)]
+struct GridLines {
+    first: f64,
+    step: f64,
+    count: f64,
+}
+
+impl GridLines {
+    /// The grid that the `coordinates` lie on.
+    fn find(axis: &'static str, coordinates: impl Iterator<Item = f64>) -> Result<Self, ReadError> {
+        let mut sorted: Vec<f64> = coordinates.collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let first = sorted.first().copied().unwrap_or_default();
+        let last = sorted.last().copied().unwrap_or_default();
+        // Halves, so that the range of the largest numbers stays finite.
+        let same = 2.0 * SAME_COORDINATE * (0.5 * last - 0.5 * first);
+        let gaps = || sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(move |gap| *gap > same);
+        let smallest = gaps().fold(f64::INFINITY, f64::min);
+        if !(smallest.is_finite() && smallest > 0.0) {
+            return Err(ReadError::OneLine { axis, value: first });
+        }
+        // Rounded coordinates make the smallest gap a poor step, but the number of steps in each gap is
+        // certain; the whole range over their sum is the step.
+        let steps: f64 = gaps().map(|gap| (gap / smallest).round()).sum();
+        Ok(Self { first, step: last / steps - first / steps, count: steps + 1.0 })
+    }
+
+    /// Which of the `values` lies on the first grid line, the second, ...; `None` unless each has exactly one.
+    fn order(&self, values: &[f64]) -> Option<Vec<usize>> {
+        if self.count != values.len() as f64 {
+            return None;
+        }
+        let mut order = vec![usize::MAX; values.len()];
+        for (n, &value) in values.iter().enumerate() {
+            *order.get_mut(self.index("", value, 0).ok()?)? = n;
+        }
+        order.iter().all(|&n| n != usize::MAX).then_some(order)
+    }
+
+    /// The grid line that `value` lies on.
+    fn index(&self, axis: &'static str, value: f64, line: usize) -> Result<usize, ReadError> {
+        let steps = (value - self.first) / self.step;
+        let nearest = steps.round();
+        if (steps - nearest).abs() > OFF_GRID || !(0.0..self.count).contains(&nearest) {
+            return Err(ReadError::OffGrid { line, axis, value, step: self.step });
+        }
+        Ok(nearest as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read_map;
+
+    const UM: Option<LengthUnit> = Some(LengthUnit::Micrometre);
+    const GIVEN: ReadOptions = ReadOptions { height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
+
+    /// 4 x 3 points, x slow: the height says where they are.
+    fn scan() -> Vec<String> {
+        (0..12).map(|n| format!("{} {} {n}\n", 0.5 * f64::from(n / 3), 0.25 * f64::from(n % 3))).collect()
+    }
+
+    fn read(lines: &[String]) -> Result<HeightMap, ReadError> {
+        read_map(lines.concat().as_bytes(), &GIVEN).map(|read| read.map)
+    }
+
+    #[test]
+    fn every_order_of_the_points_gives_the_same_map() {
+        let whole = read(&scan()).unwrap();
+        assert_eq!((whole.rows(), whole.cols(), whole.dx_m(), whole.dy_m()), (4, 3, 0.5e-6, 0.25e-6));
+        assert!(whole.heights_m().iter().enumerate().all(|(n, h)| (h - 1e-6 * n as f64).abs() < 1e-20));
+        let by = |order: &dyn Fn(usize) -> usize| (0..12).map(|n| scan()[order(n)].clone()).collect::<Vec<_>>();
+        let y_slow = |n: usize| n % 4 * 3 + n / 4;
+        // Backwards, y slow, y slow from the far side, back and forth, and in no order.
+        let back_and_forth = |n: usize| if (n / 3).is_multiple_of(2) { n } else { n / 3 * 3 + 2 - n % 3 };
+        let orders: [&dyn Fn(usize) -> usize; 5] =
+            [&|n| 11 - n, &y_slow, &|n| y_slow(11 - n), &back_and_forth, &|n| n * 5 % 12];
+        for order in orders {
+            assert_eq!(read(&by(order)).unwrap(), whole);
+        }
+        // Empty lines part the lines of a scan, or stand anywhere.
+        let mut gaps = scan();
+        gaps.insert(6, "\n".to_owned());
+        assert_eq!(read(&gaps).unwrap(), whole);
+        gaps.insert(2, "\n".to_owned());
+        assert_eq!(read(&gaps).unwrap(), whole);
+    }
+
+    #[test]
+    fn a_scan_that_breaks_off_or_skips_points_has_holes() {
+        for absent in [0, 1, 4, 7, 11] {
+            let mut lines = scan();
+            lines.remove(absent);
+            let map = read(&lines).unwrap();
+            assert_eq!((map.rows(), map.cols(), map.missing()), (4, 3, 1), "{absent}");
+            assert!(map.heights_m()[absent].is_nan());
+        }
+        // A whole line of the scan is absent.
+        let lines: Vec<String> =
+            scan().into_iter().enumerate().filter(|(n, _)| n / 3 != 2).map(|(_, line)| line).collect();
+        let map = read(&lines).unwrap();
+        assert_eq!((map.rows(), map.cols(), map.missing()), (4, 3, 3));
+    }
+
+    #[test]
+    fn a_point_given_twice_is_refused_with_both_lines() {
+        for (copy, at) in [(0, 1), (2, 3), (3, 6), (1, 12)] {
+            let mut lines = scan();
+            lines.insert(at, lines[copy].clone());
+            let message = read(&lines).unwrap_err().to_string();
+            assert!(message.starts_with(&format!("line {}: ", at + 1)), "{message}");
+            assert!(message.contains(&format!("on line {} already", copy + 1)), "{message}");
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Damaged and hostile files of every format: read or refused, never a panic, never much memory.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+use std::path::Path;
+
+use peak_alloc::PeakAlloc;
+use slipgrid_topography::{Crop, Decimation, DecimationMethod, LengthUnit, ReadError, ReadOptions, read_map};
+
+/// Counts what is allocated; this file holds a single test, for threads share it.
+#[global_allocator]
+static PEAK: PeakAlloc = PeakAlloc;
+
+/// Most memory that reading a file of a few kilobytes may take, whatever it claims: pieces of numbers, the
+/// state of an unpacker, and what a few kilobytes can unpack to.
+const MOST_BYTES: usize = 8 << 20;
+/// Damaged files of each sample.
+const ROUNDS: usize = 3000;
+
+/// A small, fixed generator.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 33) as usize) % limit
+    }
+}
+
+/// Numbers that headers should not hold.
+const NUMBERS: [u64; 10] = [0, 1, 0x7f, 0xff, 0x7fff, 0xffff, 0x7fff_ffff, 0xffff_ffff, u64::MAX >> 1, u64::MAX];
+const WORDS: [&[u8]; 14] = [
+    b"99999999999",
+    b"-1",
+    b"0",
+    b"1e308",
+    b"nan",
+    b"NaN",
+    b"inf",
+    b"1e-320",
+    b"",
+    b"*\n",
+    b"\n",
+    b"BAD",
+    b"<a>",
+    b"&x;",
+];
+
+fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
+    let at = random.below(bytes.len().max(1)).min(bytes.len().saturating_sub(1));
+    // Headers are where lies pay.
+    let at = if random.below(2) == 0 { at % 700 } else { at }.min(bytes.len().saturating_sub(1));
+    match random.below(7) {
+        0 => bytes.truncate(at),
+        1 => bytes[at] ^= 1 << random.below(8),
+        2 => bytes[at] = random.below(256) as u8,
+        3 => {
+            let number = NUMBERS[random.below(NUMBERS.len())].to_le_bytes();
+            let width = 1 << random.below(4);
+            for (target, source) in bytes[at..].iter_mut().zip(&number[..width]) {
+                *target = *source;
+            }
+        }
+        4 => {
+            // Replace a run of digits, the way a lying text header would.
+            let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit).map(|offset| at + offset) else { return };
+            let end = bytes[start..].iter().position(|b| !b.is_ascii_digit()).map_or(bytes.len(), |n| start + n);
+            bytes.splice(start..end, WORDS[random.below(WORDS.len())].iter().copied());
+        }
+        5 => {
+            let length = random.below(64).min(bytes.len() - at);
+            bytes.drain(at..at + length);
+        }
+        _ => {
+            let length = random.below(200).min(bytes.len() - at);
+            let copy = bytes[at..at + length].to_vec();
+            let to = random.below(bytes.len());
+            bytes.splice(to..to, copy);
+        }
+    }
+}
+
+fn samples() -> Vec<(String, Vec<u8>)> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference"));
+    let mut samples: Vec<(String, Vec<u8>)> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap())
+        .filter(|entry| {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            name != "iso.npy"
+                && [".sdf", ".sur", ".x3p", ".gsf", ".npy", ".asc", ".xyz"].iter().any(|ext| name.ends_with(ext))
+        })
+        .map(|entry| (entry.file_name().to_string_lossy().into_owned(), std::fs::read(entry.path()).unwrap()))
+        .collect();
+    samples.sort();
+    let text = |name: &str, text: &str| (name.to_owned(), text.as_bytes().to_vec());
+    samples.push(text(
+        "matrix",
+        "# Channel: Z\n# Width: 3 um\n# Height: 4 um\n# Value units: nm\n1\t2\tNaN\n4\tBAD\t---\n7\t8\t9\n",
+    ));
+    samples.push(text("points", "x_um;y_um;z_nm\n0;0;1\n0;1;2\n1;0;3\n1;1;BAD\n2;0;5\n2;1;6\n"));
+    samples.push(text("table", "\"1\",\"2\",\"3\",\"4\"\n5,6,7,8\n1,,3,4\n"));
+    samples
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_within_bounded_memory() {
+    let given = ReadOptions {
+        pixel_m: Some([1e-6, 2e-6]),
+        height_unit: Some(LengthUnit::Micrometre),
+        lateral_unit: Some(LengthUnit::Micrometre),
+        ..ReadOptions::default()
+    };
+    let part = ReadOptions {
+        crop: Some(Crop { first_row: 1, first_col: 0, rows: 4, cols: 3 }),
+        decimation: Some(Decimation { factor: 2, method: DecimationMethod::Mean }),
+        ..given
+    };
+    let mut random = Random(71);
+    let (mut read, mut refused, mut most) = (0, 0, 0);
+    for (name, whole) in samples() {
+        assert!(read_map(&whole[..], &given).is_ok(), "{name} itself");
+        for _ in 0..ROUNDS {
+            let mut bytes = whole.clone();
+            for _ in 0..=random.below(4) {
+                if !bytes.is_empty() {
+                    damage(&mut bytes, &mut random);
+                }
+            }
+            for options in [ReadOptions::default(), given, part] {
+                let before = PEAK.current_usage();
+                PEAK.reset_peak_usage();
+                let outcome = read_map(&bytes[..], &options);
+                let used = PEAK.peak_usage().saturating_sub(before);
+                assert!(used < MOST_BYTES, "{name}: {used} bytes for {:?}", outcome.map(|read| read.map.rows()));
+                most = most.max(used);
+                match outcome {
+                    Ok(found) => {
+                        let map = found.map;
+                        assert!(map.rows() >= 2 && map.cols() >= 2 && map.missing() < map.rows() * map.cols());
+                        read += 1;
+                    }
+                    Err(error) => {
+                        assert!(!error.to_string().is_empty() && error.to_string().len() < 500, "{error}");
+                        refused += 1;
+                    }
+                }
+            }
+        }
+    }
+    // Damage is neither harmless nor always fatal; and the bound is one that is nearly used.
+    assert!(read > 5_000 && refused > 20_000, "{read} read, {refused} refused");
+    assert!(most > MOST_BYTES / 100, "{most} bytes at most");
+    no_height_at_all();
+    claims_are_never_reserved();
+}
+
+/// NaN everywhere.
+fn no_height_at_all() {
+    let mut bytes = b"Gwyddion Simple Field 1.0\nXRes = 40\nYRes = 50\nZUnits = m\nXYUnits = m\n".to_vec();
+    bytes.resize(bytes.len() + 4 - bytes.len() % 4, 0);
+    bytes.extend((0..2000).flat_map(|_| f32::NAN.to_le_bytes()));
+    let error = read_map(&bytes[..], &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("all 2000 points are missing"), "{error}");
+}
+
+/// A header may claim as many points as a map can have: what is reserved follows what arrives.
+fn claims_are_never_reserved() {
+    let header = "{'descr': '<f8', 'fortran_order': False, 'shape': (5000, 5000)}";
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend_from_slice(&(header.len() as u16).to_le_bytes());
+    bytes.extend_from_slice(header.as_bytes());
+    bytes.extend_from_slice(&[0; 800]);
+    let given =
+        ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: Some(LengthUnit::Micrometre), ..ReadOptions::default() };
+    let before = PEAK.current_usage();
+    PEAK.reset_peak_usage();
+    let error = read_map(&bytes[..], &given).unwrap_err();
+    assert!(matches!(error, ReadError::Ended { expected: 25_000_000, found: 100, .. }), "{error}");
+    assert!(PEAK.peak_usage() - before < 1 << 20);
+    // Twenty-five million points decimated by 10 take the memory of a quarter of a million.
+    let header_bytes = bytes.len() - 800;
+    let endless = std::io::BufReader::new(std::io::Read::chain(
+        &bytes[..header_bytes],
+        std::io::Read::take(std::io::repeat(0), 200_000_000),
+    ));
+    let decimation = Some(Decimation { factor: 10, method: DecimationMethod::Mean });
+    let before = PEAK.current_usage();
+    PEAK.reset_peak_usage();
+    let map = read_map(endless, &ReadOptions { decimation, ..given }).unwrap().map;
+    assert_eq!((map.rows(), map.cols()), (500, 500));
+    assert!((map.dx_m() - 1e-5).abs() < 1e-15);
+    let used = PEAK.peak_usage() - before;
+    assert!(used < 8 << 20, "{used} bytes");
+}

@@ -1,0 +1,69 @@
+//! Files that other programs wrote, and what other programs read from them (`reference/make.py`).
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+use std::path::Path;
+
+use serde_json::Value;
+use slipgrid_topography::{HeightMap, LengthUnit, ReadOptions, read_map};
+
+fn folder() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference"))
+}
+
+fn readings() -> Value {
+    serde_json::from_slice(&std::fs::read(folder().join("readings.json")).unwrap()).unwrap()
+}
+
+fn read(name: &str) -> HeightMap {
+    // An array knows neither pixel nor unit, points know no unit.
+    let options = if name.ends_with(".npy") {
+        ReadOptions {
+            pixel_m: Some([2.5e-6, 1.5e-6]),
+            height_unit: Some(LengthUnit::Micrometre),
+            ..ReadOptions::default()
+        }
+    } else if name.ends_with(".xyz") {
+        let unit = Some(LengthUnit::Micrometre);
+        ReadOptions { height_unit: unit, lateral_unit: unit, ..ReadOptions::default() }
+    } else {
+        ReadOptions::default()
+    };
+    let bytes = std::fs::read(folder().join(name)).unwrap();
+    read_map(&bytes[..], &options).unwrap_or_else(|error| panic!("{name}: {error}")).map
+}
+
+#[test]
+fn validation_files_of_other_programs_read_as_others_read_them() {
+    let readings = readings();
+    let readings = readings.as_object().unwrap();
+    assert_eq!(readings.len(), 16);
+    for (name, expected) in readings {
+        let map = read(name);
+        let number = |key: &str| expected[key].as_f64().unwrap();
+        assert_eq!(map.rows() as f64, number("lines"), "{name}");
+        assert_eq!(map.cols() as f64, number("points"), "{name}");
+        assert_eq!(map.missing() as f64, number("missing"), "{name}");
+        assert!((map.dx_m() * 1e6 - number("step_y_um")).abs() < 1e-6, "{name}: {}", map.dx_m());
+        assert!((map.dy_m() * 1e6 - number("step_x_um")).abs() < 1e-6, "{name}: {}", map.dy_m());
+        let heights_um: Vec<f64> = map.heights_m().iter().map(|height| height * 1e6).collect();
+        let line = &heights_um[3 * map.cols()..];
+        let listed: Vec<Option<f64>> =
+            expected["third_line_um"].as_array().unwrap().iter().map(Value::as_f64).collect();
+        // Some readers leave an offset out: then only differences can agree.
+        let shift = if expected.get("without_offset").is_some() { line[0] - listed[0].unwrap() } else { 0.0 };
+        // Heights in single precision, up to 3 um: 2e-7 um; the sum of 403 of them.
+        let close = |found: f64, expected: f64| (found - shift - expected).abs() < 2e-7;
+        for (found, listed) in line.iter().zip(&listed) {
+            match listed {
+                Some(listed) => assert!(close(*found, *listed), "{name}: {found} and {listed}"),
+                None => assert!(found.is_nan(), "{name}"),
+            }
+        }
+        let present = || heights_um.iter().copied().filter(|height| !height.is_nan());
+        assert!(close(present().fold(f64::INFINITY, f64::min), number("least_um")), "{name}");
+        assert!(close(present().fold(f64::NEG_INFINITY, f64::max), number("greatest_um")), "{name}");
+        let count = present().count() as f64;
+        assert!(close(present().sum::<f64>() / count, number("sum_um") / count), "{name}");
+    }
+}
