@@ -1,0 +1,52 @@
+//! Interface pressure of a cell of squares against finite elements: trilinear hexahedra by scikit-fem, their own mesh,
+//! equations and solver (`cell_pressure.py` beside this file made the table beside it).
+
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_springblock::{SolidLattice, SolidLoad, SolidSteadyModel, Status};
+
+/// Mean pressures over the nominal one on squares of 10 um: mu, x and y in micrometres, the value extrapolated to
+/// vanishing elements and, last, what its extrapolation changed.
+fn table() -> Vec<[f64; 5]> {
+    include_str!("cell_pressure.csv")
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+            let [finest, extrapolated] = [5, 6].map(|field: usize| fields[field]);
+            [fields[0], fields[1], fields[2], extrapolated, (extrapolated - finest).abs()]
+        })
+        .collect()
+}
+
+/// Largest and root mean square difference from the table in blocks of `block_um`, over the nominal pressure.
+fn difference(mu: f64, block_um: f64) -> [f64; 2] {
+    let pattern = Pattern::new(Planform::Square, 60e-6, 100e-6, 20e-6).unwrap();
+    let rows = (80.0 / block_um).round() as usize;
+    let model =
+        SolidSteadyModel::new(SolidLattice::cell(&pattern, block_um * 1e-6, rows), block_um * 1e-6, 0.38e9, false);
+    let load = SolidLoad { pressure_pa: 1e6, dynamic_mu: mu, area_law: None, direction: [1.0, 0.0] };
+    let outcome = model.solve(&load);
+    assert!(matches!(outcome.status, Status::Converged | Status::NoFriction), "{}", outcome.residual);
+    // Means over squares of 10 um.
+    let mut mean = [[0.0; 16]; 16];
+    let share = (block_um / 10.0).powi(2);
+    for point in &outcome.interface {
+        let patch = |at_m: f64| (at_m * 1e5) as usize;
+        mean[patch(point.x_m)][patch(point.y_m)] += share * point.pressure_pa / 1e6;
+    }
+    let rows: Vec<[f64; 5]> = table().into_iter().filter(|row| row[0] == mu).collect();
+    let differences: Vec<f64> = rows
+        .iter()
+        .map(|[_, x_um, y_um, pressure, _]| mean[(x_um / 10.0) as usize][(y_um / 10.0) as usize] - pressure)
+        .collect();
+    let largest = differences.iter().fold(0.0, |most: f64, d| most.max(d.abs()));
+    [largest, (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt()]
+}
+
+#[test]
+fn pressure_under_squares_converges_to_that_of_finite_elements() {
+    for mu in [0.0, 0.27] {
+        let [coarse, middle, fine] = [10.0, 5.0, 2.5].map(|block_um| difference(mu, block_um));
+        println!("mu {mu}: largest and root mean square difference {coarse:.4?} {middle:.4?} {fine:.4?}");
+    }
+}
