@@ -219,6 +219,11 @@ impl<'a> ContactLayer<'a> {
     }
 }
 
+#[inline(always)]
+fn dot<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> S::f64s {
+    simd.add_f64s(simd.mul_f64s(a[0], b[0]), simd.mul_f64s(a[1], b[1]))
+}
+
 /// The pass over blocks that go on as they were; whether it left any.
 struct Pass<'a> {
     columns: &'a Columns,
@@ -245,37 +250,42 @@ impl WithSimd for Pass<'_> {
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
         let (starting_mu, dynamic_mu) = (column(&c.starting_mu), column(&c.dynamic_mu));
-        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
-        let dot = |a: [S::f64s; 2], b: [S::f64s; 2]| add(mul(a[0], b[0]), mul(a[1], b[1]));
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let kept = simd.splat_f64s(kept);
         let mut any = zero;
         for i in 0..vectors {
             let (v, force, pressing) = ([vx[i], vy[i]], [fx[i], fy[i]], simd.neg_f64s(fz[i]));
-            let grip = add(constant[i], mul(pressing, add(linear[i], mul(pressing, quadratic[i]))));
+            let bent = simd.mul_f64s(pressing, quadratic[i]);
+            let grip = simd.add_f64s(constant[i], simd.mul_f64s(pressing, simd.add_f64s(linear[i], bent)));
             let known =
                 simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
             let at_rest = simd.and_m64s(simd.equal_f64s(v[0], zero), simd.equal_f64s(v[1], zero));
-            let threshold = mul(starting_mu[i], grip);
-            let held = simd.less_than_or_equal_f64s(dot(force, force), mul(threshold, threshold));
-            let free = [0, 1].map(|c: usize| add(mul(kept, v[c]), mul(kick[i], force[c])));
+            let threshold = simd.mul_f64s(starting_mu[i], grip);
+            let held = simd.less_than_or_equal_f64s(dot(simd, force, force), simd.mul_f64s(threshold, threshold));
+            let free_x = simd.add_f64s(simd.mul_f64s(kept, v[0]), simd.mul_f64s(kick[i], force[0]));
+            let free_y = simd.add_f64s(simd.mul_f64s(kept, v[1]), simd.mul_f64s(kick[i], force[1]));
             // mu_d f(p) F_n against the mean of the velocities before and after the step
-            let along = [add(free[0], v[0]), add(free[1], v[1])];
-            let per_length = simd.div_f64s(mul(dynamic_mu[i], grip), simd.sqrt_f64s(dot(along, along)));
-            let resistance = along.map(|along| mul(per_length, along));
-            let slowed = [0, 1].map(|c: usize| sub(free[c], mul(kick[i], resistance[c])));
-            let slides_on =
-                simd.and_m64s(simd.less_than_f64s(zero, dot(free, v)), simd.less_than_f64s(zero, dot(slowed, v)));
+            let along = [simd.add_f64s(free_x, v[0]), simd.add_f64s(free_y, v[1])];
+            let length = simd.sqrt_f64s(dot(simd, along, along));
+            let per_length = simd.div_f64s(simd.mul_f64s(dynamic_mu[i], grip), length);
+            let resistance_x = simd.mul_f64s(per_length, along[0]);
+            let resistance_y = simd.mul_f64s(per_length, along[1]);
+            let slowed_x = simd.sub_f64s(free_x, simd.mul_f64s(kick[i], resistance_x));
+            let slowed_y = simd.sub_f64s(free_y, simd.mul_f64s(kick[i], resistance_y));
+            let slides_on = simd.and_m64s(
+                simd.less_than_f64s(zero, dot(simd, [free_x, free_y], v)),
+                simd.less_than_f64s(zero, dot(simd, [slowed_x, slowed_y], v)),
+            );
             // At rest v is 0 and it cannot slide on.
             let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
             let moves = simd.and_m64s(goes_on, slides_on);
-            vx[i] = simd.select_f64s(moves, slowed[0], v[0]);
-            vy[i] = simd.select_f64s(moves, slowed[1], v[1]);
-            rx[i] = simd.select_f64s(at_rest, force[0], resistance[0]);
-            ry[i] = simd.select_f64s(at_rest, force[1], resistance[1]);
+            vx[i] = simd.select_f64s(moves, slowed_x, v[0]);
+            vy[i] = simd.select_f64s(moves, slowed_y, v[1]);
+            rx[i] = simd.select_f64s(at_rest, force[0], resistance_x);
+            ry[i] = simd.select_f64s(at_rest, force[1], resistance_y);
             normal[i] = pressing;
             left[i] = simd.select_f64s(goes_on, zero, one);
-            any = add(any, left[i]);
+            any = simd.add_f64s(any, left[i]);
         }
         simd.reduce_sum_f64s(any) > 0.0
     }

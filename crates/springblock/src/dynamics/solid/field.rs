@@ -2,6 +2,11 @@
 
 use super::super::rows::{LINE, Plane};
 
+/// Sets of a first-level cache.
+const SETS: usize = 64;
+/// Sets by which neighbouring layers are kept apart: a sweep along y stays in as many rows at a time.
+const APART: usize = 12;
+
 /// x, y and z displacements: at an instant, and one step before it or after it.
 ///
 /// Column i of row j (along y) of layer k is at `LINE + k * layer + (j + 1) * stride + i`: the row before row 0 and the
@@ -25,7 +30,11 @@ impl Field {
     pub fn at_rest([nx, ny]: [usize; 2], nz: usize) -> Self {
         // An odd number of lines a row: rows do not meet in the same sets of a cache.
         let stride = ((nx + 2).div_ceil(LINE) | 1) * LINE;
-        let layer = (ny + 2) * stride;
+        // Nor do layers: not near a multiple of 64 lines, which would meet in the same sets of the first cache.
+        let lines = (ny + 2) * stride / LINE;
+        let beside = lines % SETS;
+        let skip = if beside < APART { APART - beside } else { (beside + APART).saturating_sub(SETS) * 2 };
+        let layer = (lines + skip) * LINE;
         let plane = || Plane::zero(layer * (nz + 1) + 2 * LINE);
         let planes = || [plane(), plane(), plane()];
         Self { nx, ny, nz, stride, layer, now: planes(), other: planes() }

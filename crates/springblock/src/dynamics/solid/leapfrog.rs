@@ -33,6 +33,10 @@ pub struct SolidSetup<'a> {
     pub liftoff: bool,
 }
 
+/// Rows of a tile, which is swept from layer to layer: fewer sweep more rows twice, with more the lines of one column
+/// of vectors leave the first-level cache before the next column needs them.
+const TILE: usize = 10;
+
 /// Forces of a row, or of the whole contact layer.
 type Forces = [Vec<f64>; 3];
 
@@ -186,9 +190,14 @@ impl<'a> SolidLeapfrog<'a> {
             // What lanes beyond the last column write is restored below.
             vectorized(MoveRow { inverse_mass, field, layer, row, kick: *kick, force });
         }
-        for (layer, ranges) in stencil.inside.iter().enumerate() {
-            for rows in ranges {
-                vectorized(InsideRows { field, layer, rows: rows.clone(), kick: *kick });
+        for tile in (0..field.ny).step_by(TILE) {
+            for (layer, ranges) in stencil.inside.iter().enumerate() {
+                for rows in ranges {
+                    let rows = rows.start.max(tile)..rows.end.min(tile + TILE);
+                    if !rows.is_empty() {
+                        vectorized(InsideRows { field, layer, rows, kick: *kick });
+                    }
+                }
             }
         }
     }

@@ -42,12 +42,11 @@ pub struct RowCoefficients {
 }
 
 impl RowCoefficients {
-    /// Coefficients of the spring of that number in [`STEPS`], by column.
+    /// Coefficients of all springs in the order of [`STEPS`], columns fastest.
     #[inline(always)]
     #[must_use]
-    pub fn spring(&self, number: usize) -> &[f64] {
-        let padded = self.inverse_mass.len();
-        &self.springs[number * padded..][..padded]
+    pub fn springs(&self) -> &[f64] {
+        &self.springs
     }
 
     /// Row `j` of layer `k` of a plain lattice.

@@ -49,7 +49,8 @@ pub struct InsideRows<'a> {
     pub kick: Kick,
 }
 
-/// What a row leaves for the row after the next: a sweep along y meets it as north, own and south.
+/// What a row leaves for the two rows after it: a sweep along y meets it as north, as own and as south.
+#[derive(Clone, Copy)]
 struct Row<V> {
     /// x + y to the south west and x - y to the south east, seen from the row after it.
     south_west: V,
@@ -65,6 +66,63 @@ struct Row<V> {
     y: V,
 }
 
+/// The row at `at`, with those above and below it: what it pulls in the row before it, and what it leaves.
+#[inline(always)]
+fn meet<S: Simd>(
+    simd: S,
+    [x, y, z]: &[Views<'_, S::f64s>; 3],
+    [below, at, above]: [usize; 3],
+) -> ([S::f64s; 4], Row<S::f64s>) {
+    let (east, west) = (x.east[at], x.west[at]);
+    let (y_east, y_west) = (y.east[at], y.west[at]);
+    let (y_above, z_above) = (y.centre[above], z.centre[above]);
+    let (y_below, z_below) = (y.centre[below], z.centre[below]);
+    let pulls = [
+        simd.add_f64s(east, y_east),
+        simd.sub_f64s(west, y_west),
+        simd.add_f64s(y_above, z_above),
+        simd.sub_f64s(y_below, z_below),
+    ];
+    let left = Row {
+        south_west: simd.add_f64s(west, y_west),
+        south_east: simd.sub_f64s(east, y_east),
+        along: simd.add_f64s(east, west),
+        above: simd.sub_f64s(y_above, z_above),
+        below: simd.add_f64s(y_below, z_below),
+        z_above,
+        z_below,
+        y: y.centre[at],
+    };
+    (pulls, left)
+}
+
+/// What a rising and a falling pair of diagonals pull: their sum and their difference.
+#[inline(always)]
+fn share<S: Simd>(simd: S, rising: [S::f64s; 2], falling: [S::f64s; 2]) -> [S::f64s; 2] {
+    let rising = simd.add_f64s(rising[0], rising[1]);
+    let falling = simd.add_f64s(falling[0], falling[1]);
+    [simd.add_f64s(rising, falling), simd.sub_f64s(rising, falling)]
+}
+
+/// Coefficients of a step: what is left of u, of u_before, and what a pull adds; and one half.
+#[derive(Clone, Copy)]
+struct Step<V> {
+    stay: V,
+    kept: V,
+    kick: V,
+    half: V,
+}
+
+impl<V: Copy> Step<V> {
+    /// stay u - kept u_before + kick (straight + diagonals/2)
+    #[inline(always)]
+    fn after<S: Simd<f64s = V>>(&self, simd: S, [u, before]: [V; 2], straight: V, diagonals: [V; 2]) -> V {
+        let pull = simd.mul_add_e_f64s(self.half, simd.add_f64s(diagonals[0], diagonals[1]), straight);
+        let inert = simd.sub_f64s(simd.mul_f64s(self.stay, u), simd.mul_f64s(self.kept, before));
+        simd.add_f64s(inert, simd.mul_f64s(self.kick, pull))
+    }
+}
+
 impl WithSimd for InsideRows<'_> {
     type Output = ();
 
@@ -74,63 +132,45 @@ impl WithSimd for InsideRows<'_> {
         let Kick { kept, kick } = kick;
         let (vectors, row, up) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES, *size / S::F64_LANES);
         let count = (*nz + 1) * up;
-        let [x, y, z] = [0, 1, 2].map(|component: usize| Views::new(simd, &now[component], count));
+        let [now_x, now_y, now_z] = now;
+        let views = [Views::new(simd, now_x, count), Views::new(simd, now_y, count), Views::new(simd, now_z, count)];
+        let [x, _, z] = views;
         let [other_x, other_y, other_z] = other;
         let new_x = &mut S::as_mut_simd_f64s(&mut other_x.rows_mut()[LINE..]).0[..count];
         let new_y = &mut S::as_mut_simd_f64s(&mut other_y.rows_mut()[LINE..]).0[..count];
         let new_z = &mut S::as_mut_simd_f64s(&mut other_z.rows_mut()[LINE..]).0[..count];
-
-        // u + kept (u - u_before) + kick (-6 u + ...) = stay u - kept u_before + kick (...)
-        let stay = simd.splat_f64s(1.0 + kept - 6.0 * kick);
-        let (kept, kick, half) = (simd.splat_f64s(kept), simd.splat_f64s(kick), simd.splat_f64s(0.5));
-        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
-        // A row seen from the row before it: what it pulls there, and what it leaves.
-        let meet = |at: usize| {
-            let (east, west) = (x.east[at], x.west[at]);
-            let (y_east, y_west) = (y.east[at], y.west[at]);
-            let (y_above, z_above) = (y.centre[at + up], z.centre[at + up]);
-            let (y_below, z_below) = (y.centre[at - up], z.centre[at - up]);
-            let pulls = [add(east, y_east), sub(west, y_west), add(y_above, z_above), sub(y_below, z_below)];
-            let left = Row {
-                south_west: add(west, y_west),
-                south_east: sub(east, y_east),
-                along: add(east, west),
-                above: sub(y_above, z_above),
-                below: add(y_below, z_below),
-                z_above,
-                z_below,
-                y: y.centre[at],
-            };
-            (pulls, left)
+        let step = Step {
+            // u + kept (u - u_before) + kick (-6 u + ...) = stay u - kept u_before + kick (...)
+            stay: simd.splat_f64s(1.0 + kept - 6.0 * kick),
+            kept: simd.splat_f64s(kept),
+            kick: simd.splat_f64s(kick),
+            half: simd.splat_f64s(0.5),
         };
         let start = layer * up + (rows.start + 1) * row;
         for column in 0..vectors {
-            let mut at = start + column;
-            let (_, mut south) = meet(at - row);
-            let (_, mut own) = meet(at);
+            let mut next = start + column;
+            let (_, mut south) = meet(simd, &views, [next - row - up, next - row, next - row + up]);
+            let (_, mut own) = meet(simd, &views, [next - up, next, next + up]);
             for _ in rows.clone() {
-                let ([north_east, north_west, rising_above, falling_below], north) = meet(at + row);
-                let (rising, falling) = (add(north_east, south.south_west), add(north_west, south.south_east));
-                let (xy_x, xy_y) = (add(rising, falling), sub(rising, falling));
-                let (rising, falling) = (add(rising_above, south.below), add(falling_below, south.above));
-                let (yz_y, yz_z) = (add(rising, falling), sub(rising, falling));
-                let (above, below) = (at + up, at - up);
-                let rising = add(add(x.east[above], z.east[above]), add(x.west[below], z.west[below]));
-                let falling = add(sub(x.west[above], z.west[above]), sub(x.east[below], z.east[below]));
-                let (xz_x, xz_z) = (add(rising, falling), sub(rising, falling));
-
-                let pull = simd.mul_add_e_f64s(half, add(xy_x, xz_x), own.along);
-                let inert = sub(mul(stay, x.centre[at]), mul(kept, new_x[at]));
-                new_x[at] = add(inert, mul(kick, pull));
-                let pull = simd.mul_add_e_f64s(half, add(xy_y, yz_y), add(north.y, south.y));
-                let inert = sub(mul(stay, own.y), mul(kept, new_y[at]));
-                new_y[at] = add(inert, mul(kick, pull));
-                let pull = simd.mul_add_e_f64s(half, add(yz_z, xz_z), add(own.z_above, own.z_below));
-                let inert = sub(mul(stay, z.centre[at]), mul(kept, new_z[at]));
-                new_z[at] = add(inert, mul(kick, pull));
+                // Seen as one number: otherwise the compiler keeps a pointer for each of two dozen streams, in memory.
+                let at = std::hint::black_box(next);
+                let (below, above) = (at - up, at + up);
+                let ([north_east, north_west, rising_above, falling_below], north) =
+                    meet(simd, &views, [below + row, at + row, above + row]);
+                let [xy_x, xy_y] = share(simd, [north_east, south.south_west], [north_west, south.south_east]);
+                let [yz_y, yz_z] = share(simd, [rising_above, south.below], [falling_below, south.above]);
+                let [xz_x, xz_z] = share(
+                    simd,
+                    [simd.add_f64s(x.east[above], z.east[above]), simd.add_f64s(x.west[below], z.west[below])],
+                    [simd.sub_f64s(x.west[above], z.west[above]), simd.sub_f64s(x.east[below], z.east[below])],
+                );
+                new_x[at] = step.after(simd, [x.centre[at], new_x[at]], own.along, [xy_x, xz_x]);
+                new_y[at] = step.after(simd, [own.y, new_y[at]], simd.add_f64s(north.y, south.y), [xy_y, yz_y]);
+                let straight = simd.add_f64s(own.z_above, own.z_below);
+                new_z[at] = step.after(simd, [z.centre[at], new_z[at]], straight, [yz_z, xz_z]);
                 south = own;
                 own = north;
-                at += row;
+                next += row;
             }
         }
     }
@@ -145,62 +185,92 @@ pub struct RowForces<'a> {
     pub force: [&'a mut [f64]; 3],
 }
 
+/// k (value - own)
+#[inline(always)]
+fn stretch<S: Simd>(simd: S, k: S::f64s, value: S::f64s, own: S::f64s) -> S::f64s {
+    simd.mul_f64s(k, simd.sub_f64s(value, own))
+}
+
+/// k times the sum of the differences of two components to their own values, along a rising diagonal.
+#[inline(always)]
+fn rise<S: Simd>(simd: S, k: S::f64s, values: [S::f64s; 2], own: [S::f64s; 2]) -> S::f64s {
+    simd.mul_f64s(k, simd.add_f64s(simd.sub_f64s(values[0], own[0]), simd.sub_f64s(values[1], own[1])))
+}
+
+/// k times the difference of those differences, along a falling diagonal.
+#[inline(always)]
+fn fall<S: Simd>(simd: S, k: S::f64s, values: [S::f64s; 2], own: [S::f64s; 2]) -> S::f64s {
+    simd.mul_f64s(k, simd.sub_f64s(simd.sub_f64s(values[0], own[0]), simd.sub_f64s(values[1], own[1])))
+}
+
 impl WithSimd for RowForces<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { coefficients, field: Field { nx, nz, stride, layer: size, now, .. }, layer, row, force } = self;
-        let (vectors, stride, size) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES, *size / S::F64_LANES);
-        let count = (*nz + 1) * size;
-        let views = [0, 1, 2].map(|component: usize| Views::new(simd, &now[component], count));
+        let (vectors, row_step, up) = (nx.div_ceil(S::F64_LANES), *stride / S::F64_LANES, *size / S::F64_LANES);
+        let count = (*nz + 1) * up;
+        let [now_x, now_y, now_z] = now;
+        let (x, y, z) =
+            (Views::new(simd, now_x, count), Views::new(simd, now_y, count), Views::new(simd, now_z, count));
+        let own = layer * up + (row + 1) * row_step;
         // The lowest layer has no springs downwards: whatever stands for what is below is multiplied by zero.
-        let own = layer * size + (row + 1) * stride;
-        let layers = [layer.saturating_sub(1), layer, layer + 1].map(|layer| layer * size + (row + 1) * stride);
-        let [force_x, force_y, force_z] = force.map(|force| &mut S::as_mut_simd_f64s(force).0[..vectors]);
-        let springs: [&[S::f64s]; SPRINGS] =
-            std::array::from_fn(|spring| &S::as_simd_f64s(coefficients.spring(spring)).0[..vectors]);
-        let [east, west, north, south, up, down, xy @ .., _, _, _, _, _, _, _, _] = springs;
-        let [_, _, _, _, _, _, _, _, _, _, xz @ .., _, _, _, _] = springs;
-        let [_, _, _, _, _, _, _, _, _, _, _, _, _, _, yz @ ..] = springs;
-        let (add, sub, mul) = (|a, b| simd.add_f64s(a, b), |a, b| simd.sub_f64s(a, b), |a, b| simd.mul_f64s(a, b));
+        let down = if layer == 0 { 0 } else { up };
+        let [force_x, force_y, force_z] = force;
+        let force_x = &mut S::as_mut_simd_f64s(force_x).0[..vectors];
+        let force_y = &mut S::as_mut_simd_f64s(force_y).0[..vectors];
+        let force_z = &mut S::as_mut_simd_f64s(force_z).0[..vectors];
+        // Springs in the order of STEPS, vectors fastest.
+        let springs = S::as_simd_f64s(coefficients.springs()).0;
+        let padded = springs.len() / SPRINGS;
         for i in 0..vectors {
-            let own = views.map(|view| view.centre[own + i]);
-            // Difference of component `c` to the neighbour at a step along x, along y and upward, each plus one.
-            let to = |c: usize, [sx, sy, sz]: [usize; 3]| {
-                let at = layers[sz] + sy * stride - stride + i;
-                let view = &views[c];
-                let value = match sx {
-                    0 => view.west[at],
-                    1 => view.centre[at],
-                    _ => view.east[at],
-                };
-                sub(value, own[c])
-            };
-            let straight = |c: usize, ahead: &[S::f64s], behind: &[S::f64s]| {
-                let (mut plus, mut minus) = ([1; 3], [1; 3]);
-                (plus[c], minus[c]) = (2, 0);
-                add(mul(ahead[i], to(c, plus)), mul(behind[i], to(c, minus)))
-            };
-            // Half the stiffness times the elongation along each diagonal of the plane of a and b: its entries of
-            // e e^T are 1/2.
-            let diagonals = |a: usize, b: usize, k: [&[S::f64s]; 4]| {
-                let pull = |k: &[S::f64s], ahead: bool, rising: bool| {
-                    let mut step = [1; 3];
-                    step[a] = if ahead == rising { 2 } else { 0 };
-                    step[b] = if ahead { 2 } else { 0 };
-                    let (along, across) = (to(a, step), to(b, step));
-                    mul(k[i], if rising { add(along, across) } else { sub(along, across) })
-                };
-                let rising = add(pull(k[0], true, true), pull(k[1], false, true));
-                let falling = add(pull(k[2], true, false), pull(k[3], false, false));
-                [add(rising, falling), sub(rising, falling)]
-            };
-            let ([xy_x, xy_y], [xz_x, xz_z], [yz_y, yz_z]) =
-                (diagonals(0, 1, xy), diagonals(0, 2, xz), diagonals(1, 2, yz));
-            force_x[i] = add(straight(0, east, west), add(xy_x, xz_x));
-            force_y[i] = add(straight(1, north, south), add(xy_y, yz_y));
-            force_z[i] = add(straight(2, up, down), add(xz_z, yz_z));
+            let at = own + i;
+            let (above, below, north, south) = (at + up, at - down, at + row_step, at - row_step);
+            let k = |spring: usize| springs[spring * padded + i];
+            let (u, v, w) = (x.centre[at], y.centre[at], z.centre[at]);
+            // Half the stiffness times the elongation along each diagonal: e e^T has entries 1/2.
+            let [xy_x, xy_y] = share(
+                simd,
+                [
+                    rise(simd, k(6), [x.east[north], y.east[north]], [u, v]),
+                    rise(simd, k(7), [x.west[south], y.west[south]], [u, v]),
+                ],
+                [
+                    fall(simd, k(8), [x.west[north], y.west[north]], [u, v]),
+                    fall(simd, k(9), [x.east[south], y.east[south]], [u, v]),
+                ],
+            );
+            let [xz_x, xz_z] = share(
+                simd,
+                [
+                    rise(simd, k(10), [x.east[above], z.east[above]], [u, w]),
+                    rise(simd, k(11), [x.west[below], z.west[below]], [u, w]),
+                ],
+                [
+                    fall(simd, k(12), [x.west[above], z.west[above]], [u, w]),
+                    fall(simd, k(13), [x.east[below], z.east[below]], [u, w]),
+                ],
+            );
+            let [yz_y, yz_z] = share(
+                simd,
+                [
+                    rise(simd, k(14), [y.centre[above + row_step], z.centre[above + row_step]], [v, w]),
+                    rise(simd, k(15), [y.centre[below - row_step], z.centre[below - row_step]], [v, w]),
+                ],
+                [
+                    fall(simd, k(16), [y.centre[above - row_step], z.centre[above - row_step]], [v, w]),
+                    fall(simd, k(17), [y.centre[below + row_step], z.centre[below + row_step]], [v, w]),
+                ],
+            );
+            let straight = simd.add_f64s(stretch(simd, k(0), x.east[at], u), stretch(simd, k(1), x.west[at], u));
+            force_x[i] = simd.add_f64s(straight, simd.add_f64s(xy_x, xz_x));
+            let straight =
+                simd.add_f64s(stretch(simd, k(2), y.centre[north], v), stretch(simd, k(3), y.centre[south], v));
+            force_y[i] = simd.add_f64s(straight, simd.add_f64s(xy_y, yz_y));
+            let straight =
+                simd.add_f64s(stretch(simd, k(4), z.centre[above], w), stretch(simd, k(5), z.centre[below], w));
+            force_z[i] = simd.add_f64s(straight, simd.add_f64s(xz_z, yz_z));
         }
     }
 }
