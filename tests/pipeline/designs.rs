@@ -96,6 +96,34 @@ fn a_target_of_dynamic_friction_is_met() {
 }
 
 #[test]
+fn squares_are_searched_and_confirmed_in_space() {
+    let (folder, result) = optimize("ldpe-squares");
+    assert_eq!((&result["dimensions"], &result["section_model"]), (&Value::from(3), &Value::from(false)));
+    assert_eq!((result["fidelity"].as_str(), result["extent"].as_str()), (Some("dynamic"), Some("cell")));
+    let (evaluations, solid) = (result["evaluations"].as_u64().unwrap(), result["solid_evaluations"].as_u64().unwrap());
+    assert!(solid > 0 && 5 * solid < evaluations, "{solid} of {evaluations}");
+    let said = result["model"].to_string();
+    assert!(said.contains("searched in space") && said.contains("three dimensions, as square cavities need"), "{said}");
+    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
+    let confirmed = result["confirmed"].as_array().unwrap();
+    for (wanted, confirmed) in result["target"]["value"].as_array().unwrap().iter().zip(confirmed) {
+        let ratio = confirmed["ratio"].as_f64().unwrap();
+        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance, "{ratio}");
+        assert!(confirmed["ratio_strip_estimate"].is_null());
+    }
+    // What is predicted is what the written scene gives as a steady cell.
+    let scene = folder.path().join("design.toml");
+    let (code, out, _) = slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--json"]);
+    let steady: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!((code, &steady["dimensions"]), (0, &Value::from(3)));
+    for (steady, predicted) in steady["results"].as_array().unwrap().iter().zip(result["predicted"].as_array().unwrap())
+    {
+        let (steady, predicted) = (steady["ratio"].as_f64().unwrap(), predicted["ratio"].as_f64().unwrap());
+        assert!((steady - predicted).abs() < 1e-9, "{steady} {predicted}");
+    }
+}
+
+#[test]
 fn what_cannot_be_reached_is_said_with_the_range_that_can() {
     let (_folder, result) = optimize("ldpe-unreachable");
     for (range, wanted) in

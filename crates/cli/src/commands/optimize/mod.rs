@@ -186,6 +186,10 @@ const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
 
+/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
+/// fewer scatter the ratio by more than a tenth of the usual tolerance.
+const LEAST_CONTACTS: f64 = 400.0;
+
 /// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
 const MOST_TRAVEL_M: f64 = 8e-6;
 
@@ -382,6 +386,7 @@ impl Rounds {
         let refuse = |error: SceneError| design.refuse(error.to_string());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.sliding_m = self.scene.run.sliding_m;
+        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         let bar = Progress::start("confirmation", console.quiet);
         let confirmed = loop {
             let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };

@@ -3,8 +3,8 @@
 use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, LoadOutcome, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation, SolidModel,
-    Status, Unwatched, simulate,
+    Extent, Fidelity, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation,
+    SolidModel, Status, Unwatched, simulate,
 };
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
@@ -102,6 +102,18 @@ impl SteadyCell {
     pub fn guide(&self) -> Option<(impl ForwardModel, f64)> {
         let (scene, solver) = self.guide.as_ref()?;
         Some((move |design: &Pattern| self.ask(scene, solver, design), scene.layer.block_m))
+    }
+
+    /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all; 1 in
+    /// the vertical plane, whose sample is one draw of many.
+    #[must_use]
+    pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
+        let Solver::Solid(model) = &self.solver else { return 1 };
+        let [nx, ny] = model.columns(design);
+        // A groove is as long as its period.
+        let columns = nx * if design.length_m().is_none() { nx } else { ny };
+        // Between 1 and MOST_DRAWS: the cast is exact.
+        (contacts / (columns * (1.0 - design.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
     }
 
     /// The scene of a design.
