@@ -6,6 +6,7 @@ use slipgrid_contact::Status;
 use slipgrid_material::AreaLaw;
 
 use crate::commands::area_law::height_unit;
+use crate::commands::calibrate::CONTACT_TOLERANCE;
 use crate::commands::surface::{
     AreaPoint, DEFAULT_PRESSURES_MPA, MapOptions, SurfaceMap, area_curve, area_law, persson_curve,
 };
@@ -15,9 +16,6 @@ use crate::progress::Progress;
 use crate::report::table::fixed;
 use crate::units::{PRESSURE_MPA, tidy};
 use crate::{CliError, Console};
-
-/// Error at which the contact computation ends, the same as for a material file.
-const CONTACT_TOLERANCE: f64 = 1e-8;
 
 /// The area law of the surface with every height multiplied by one factor.
 #[derive(Clone, Debug, PartialEq)]
