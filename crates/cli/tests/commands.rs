@@ -179,6 +179,47 @@ fn a_synthetic_map_and_its_area_law() {
 }
 
 #[test]
+fn an_area_law_states_its_uncertainty() {
+    let place = Place::with(&[]);
+    place.succeed(&["synthesize", "--pixels", "128", "--waves", "4:16", "-o", "map.asc"]);
+    let list = ["area-law", "map.asc", "--pressures-mpa", "0.3,0.7,2.6", "--resolutions", "--json", "-o", "law"];
+    let law = json(&place.succeed(&list));
+    let points = law["results"].as_array().unwrap();
+    assert_eq!((&points[0]["factor_std"], &points[1]["factor_std"]), (&Value::from(0.0), &Value::from(0.0)));
+    let std = points[2]["factor_std"].as_f64().unwrap();
+    let spread = law["windows"]["factor_spread"][2].as_f64().unwrap();
+    // Four windows.
+    assert!(std > 0.0 && (std - spread / 2.0).abs() < 1e-15);
+    assert_eq!((&law["windows"]["count"], &law["windows"]["rows"]), (&Value::from(4), &Value::from(64)));
+    assert!(points[2]["area_error"].as_f64().unwrap() < 1e-4);
+    // Coarser pixels see less slope, and so a lower f.
+    let (slope, factor) = (law["rms_slope"].as_f64().unwrap(), points[2]["factor"].as_f64().unwrap());
+    for coarse in law["resolutions"].as_array().unwrap() {
+        assert!(coarse["rms_slope"].as_f64().unwrap() < slope);
+        assert!(coarse["factor"][2].as_f64().unwrap() < factor);
+    }
+    assert_eq!(law["resolutions"][1]["pixel_um"], 4.0 * law["pixel_um"].as_f64().unwrap());
+    let svg = std::fs::read_to_string(place.path("law").join("area-law.svg")).unwrap();
+    assert!(svg.contains("standard error"));
+
+    let alone =
+        json(&place.succeed(&["area-law", "map.asc", "--pressures-mpa", "0.7,2.6", "--windows", "1", "--json"]));
+    assert_eq!(alone["results"][1]["factor"], points[2]["factor"]);
+    assert!(alone["windows"].is_null() && alone["results"][1]["factor_std"].is_null());
+
+    let theory = ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--json"];
+    let theory = json(&place.succeed(&theory));
+    assert!(theory["map"].is_null() && theory["sa_um"].is_null());
+    let area = |mpa: f64| slipgrid_contact::closed_form::persson_area_fraction(mpa * 1e6, 427.5e6, 0.0137).unwrap();
+    let expected = area(2.6) / area(0.7) * 0.7 / 2.6;
+    assert!((theory["results"][1]["factor"].as_f64().unwrap() - expected).abs() < 1e-12);
+    // With another threshold P0 = 2.6 MPa nothing falls short of proportionality.
+    let late =
+        ["area-law", "--persson-rms-slope", "0.0137", "--pressures-mpa", "0.7,2.6", "--threshold-mpa", "2.6", "--json"];
+    assert_eq!(json(&place.succeed(&late))["results"][1]["factor"], 1.0);
+}
+
+#[test]
 fn measured_ratios_are_tabulated() {
     let calibration = CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"");
     let more = "200,2,15,0.278,0.001\n50,2,40,0.269,0.004\n";

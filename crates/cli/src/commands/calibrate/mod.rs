@@ -37,8 +37,8 @@ use crate::report::table::fixed;
 use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 use crate::{CliError, Console, exit_code};
 
-/// Error at which the contact computation of a calibration ends: far below what f needs.
-const CONTACT_TOLERANCE: f64 = 1e-8;
+/// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
+pub const CONTACT_TOLERANCE: f64 = 1e-6;
 
 /// Seed of the flat sample's local coefficients where nothing else names one.
 const DEFAULT_SEED: u64 = 1;

@@ -7,6 +7,7 @@ use slipgrid_material::AreaLaw;
 
 use crate::commands::altitude_map::SurfaceMap;
 use crate::commands::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use crate::commands::calibrate::CONTACT_TOLERANCE;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::surface::Surface;
@@ -14,9 +15,6 @@ use crate::progress::Progress;
 use crate::report::table::fixed;
 use crate::units::{PRESSURE_MPA, tidy};
 use crate::{CliError, Console};
-
-/// Error at which the contact computation ends, the same as for a material file.
-const CONTACT_TOLERANCE: f64 = 1e-8;
 
 /// The area law of the surface with every height multiplied by one factor.
 #[derive(Clone, Debug, PartialEq)]
