@@ -65,6 +65,12 @@ impl SurfaceMap {
                 filling.points,
                 100.0 * filling.points as f64 / points as f64,
             ));
+            if !filling.converged {
+                notes.push(format!(
+                    "the filled heights are approximate: residual {:.1e} of the start after {} iterations",
+                    filling.residual, filling.iterations
+                ));
+            }
         }
         // A plane through one period would leave a step where the period closes.
         match options.form {
