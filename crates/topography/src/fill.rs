@@ -21,6 +21,8 @@ pub struct Filling {
 const TOLERANCE: f64 = 1e-10;
 /// Iterations allowed per row and column of the map: a hole needs about its diameter, more if it is ragged.
 const ITERATIONS_PER_LINE: usize = 20;
+/// Most visits of a missing point, a minute or two: it bounds the work on a map that is hardly there.
+const MOST_VISITS: usize = 20_000_000_000;
 
 /// The missing points as unknowns of a linear system, their neighbours' places worked out once.
 struct Holes {
@@ -106,7 +108,7 @@ fn solve(holes: &Holes, height: &[f64], mean_m: f64) -> (Vec<f64>, Filling) {
     let mut direction = vec![0.0; height.len()];
     let mut image = vec![0.0; count];
     let start = dot(&residual, &residual).sqrt();
-    let most = ITERATIONS_PER_LINE * (holes.rows + holes.cols);
+    let most = (ITERATIONS_PER_LINE * (holes.rows + holes.cols)).min(MOST_VISITS / count.max(1));
     let mut previous = f64::INFINITY;
     let mut iterations = 0;
     let mut relative = if start > 0.0 { 1.0 } else { 0.0 };

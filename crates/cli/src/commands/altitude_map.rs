@@ -75,6 +75,12 @@ impl SurfaceMap {
                 filling.points,
                 100.0 * filling.points as f64 / points as f64,
             ));
+            if !filling.converged {
+                notes.push(format!(
+                    "the filled heights are approximate: residual {:.1e} of the start after {} iterations",
+                    filling.residual, filling.iterations
+                ));
+            }
         }
         let step_ratio = side_step_ratio(&map).map_err(|error| refuse(&error))?;
         period |= one_period && step_ratio <= PERIOD_STEP_RATIO;

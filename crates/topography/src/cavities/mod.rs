@@ -133,6 +133,21 @@ impl Along {
     /// Share of the lines on which a region must end within the map to have a width.
     const WITHIN: f64 = 0.9;
 
+    /// Gathers the chords along both axes for regions 0 to `count`.
+    fn gather(chords: &[Vec<Chord>; 2], count: usize) -> [Vec<Self>; 2] {
+        let mut along = [vec![Self::default(); count + 1], vec![Self::default(); count + 1]];
+        for (along, chords) in along.iter_mut().zip(chords) {
+            for chord in chords {
+                let along = &mut along[chord.region as usize];
+                along.lines += 1;
+                along.cut[0] += usize::from(chord.from.is_none());
+                along.cut[1] += usize::from(chord.to.is_none());
+                along.lengths.extend(length(chord));
+            }
+        }
+        along
+    }
+
     /// The map does not cut it off.
     fn is_within(&self) -> bool {
         self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
@@ -150,21 +165,12 @@ fn measure(filled: &HeightMap, land: &Land) -> CavityMetrology {
     let regions = Regions::find(heights, cols, land.threshold_m, SPECK);
     let chords = [Axis::X, Axis::Y].map(|axis| regions.chords(heights, |_| land.threshold_m, axis));
     // Each cavity has its own half depth.
-    let floors = floors(&regions, &chords, land, cols);
+    let floors = floors(&regions, &chords, &Along::gather(&chords, regions.count()), land, cols);
     let half_m =
         |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
     let chords = [Axis::X, Axis::Y].map(|axis| regions.chords(heights, half_m, axis));
 
-    let mut along = [vec![Along::default(); regions.count() + 1], vec![Along::default(); regions.count() + 1]];
-    for (along, chords) in along.iter_mut().zip(&chords) {
-        for chord in chords {
-            let along = &mut along[chord.region as usize];
-            along.lines += 1;
-            along.cut[0] += usize::from(chord.from.is_none());
-            along.cut[1] += usize::from(chord.to.is_none());
-            along.lengths.extend(length(chord));
-        }
-    }
+    let along = Along::gather(&chords, regions.count());
     // A region counts along an axis if it ends within the map there and is, across, either whole or a groove.
     let counts = |axis: usize, region: usize| {
         let across = &along[1 - axis][region];
@@ -256,15 +262,23 @@ struct Floor {
 }
 
 /// The land beside each region and the depth of its middle third, over points that were measured.
-fn floors(regions: &Regions, chords: &[Vec<Chord>; 2], land: &Land, cols: usize) -> Vec<Option<Floor>> {
-    // A point is in the middle if it is so along every axis on which its chord ends within the map.
+fn floors(
+    regions: &Regions,
+    chords: &[Vec<Chord>; 2],
+    along: &[Vec<Along>; 2],
+    land: &Land,
+    cols: usize,
+) -> Vec<Option<Floor>> {
+    // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
+    // the lines in its walls meet it in short chords: what lies between those is wall, not land.
     let mut middle = vec![true; regions.label.len()];
     // The land before and behind along x, before and behind along y.
     let mut beside = vec![[Mean::default(); 4]; regions.count() + 1];
     for (axis, chords) in chords.iter().enumerate() {
         let length = if axis == 0 { regions.label.len() / cols } else { cols };
         for (number, chord) in chords.iter().enumerate() {
-            let Some((from, to)) = chord.from.zip(chord.to) else { continue };
+            let ends = chord.from.zip(chord.to).filter(|_| along[axis][chord.region as usize].is_within());
+            let Some((from, to)) = ends else { continue };
             let at = |k: usize| if axis == 0 { k * cols + chord.line } else { chord.line * cols + k };
             let margin = MARGIN * (to - from);
             for k in from.ceil() as usize..=to.floor() as usize {

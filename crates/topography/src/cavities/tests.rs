@@ -104,6 +104,24 @@ fn rough_grooves_with_scatter_tilt_and_holes() {
 }
 
 #[test]
+fn every_groove_has_its_own_depth_wherever_its_walls_fall_on_the_pixels() {
+    for seed in 1..=4 {
+        let mut map = rough();
+        let cut = map.cut_cavities(&CutPattern { seed, ..PUBLISHED }).unwrap();
+        let found = map.measure_cavities(Form::Plane).unwrap().cavities;
+        // What is shallower than half the depth of the others is not seen.
+        let whole = |cut: &&CutCavity| cut.center_m[0] + cut.width_m < 2.56e-3 && cut.depth_m > 3.2e-6;
+        for cut in cut.iter().filter(whole) {
+            let near = |found: &&Cavity| (cut.center_m[0] - found.center_m[0]).abs() < 10e-6;
+            let found = found.iter().find(near).unwrap_or_else(|| panic!("seed {seed}: {cut:?} in {found:?}"));
+            // Roughness of 0.2 um moves the level of a floor and that of its land by a fraction of itself.
+            let error = found.depth_m.unwrap() - cut.depth_m;
+            assert!(error.abs() < 0.15e-6, "seed {seed}, depth {}: off by {error}", cut.depth_m);
+        }
+    }
+}
+
+#[test]
 fn rough_squares_along_both_axes() {
     let mut map = rough();
     let pattern = CutPattern { shape: CutShape::Square, depth_std_m: 0.5e-6, ..PUBLISHED };
