@@ -7,3 +7,4 @@
 )]
 
 mod designs;
+mod synthetic_material;
