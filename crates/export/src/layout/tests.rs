@@ -215,3 +215,44 @@ fn one_disc_fits_on_a_disc_of_its_size_and_none_on_a_smaller_one() {
     let refused = Layout::new(long, Outline::Rectangle { length_m: 0.3e-3, width_m: 0.39e-3 });
     assert!(matches!(refused, Err(ExportError::NoCavityFits { needed_m: 400e-6, extent_m: 0.39e-3, .. })));
 }
+
+/// Distances of the nearest and the farthest point of a cavity from the specimen's centre, in metres.
+fn span_m(cavity: &Cavity) -> [f64; 2] {
+    let [cosine, sine] = cavity.orientation;
+    let (x_m, y_m) = (cavity.centre_x_m, cavity.centre_y_m);
+    if cavity.planform == Planform::Disc {
+        let (distance_m, radius_m) = (x_m.hypot(y_m), cavity.width_m / 2.0);
+        return [(distance_m - radius_m).max(0.0), distance_m + radius_m];
+    }
+    // In the cavity's own axes: the point of the rectangle nearest to the centre, and the farthest corner.
+    let own = [(x_m * cosine + y_m * sine, cavity.width_m), (y_m * cosine - x_m * sine, cavity.length_m)];
+    let [near, far] = [-1.0, 1.0].map(|side| own.map(|(at_m, extent_m)| (at_m.abs() + side * extent_m / 2.0).max(0.0)));
+    [near[0].hypot(near[1]), far[0].hypot(far[1])]
+}
+
+#[test]
+fn rings_take_what_is_clear_of_hole_and_rim() {
+    let outline = Outline::Ring { outer_diameter_m: 6e-3, inner_diameter_m: 2.1e-3 };
+    let clear = |cavity: &Cavity| {
+        let [near_m, far_m] = span_m(cavity);
+        near_m > 1.05e-3 - 1e-12 && far_m < 3e-3 + 1e-12
+    };
+    for pattern in patterns(131.2, 97.0) {
+        let (layout, disc) = (Layout::new(pattern, outline).unwrap(), Layout::new(pattern, DISC).unwrap());
+        assert!(layout.iter().all(|cavity| clear(&cavity)), "{pattern:?}");
+        if pattern.length_m().is_some() {
+            // Of those on a larger disc, which are checked against the obvious way, the clear ones.
+            assert_eq!(layout.cavities(), disc.iter().filter(clear).count(), "{pattern:?}");
+            let touching = |cavity: &Cavity| span_m(cavity)[0] < 3e-3 && span_m(cavity)[1] > 1.05e-3;
+            let clipped = Layout::clipped(pattern, outline).unwrap();
+            assert_eq!(clipped.cavities(), disc.iter().filter(touching).count(), "{pattern:?}");
+            continue;
+        }
+        // Two on each strip that meets the hole, each as long as it can be.
+        assert!(layout.cavities() > Layout::new(pattern, Outline::Disc { diameter_m: 6e-3 }).unwrap().cavities());
+        for groove in layout.iter() {
+            let longer = Cavity { length_m: groove.length_m + 1e-9, ..groove };
+            assert!(!clear(&longer), "{groove:?}");
+        }
+    }
+}

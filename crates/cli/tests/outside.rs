@@ -1,0 +1,83 @@
+//! Programs of others read what is written, where they are installed: ezdxf, a headless browser.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::process::{Command, Stdio};
+
+use common::{Place, names};
+
+/// Runs `program`; `None` where it is not installed.
+fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {
+    Command::new(program).args(args).stdin(Stdio::null()).output().ok()
+}
+
+fn result(design: &str, specimen: &str) -> String {
+    format!(
+        r#"{{"name": "by hand", "version": "0", "status": "met", "seed": 1, "design": {{"width_um": 130.0,
+        "spacing_um": 370.0, "depth_um": 5.2, {design}, "areal_density": 0.1, "section_density": 0.1}},
+        "laser": {{"spot_um": 23.0}}, "specimen": {{{specimen}}},
+        "material": {{"name": "", "source": "", "synthetic_surface": false, "notes": []}}}}"#
+    )
+}
+
+const AUDIT: &str = r#"
+import sys
+try:
+    import ezdxf
+except ImportError:
+    sys.exit(77)
+for path in sys.argv[1:]:
+    drawing = ezdxf.readfile(path)
+    audit = drawing.audit()
+    assert drawing.dxfversion == "AC1009" and not audit.errors and not audit.fixes, (path, audit.errors, audit.fixes)
+    layers = {entity.dxf.layer for entity in drawing.modelspace()}
+    assert layers == {"OUTLINE", "CAVITIES", "SLIDING_DIRECTION", "ORIGIN"}, layers
+    print(path, len(drawing.modelspace()))
+"#;
+
+#[test]
+fn drawings_pass_an_independent_audit() {
+    let place = Place::with(&[]);
+    let mut files = Vec::new();
+    let shapes = [
+        r#""shape": "disc", "diameter_mm": 10.0"#,
+        r#""shape": "rectangle", "length_mm": 9.96, "width_mm": 5.0, "cavities": "clipped""#,
+        r#""shape": "ring", "outer_diameter_mm": 10.0, "inner_diameter_mm": 4.0, "cavities": "clipped""#,
+    ];
+    let planforms = [r#""planform": "groove", "angle_deg": 30.0"#, r#""planform": "disc", "arrangement": "staggered""#];
+    for (number, (planform, shape)) in planforms.iter().flat_map(|p| shapes.map(|s| (*p, s))).enumerate() {
+        std::fs::write(place.path("result.json"), result(planform, shape)).unwrap();
+        place.succeed(&["export", "result.json", "--format", "dxf", "-o", &number.to_string()]);
+        files.push(place.path(&format!("{number}/pattern.dxf")).display().to_string());
+    }
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let mut args = vec!["-c", AUDIT];
+    args.extend(files.iter().map(String::as_str));
+    // 77: Python is here, ezdxf is not.
+    let Some(audit) = try_run(&python, &args).filter(|audit| audit.status.code() != Some(77)) else { return };
+    assert!(audit.status.success(), "{}", String::from_utf8_lossy(&audit.stderr));
+    assert_eq!(String::from_utf8_lossy(&audit.stdout).lines().count(), files.len());
+}
+
+#[test]
+fn a_browser_shows_the_page() {
+    let place = Place::with(&[]);
+    place.succeed(&["new", "design"]);
+    let text = std::fs::read_to_string(place.path("design.toml")).unwrap();
+    let short = text.replace("length_um = 9960.0", "length_um = 1000.0").replace("[0.65, 2.6]", "[2.6]");
+    let short = short.replace("[0.97, 0.85]", "0.88").replace("tolerance = 0.02", "tolerance = 0.05");
+    std::fs::write(place.path("design.toml"), short).unwrap();
+    place.run(&["optimize", "design.toml", "-o", "out"]);
+    let folder = place.path("out");
+    assert!(names(&folder).contains(&"report.html".to_owned()));
+    let page = format!("file://{}", folder.join("report.html").display());
+    for browser in ["chromium", "chromium-browser", "google-chrome", "chrome"] {
+        let args = ["--headless", "--disable-gpu", "--no-sandbox", "--dump-dom", &page];
+        let Some(shown) = try_run(browser, &args) else { continue };
+        let dom = String::from_utf8_lossy(&shown.stdout);
+        assert!(dom.contains("</footer>") && dom.matches("<figure>").count() >= 4, "{dom}");
+        return;
+    }
+}
