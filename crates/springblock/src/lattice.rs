@@ -386,6 +386,28 @@ mod tests {
     }
 
     #[test]
+    fn what_joins_two_blocks_lacks_the_union_of_what_they_lack() {
+        let is = |covered, deep, expected: f64| assert!((joint_presence(covered, deep) - expected).abs() < 1e-12);
+        is([1.0, 1.0], [0.4, 0.4], 0.6); // within a ceiling row
+        is([0.3, 1.0], [0.4, 0.4], 0.6); // from it to the column at the edge
+        is([0.3, 0.3], [1.0, 0.4], 0.7); // within that column
+        is([0.3, 1.0], [1.0, 0.4], 0.7 * 0.6); // from that column, beside the cavity, to the ceiling
+        is([0.0, 1.0], [1.0, 1.0], 0.0); // to a removed block
+    }
+
+    #[test]
+    fn a_tie_stiffens_with_its_share_from_free_to_pinned() {
+        for deep in [0.1, 0.5, 1.0] {
+            let ties: Vec<f64> =
+                (1..100).map(|n| 0.01 * f64::from(n)).map(|a| tie(a, 1.0 - (1.0 - a) * deep)).collect();
+            assert!(ties[0] > 0.0 && ties[0] < 0.031 && ties[98] > 90.0, "{} {}", ties[0], ties[98]);
+            assert!(ties.windows(2).all(|pair| pair[1] > pair[0]));
+        }
+        // By itself on a whole block: (1 - a)/a.
+        assert!((tie(0.25, 1.0) - 1.0 / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_free_sample_has_one_diagonal_to_the_bulk_at_each_side() {
         let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
         let lattice = Lattice::new(sample(&pattern, 10e-6, 100), 20, false);
