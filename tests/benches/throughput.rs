@@ -1,12 +1,16 @@
 //! Site updates per second of the dynamic solver: blocks times force evaluations over the time that
 //! further travel takes, so that setting up does not count. Pin it to one core (`taskset -c 1`) for one
 //! thread's numbers; unpinned it also runs two threads on one sample beside two samples at once.
+//! Then designs per second of the steady cell, by the forces about the cavity and by all blocks, and the time of a
+//! table of designs.
 
 #![allow(clippy::print_stdout)]
 
 use std::time::Instant;
 
-use slipgrid_springblock::{Extent, Fidelity, Scene, Unwatched, simulate};
+use rayon::prelude::*;
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_springblock::{Extent, Fidelity, Scene, SectionModel, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published_groove};
 
 /// Repetitions of which the median counts.
@@ -36,6 +40,66 @@ fn throughput(scene: &Scene, travel_m: f64) -> f64 {
     found[REPETITIONS / 2]
 }
 
+/// `count` distinct grooves of no whole blocks on cells of 50 columns: 60 to 310 um wide, 2 to 30 um deep, on pitches of
+/// 496 to 504 um, spread evenly by multiples of irrational numbers.
+fn designs(count: usize) -> Vec<Pattern> {
+    let spread = |number: usize, step: f64| (number as f64 * step).fract();
+    (1..=count)
+        .map(|number| {
+            let width_m = (60.0 + 250.0 * spread(number, 0.819_172_513)) * 1e-6;
+            let pitch_m = (496.0 + 8.0 * spread(number, 0.671_043_607)) * 1e-6;
+            let depth_m = (2.0 + 28.0 * spread(number, 0.549_700_478)) * 1e-6;
+            Pattern::new(Planform::Groove, width_m, pitch_m - width_m, depth_m).expect("valid lengths")
+        })
+        .collect()
+}
+
+/// Median of the designs solved per second.
+fn designs_per_second(patterns: &[Pattern], solve: impl Fn(&[Pattern])) -> f64 {
+    let mut found: Vec<f64> = (0..REPETITIONS)
+        .map(|_| {
+            let start = Instant::now();
+            solve(patterns);
+            patterns.len() as f64 / start.elapsed().as_secs_f64()
+        })
+        .collect();
+    found.sort_by(f64::total_cmp);
+    found[REPETITIONS / 2]
+}
+
+/// Designs per second of the steady cell with four loads, and the time of a table.
+fn designs_table(cores: usize, wanted: impl Fn(&str) -> bool) {
+    let scene = polymer_scene(None, &[0.65, 1.3, 1.95, 2.6], Fidelity::Steady, Extent::Cell).expect("a valid scene");
+    let model = SectionModel::new(&scene);
+    let pool = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
+    println!("\n| steady cells, four loads | threads | designs per second |\n|---|---|---|");
+    let (what, judge) = ("distinct designs of 50 columns, no whole blocks", "the same by all blocks");
+    for threads in (1..=cores.min(2)).filter(|_| wanted(what)) {
+        let (many, few) = (designs(4000), designs(200));
+        let found = pool(threads).install(|| {
+            let all_blocks = |patterns: &[Pattern]| {
+                let solved: usize = patterns.par_iter().map(|pattern| model.solve_all_blocks(pattern).len()).sum();
+                std::hint::black_box(solved);
+            };
+            let condensed = |patterns: &[Pattern]| {
+                std::hint::black_box(model.ratios_of(patterns));
+            };
+            [designs_per_second(&many, condensed), designs_per_second(&few, all_blocks)]
+        });
+        println!("| {what} | {threads} | {:.0} |\n| {judge} | {threads} | {:.0} |", found[0], found[1]);
+    }
+    if wanted("table") {
+        let start = Instant::now();
+        let table = pool(cores).install(|| model.table([40e-6, 400e-6], [40e-6, 1000e-6], [10e-6, 50e-6]));
+        let seconds = start.elapsed().as_secs_f64();
+        println!(
+            "| table of {} designs: {seconds:.1} s | {cores} | {:.0} |",
+            table.len(),
+            table.len() as f64 / seconds
+        );
+    }
+}
+
 fn main() {
     let scene = |patterned: bool, extent: Extent, law: bool| {
         let pattern = patterned.then(|| published_groove().expect("valid lengths"));
@@ -54,8 +118,9 @@ fn main() {
     println!("| scene | threads | site updates per second |\n|---|---|---|");
     // Arguments choose the rows that hold one of them; cargo adds `--bench`.
     let wanted: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let wanted = |what: &str| wanted.is_empty() || wanted.iter().any(|part| what.contains(part));
     let row = |what: &str, count: usize, scene: &Scene, travel_m: f64| {
-        if !wanted.is_empty() && !wanted.iter().any(|part| what.contains(part)) {
+        if !wanted(what) {
             return;
         }
         let found = threads(count).install(|| throughput(scene, travel_m));
@@ -75,4 +140,6 @@ fn main() {
         two.loads.push(two.loads[0]);
         row("two flat samples at once", 2, &two, 0.05e-6);
     }
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    designs_table(cores, wanted);
 }

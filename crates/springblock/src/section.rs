@@ -2,14 +2,18 @@
 
 use std::cell::OnceCell;
 
+use rayon::prelude::*;
 use slipgrid_material::{AreaLaw, Elastic};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Planform};
 
 use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
 use crate::steady::{CondensedModel, SteadyLoad, SteadyModel};
+
+/// Rounding left by division counts as a whole number of blocks.
+const WHOLE: f64 = 1e-9;
 
 /// Steady sliding of one periodic cell with mean coefficients, for any pattern.
 ///
@@ -104,5 +108,79 @@ impl SectionModel {
     #[must_use]
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
         self.solve(pattern).into_iter().map(|outcome| outcome.ratio).collect()
+    }
+
+    /// The ratios of many patterns, in their order: in parallel on rayon's current pool, the same with any number of
+    /// threads.
+    #[must_use]
+    pub fn ratios_of(&self, patterns: &[Pattern]) -> Vec<Vec<Option<f64>>> {
+        patterns.par_iter().map(|pattern| self.ratios(pattern)).collect()
+    }
+
+    /// Every groove of whole blocks whose width, spacing and depth lie within bounds, in metres, and that leaves a row of
+    /// blocks above it, with its ratios: widths slowest, depths fastest.
+    #[must_use]
+    pub fn table(&self, width_m: [f64; 2], spacing_m: [f64; 2], depth_m: [f64; 2]) -> Vec<(Pattern, Vec<Option<f64>>)> {
+        let block_m = self.layer.block_m;
+        // Bounds that are whole blocks but for rounding belong to the table.
+        let blocks = |bounds: [f64; 2], most: f64| {
+            let first = (bounds[0] / block_m - WHOLE).ceil().max(1.0);
+            let last = (bounds[1] / block_m + WHOLE).floor().min(most);
+            (0..).map(move |step| first + f64::from(step)).take_while(move |at| *at <= last)
+        };
+        let deepest = self.layer.rows() as f64 - 1.0;
+        let patterns: Vec<Pattern> = blocks(width_m, f64::INFINITY)
+            .flat_map(|w| blocks(spacing_m, f64::INFINITY).map(move |s| (w, s)))
+            .flat_map(|(w, s)| blocks(depth_m, deepest).map(move |d| [w, s, d]))
+            .filter_map(|[w, s, d]| Pattern::new(Planform::Groove, w * block_m, s * block_m, d * block_m).ok())
+            .collect();
+        let ratios = self.ratios_of(&patterns);
+        patterns.into_iter().zip(ratios).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::RunOptions;
+    use slipgrid_material::LocalFriction;
+
+    fn model() -> SectionModel {
+        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+        SectionModel::new(&Scene {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
+            pattern: None,
+            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+            loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
+            speed_m_s: 2e-3,
+            run: RunOptions::default(),
+        })
+    }
+
+    #[test]
+    fn a_table_holds_every_whole_design_and_is_the_same_with_any_number_of_threads() {
+        let table = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| model().table([40e-6, 70e-6], [95e-6, 120e-6], [5e-6, 300e-6]))
+        };
+        let (one, three) = (table(1), table(3));
+        assert!(one == three && one.len() == 4 * 3 * 19);
+        let um = |length_m: f64| (length_m * 1e6).round();
+        let sizes = |at: usize| [one[at].0.width_m(), one[at].0.spacing_m(), one[at].0.depth_m()].map(um);
+        assert_eq!((sizes(0), sizes(1), sizes(20)), ([40., 100., 10.], [40., 100., 20.], [40., 110., 20.]));
+        assert_eq!(one[7].1, model().ratios(&one[7].0));
+        assert!(
+            one.iter().flat_map(|(_, ratios)| ratios).all(|ratio| ratio.is_some_and(|r| r > 0.5 && r < 1.0 + 1e-9))
+        );
+    }
+
+    #[test]
+    fn designs_that_only_all_blocks_can_solve_are_solved() {
+        let model = model();
+        // A cavity that reaches the uppermost row.
+        let pattern = Pattern::new(Planform::Groove, 60e-6, 90e-6, 195e-6).unwrap();
+        assert_eq!(model.solve(&pattern), model.solve_all_blocks(&pattern));
+        assert!(model.ratios(&pattern).iter().all(Option::is_some));
     }
 }

@@ -133,8 +133,15 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     }
     if !own.lattice().is_plain() {
         model.push(
-            "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
-                .to_owned(),
+            match scene.run.extent {
+                Extent::Cell => {
+                    "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
+                }
+                Extent::Sample => {
+                    "dimensions that are no whole blocks: columns fitted to the cavity's edges, depth blended between rows"
+                }
+            }
+            .to_owned(),
         );
     }
     describe_law(scene, &mut model);

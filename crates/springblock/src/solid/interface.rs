@@ -14,12 +14,7 @@
 use super::lattice::SolidLattice;
 use super::layer::{FlatLayer, Workspace};
 use super::springs::{LEVEL, springs};
-
-/// Stiffness over k of the tie of a block half of which touches the counterface: kappa = TIE a / (1 - a) for the
-/// share a, so that a block is free at 0 and pinned at 1. Friction then follows width almost evenly where cavities
-/// are shallower than a block: steps of 1 um of squares 115 to 145 um wide and 5 um deep depart from their mean by at
-/// most 2.3e-4 of the ratio, with 1 by 4.9e-4, with 8 by 8.2e-4.
-const TIE: f64 = 2.0;
+use crate::lattice::tie;
 
 /// A spring between two places of the explicit fields.
 #[derive(Clone, Copy, Debug)]
@@ -134,10 +129,11 @@ impl Interface {
             if pivot == 0.0 {
                 continue;
             }
-            let tie = TIE * share / (1.0 - share);
             let free = (share < 1.0).then(|| {
                 free += 1;
-                (free - 1, tie)
+                // Springs of the plane are two of these.
+                let held = if share > 0.0 { 2.0 * tie(share, lattice.presence(i, j, 0)) } else { 0.0 };
+                (free - 1, held)
             });
             let contact = (share > 0.0).then(|| {
                 contacts += 1;

@@ -12,7 +12,7 @@ use slipgrid_pattern::Pattern;
 
 use super::springs::{LEVEL, Spring, springs};
 use crate::columns::{divide, settled};
-use crate::lattice::stiffness_share;
+use crate::lattice::{joint_presence, stiffness_share};
 
 /// A periodic cell with or without cavities.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,7 +160,19 @@ impl SolidLattice {
     #[must_use]
     pub fn presence(&self, i: usize, j: usize, k: usize) -> f64 {
         // A cavity of depth d covering c of a column takes c (d - k) of row k, held to [0, c].
-        1.0 - self.coverage[j * self.columns[0] + i] * (self.depth - k as f64).clamp(0.0, 1.0)
+        1.0 - self.coverage[j * self.columns[0] + i] * self.depth_in(k)
+    }
+
+    /// Share of the height of row `k` that cavities take.
+    fn depth_in(&self, k: usize) -> f64 {
+        (self.depth - k as f64).clamp(0.0, 1.0)
+    }
+
+    /// Share of the stiffness of a spring between blocks `a` and `b` that is there; the bulk is whole.
+    fn spring_share(&self, a: [usize; 3], b: [usize; 3]) -> f64 {
+        let covered = [a, b].map(|[i, j, _]| self.coverage[j * self.columns[0] + i]);
+        let deep = [a, b].map(|[_, _, k]| if k < self.rows { self.depth_in(k) } else { 0.0 });
+        stiffness_share(joint_presence(covered, deep))
     }
 
     /// Every spring once, those to the bulk included: row by row, column by column. With `weakened` only those
@@ -169,13 +181,11 @@ impl SolidLattice {
         let kinds = springs(self.spacing);
         let rows = if weakened { self.cavity_rows() } else { self.rows };
         let [nx, ny] = self.columns;
-        let there = |[i, j, k]: [usize; 3]| if k < self.rows { self.presence(i, j, k) } else { 1.0 };
         for (k, j, i) in (0..rows).flat_map(|k| (0..ny).flat_map(move |j| (0..nx).map(move |i| (k, j, i)))) {
             let a = [i, j, k];
-            let here = there(a);
             for spring in kinds {
                 let b = self.neighbour(a, &spring);
-                let share = stiffness_share(here.min(there(b)));
+                let share = self.spring_share(a, b);
                 if (weakened && share < 1.0) || (!weakened && share > 0.0) {
                     visit(SolidBond { a, b, spring, share });
                 }
@@ -198,8 +208,7 @@ impl SolidLattice {
         let a = [i, j, 0];
         springs(self.spacing).into_iter().skip(LEVEL).filter_map(move |spring| {
             let b = self.neighbour(a, &spring);
-            let there = if b[2] < self.rows { self.presence(b[0], b[1], b[2]) } else { 1.0 };
-            let share = stiffness_share(self.presence(i, j, 0).min(there));
+            let share = self.spring_share(a, b);
             (share > 0.0).then_some(SolidBond { a, b, spring, share })
         })
     }

@@ -292,12 +292,13 @@ fn the_ratio_is_continuous_in_width_spacing_and_depth() {
     let at = |width, spacing, depth| ratio(&pattern(Planform::Square, width, spacing, depth), 10.0);
     for (name, values) in [
         ("width", sweep(10, |d| at(125.0 + d, 370.0, 20.0))),
-        ("width of shallow cavities", sweep(10, |d| at(125.0 + d, 370.0, 5.0))),
         ("spacing", sweep(10, |d| at(130.0, 360.0 + d, 20.0))),
+        ("width of shallow cavities", sweep(10, |d| at(125.0 + d, 370.0, 5.0))),
         ("depth", sweep(24, |d| at(130.0, 370.0, 3.0 + d))),
     ] {
         let (worst, against) = roughness(&values);
-        assert!(worst < 3e-4 && !against, "{name}: {worst} {values:.5?}");
+        let most = if name == "width" || name == "spacing" { 3e-5 } else { 3e-4 };
+        assert!(worst < most && !against, "{name}: {worst} {values:.5?}");
     }
 }
 
@@ -353,9 +354,9 @@ fn grooves_and_squares_of_equal_areal_density() {
         model(&pattern, 10.0, 200.0).solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
     };
     let (across, along) = (groove(texture), groove(texture.with_groove_angle_deg(90.0).unwrap()));
-    // 0.9610, 0.9616 and 0.9625: what covers as much does almost as much, and edges across sliding a little more.
+    // 0.9614, 0.9616 and 0.9625: what covers as much does almost as much, and edges across sliding a little more.
     assert!(across < squares && squares < along, "{across} {squares} {along}");
-    assert!((across - 0.9610).abs() < 2e-4 && (along - 0.9625).abs() < 2e-4, "{across} {along}");
+    assert!((across - 0.9614).abs() < 2e-4 && (along - 0.9625).abs() < 2e-4, "{across} {along}");
 }
 
 #[test]

@@ -20,9 +20,8 @@ use super::{Equilibrium, LinearResponse, SteadyLoad, displacement_unit, iterate,
 use crate::lattice::{Bond, Lattice};
 use crate::outcome::{Status, SurfaceOutcome};
 
-/// Largest number of operations over that of the band factorization at which condensing still pays: the band solver
-/// needs some thirty substitutions more, and these matrices fit into caches.
-const WORTH: f64 = 1.0;
+/// Evaluations of N over a few loads.
+const EVALUATIONS: f64 = 40.0;
 
 /// No number.
 const NONE: usize = usize::MAX;
@@ -90,7 +89,7 @@ impl CondensedModel {
         }
         let contacts = contacts(lattice, |_| 0);
         let equations = Equations::new(lattice, explicit, contacts);
-        if equations.products(lattice) > WORTH * band_products(lattice.nx(), lattice.ny()) {
+        if equations.products(lattice) > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
         let layer = FlatLayer::new(lattice.nx(), width, lattice.ny(), explicit);
@@ -216,11 +215,13 @@ impl Equations {
         Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs }
     }
 
-    /// Multiplications and additions that condensing takes.
+    /// Multiplications and additions that condensing takes, and the iterations after it; the band's substitutions,
+    /// which are as many, are not held against it.
     fn products(&self, lattice: &Lattice) -> f64 {
         let [n, m, missing] = [self.unknowns.len(), self.contacts.len(), self.missing.len()].map(|count| count as f64);
         let (half, fields) = (lattice.nx() as f64 / 2.0, 2.0 * self.explicit as f64);
-        n * n * n / 3.0 + n * n * m + n * m * m + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half
+        let elimination = n * n * n / 3.0 + n * n * m + n * m * m;
+        elimination + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half + EVALUATIONS * m * m
     }
 
     /// Entries of a row of coefficients: unknowns, friction forces, 1.

@@ -204,3 +204,75 @@ impl Elimination {
 fn product(a: &Square, b: &Square) -> Square {
     [a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2], a[2] * b[1] + a[3] * b[3]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: usize = 7;
+    const EXPLICIT: usize = 4;
+
+    /// Field `out` in column 0 by unit inputs in field `input` of all columns.
+    fn by_all(layer: &FlatLayer, out: usize, input: usize) -> f64 {
+        layer.responses(out, 0, input, 0, layer.columns).iter().sum()
+    }
+
+    #[test]
+    fn uniform_forces_shear_and_compress_it_as_its_moduli_say() {
+        for (columns, w) in [(1, 1.0), (2, 0.9), (9, 1.0), (10, 1.07)] {
+            let layer = FlatLayer::new(columns, w, ROWS, EXPLICIT);
+            let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{columns} {w}: {a} {b}");
+            for (l, k) in (0..EXPLICIT).flat_map(|l| (0..EXPLICIT).map(move |k| (l, k))) {
+                // C66 = k/2: a row yields by 2/w under a unit force a column, from the bulk down to the force.
+                close(by_all(&layer, 2 * k, 2 * l), 2.0 * (ROWS - k.max(l)) as f64 / w);
+                // C22 = 3k/2, and the bulk gives way: the counterface bears what is pushed down from it.
+                if l > 0 && k > 0 {
+                    close(by_all(&layer, 2 * k + 1, 2 * l + 1), 2.0 * k.min(l) as f64 / (3.0 * w));
+                }
+                if l > 0 {
+                    close(by_all(&layer, 1, 2 * l + 1), -1.0);
+                    close(by_all(&layer, 2 * l + 1, 1), 1.0);
+                }
+            }
+            // Raised as a whole it follows without a force.
+            close(by_all(&layer, 1, 1), 0.0);
+        }
+    }
+
+    #[test]
+    fn forces_and_displacements_are_in_equilibrium_about_every_block() {
+        // Off the counterface, for one input after the other: springs balance the force on each block of rows 1 and 2.
+        let (columns, w) = (9, 0.95);
+        let layer = FlatLayer::new(columns, w, ROWS, EXPLICIT);
+        let [horizontal, diagonal, vertical] = springs(w);
+        for (input, at) in (0..2 * EXPLICIT).flat_map(|input| [0, 4].map(|at| (input, at))) {
+            let displacement = |i: usize, row: usize| {
+                let of = |field: usize| layer.responses(field, i % columns, input, at, 1)[0];
+                let held = f64::from(u8::from(input == 1 && i % columns == at));
+                [of(2 * row), if row == 0 { held } else { of(2 * row + 1) }]
+            };
+            for (row, i) in (1..EXPLICIT - 1).flat_map(|row| (0..columns).map(move |i| (row, i))) {
+                let own = displacement(i, row);
+                let mut force = [0.0; 2];
+                for (step, rise, stiffness) in
+                    [(1, 0, horizontal), (0, 1, vertical), (1, 1, diagonal), (1, -1, diagonal)]
+                {
+                    for sign in [1_isize, -1] {
+                        let other = displacement(
+                            (i + columns).wrapping_add_signed(sign * step),
+                            row.wrapping_add_signed(sign * rise),
+                        );
+                        let (x, y) = ((sign * step) as f64 * w, (sign * rise) as f64);
+                        let pull = stiffness * (x * (other[0] - own[0]) + y * (other[1] - own[1])) / (x * x + y * y);
+                        force[0] += pull * x;
+                        force[1] += pull * y;
+                    }
+                }
+                for (component, force) in force.into_iter().enumerate() {
+                    let applied = f64::from(u8::from(input == 2 * row + component && i == at));
+                    assert!((force + applied).abs() < 1e-12, "{input} {at} {row} {i} {component}: {force}");
+                }
+            }
+        }
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::LinearResponse;
 use super::band::{BandFactor, BandMatrix};
-use crate::lattice::{Bond, Lattice};
+use crate::lattice::{Bond, Lattice, tie};
 
 /// A block of row 0 on land.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,10 +20,6 @@ pub struct Contact {
     /// Stiffness over k of what holds it vertically where it touches in part; absent where it is pinned.
     pub tie: Option<f64>,
 }
-
-/// Stiffness over k of the tie of a block half of which touches the counterface: kappa = TIE a / (1 - a) for the
-/// share a, so that a block is free at 0 and pinned at 1.
-pub const TIE: f64 = 1.0;
 
 /// One spring's share of the normal force on a contact: N += coefficients . (u_contact - u_other).
 #[derive(Clone, Copy, Debug)]
@@ -255,7 +251,7 @@ pub fn contacts(lattice: &Lattice, dof: impl Fn(usize) -> usize) -> Vec<Contact>
                 centre: left + 0.5 * column.width,
                 dof: dof(i),
                 lifted: false,
-                tie: (share < 1.0).then(|| TIE * share / (1.0 - share)),
+                tie: (share < 1.0).then(|| tie(share, lattice.presence(i, 0))),
             });
         }
         left += column.width;

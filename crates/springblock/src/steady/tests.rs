@@ -307,8 +307,8 @@ fn the_ratio_is_continuous_in_width_spacing_and_depth() {
     let width = sweep(30, |d| ratio(115.0 + d, 370.0, 20.0, 10.0));
     let spacing = sweep(30, |d| ratio(130.0, 355.0 + d, 20.0, 10.0));
     let depth = sweep(37, |d| ratio(130.0, 370.0, 3.0 + d, 10.0));
-    for (name, values) in [("width", width), ("spacing", spacing), ("depth", depth)] {
+    for (name, values, most) in [("width", width, 6e-5), ("spacing", spacing, 4e-5), ("depth", depth, 6e-4)] {
         let (worst, against) = roughness(&values);
-        assert!(worst < 6e-4 && !against, "{name}: {worst} {values:.5?}");
+        assert!(worst < most && !against, "{name}: {worst} {values:.5?}");
     }
 }

@@ -52,3 +52,111 @@ fn normal_forces_are_those_of_all_blocks() {
         assert!(difference < 1e-9, "{width} {spacing} {depth}: {difference:e}");
     }
 }
+
+/// Numbers in [0, 1), always the same ones.
+fn uniform(seed: u64) -> impl FnMut() -> f64 {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    move || (generator.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A number between `low` and `high`, evenly spread in its logarithm.
+fn between(low: f64, high: f64, uniform: f64) -> f64 {
+    low * (high / low).powf(uniform)
+}
+
+/// Both outcomes, or none where the condensed model leaves it to all blocks.
+fn both(lattice: &Lattice, load: &SteadyLoad, e_pa: f64, liftoff: bool) -> Option<[SurfaceOutcome; 2]> {
+    let condensed = CondensedModel::new(lattice, 10e-6, e_pa, liftoff)?.solve(load)?;
+    Some([condensed, SteadyModel::new(lattice.clone(), 10e-6, e_pa, liftoff).solve(load)])
+}
+
+fn assert_same([found, expected]: &[SurfaceOutcome; 2], what: &str) {
+    let statuses = |outcome: &SurfaceOutcome| {
+        (outcome.status, outcome.tension_blocks, outcome.cavity_closed, outcome.area_law_extrapolated)
+    };
+    assert_eq!(statuses(found), statuses(expected), "{what}");
+    let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() <= 1e-9 * scale, "{what}: {a} {b}");
+    close(found.mu_dynamic.unwrap(), expected.mu_dynamic.unwrap(), 1.0);
+    close(found.peak_pressure_pa, expected.peak_pressure_pa, expected.peak_pressure_pa);
+    assert_eq!(found.interface.len(), expected.interface.len());
+    for (a, b) in found.interface.iter().zip(&expected.interface) {
+        assert_eq!(a.x_m, b.x_m);
+        close(a.pressure_pa, b.pressure_pa, expected.peak_pressure_pa);
+        close(a.friction_pa, b.friction_pa, expected.peak_pressure_pa);
+    }
+}
+
+#[test]
+fn random_designs_under_random_loads_slide_as_all_blocks_say() {
+    let law = law();
+    let mut uniform = uniform(1);
+    let mut left = 0;
+    for number in 0..200 {
+        let width = between(10.0, 500.0, uniform());
+        let spacing = between(15.0, 900.0, uniform());
+        let depth = between(0.5, 60.0, uniform());
+        // Every third one in whole blocks.
+        let whole = |value: f64| if number % 3 == 0 { (value / 10.0).round().max(1.0) * 10.0 } else { value };
+        let lattice = lattice(whole(width), whole(spacing), whole(depth), 20);
+        let dynamic_mu = vec![between(0.05, 0.8, uniform()); lattice.nx()];
+        let pressure_pa = between(0.1e6, 8e6, uniform());
+        let area_law = (number % 4 != 0).then_some(&law);
+        let load = SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law };
+        // Soft ones close their cavities.
+        let e_pa = if number % 5 == 0 { 5e6 } else { E_PA };
+        match both(&lattice, &load, e_pa, number % 2 == 0) {
+            Some(outcomes) => assert_same(&outcomes, &format!("{width} {spacing} {depth}")),
+            None => left += 1,
+        }
+    }
+    // Lands that lift off and cavities that leave little of a period.
+    assert!(left < 30, "{left}");
+}
+
+#[test]
+fn laws_that_fall_steeply_and_large_pitches_too() {
+    let law = AreaLaw::new(vec![1.0e6, 1.01e6, 2.5e6], vec![1.0, 0.5, 0.1]).unwrap();
+    for (width, spacing, depth) in [(60.0, 60.0, 50.0), (403.7, 996.0, 48.0), (41.0, 57.3, 1.2), (300.4, 91.0, 17.7)] {
+        let lattice = lattice(width, spacing, depth, 20);
+        let dynamic_mu = vec![0.4; lattice.nx()];
+        for pressure_pa in [0.8e6, 1.5e6, 4e6] {
+            let load = SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
+            assert_same(&both(&lattice, &load, E_PA, false).unwrap(), &format!("{width} {pressure_pa}"));
+        }
+    }
+}
+
+#[test]
+fn what_it_cannot_do_is_left_to_all_blocks() {
+    let model = |lattice: &Lattice| CondensedModel::new(lattice, 10e-6, E_PA, true);
+    // A cavity up to the uppermost row; a sample; more forces about the cavity than the band has columns.
+    assert!(model(&lattice(130.0, 370.0, 191.0, 20)).is_none());
+    let pattern = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+    assert!(model(&Lattice::new(columns::sample(&pattern, 10e-6, 200), 20, false)).is_none());
+    assert!(model(&lattice(2003.0, 104.0, 17.0, 20)).is_none());
+    // A land that tips and may leave the counterface.
+    let tipping = lattice(100.0, 40.0, 120.0, 20);
+    let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &[0.6; 14], area_law: None };
+    assert!(model(&tipping).unwrap().solve(&load).is_none());
+    // Held down it has no equilibrium, which is for all blocks to say.
+    assert!(CondensedModel::new(&tipping, 10e-6, E_PA, false).unwrap().solve(&load).is_none());
+    let held = SteadyModel::new(tipping.clone(), 10e-6, E_PA, false).solve(&load);
+    assert_eq!(held.status, Status::NotConverged);
+    let unloaded = SteadyLoad { pressure_pa: 0.0, ..load };
+    assert_eq!(model(&tipping).unwrap().solve(&unloaded).unwrap().status, Status::NoLoad);
+}
+
+#[test]
+fn a_flat_ring_is_uniform() {
+    for columns in [1, 2, 3, 10] {
+        let lattice = Lattice::new(columns::flat(columns), 20, true);
+        let law = law();
+        let dynamic_mu = vec![0.27; columns];
+        let load = SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
+        let outcome = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().solve(&load).unwrap();
+        assert!((outcome.mu_dynamic.unwrap() - 0.27 * law.factor(2.6e6)).abs() < 1e-12);
+        assert!(outcome.interface.iter().all(|point| (point.pressure_pa - 2.6e6).abs() < 1e-4));
+    }
+}
