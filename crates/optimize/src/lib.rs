@@ -13,6 +13,8 @@
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
+//! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
+//! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
@@ -58,22 +60,29 @@ mod guidance;
 mod guided;
 mod ledger;
 mod model;
+mod normal;
 mod outcome;
 mod polish;
+mod propagation;
 mod search;
+mod sensitivity;
 mod sequence;
 mod space;
 mod summary;
 mod target;
+mod uncertainty;
 
 pub use error::SearchError;
 pub use guidance::Guidance;
 pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status, Violation};
+pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
 pub use search::{SearchOptions, search};
+pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{Constraints, DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Misfit, Quantity, Target, TargetPoint};
+pub use uncertainty::{Tolerances, Uncertainty};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
 /// descending further would only spend evaluations: 0.0002 of a ratio at a tolerance of 0.01.
