@@ -3,6 +3,7 @@
 mod files;
 mod model;
 mod report;
+mod sensitivity;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -34,7 +35,7 @@ use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use model::SteadyCell;
-use report::{MisfitReport, ReachableReport, Timings, patterns};
+use report::{MisfitReport, ReachableReport, TargetReport, Timings, patterns};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -62,8 +63,14 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         return Err(CliError::Other("the search ended without a design".to_owned()));
     };
 
-    let exporting = Instant::now();
     let pattern = best.design;
+    let probing = Instant::now();
+    let target: TargetReport = (&design.target).into();
+    let slopes =
+        sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    timings.uncertainty = probing.elapsed().as_secs_f64();
+
+    let exporting = Instant::now();
     let material_report = MaterialReport::from(&material.provenance);
     let mut outputs = Outputs::default();
     let scene = DesignScene {
@@ -111,12 +118,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
         fidelity: found.confirming.fidelity.name(),
         extent: found.confirming.extent.name(),
-        target: (&design.target).into(),
+        target,
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, sectioned, &outside),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
+        sensitivities: slopes,
         reachable: found.reachable.clone(),
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,

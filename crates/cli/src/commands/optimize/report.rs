@@ -6,6 +6,7 @@ use slipgrid_optimize::{Quantity, Target};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
+use super::sensitivity::SensitivityReport;
 use crate::formats::design::quantity_name;
 use crate::report::Table;
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
@@ -49,6 +50,8 @@ pub struct DesignReport {
     pub misfit: MisfitReport,
     /// Constraints that the best design breaks.
     pub violations: Vec<String>,
+    /// How the target's quantity moves with the dimensions; null where designs beside it have no response.
+    pub sensitivities: Option<SensitivityReport>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
     /// Other designs that the search's model found to meet the target.
@@ -153,6 +156,8 @@ pub struct Timings {
     pub search: f64,
     /// Confirming.
     pub confirm: f64,
+    /// Slopes and tolerances at the design.
+    pub uncertainty: f64,
     /// Drawing and tabulating.
     pub export: f64,
 }
@@ -218,6 +223,9 @@ impl DesignReport {
             self.target.tolerance,
             fixed(self.misfit.confirmed, 2),
         );
+        if let Some(sensitivities) = &self.sensitivities {
+            text += &format!("\n{}\n", sensitivities.text());
+        }
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
@@ -238,7 +246,7 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, export {:.1} s\n",
             self.evaluations,
             if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
@@ -246,6 +254,7 @@ impl DesignReport {
             timings.flat,
             timings.search,
             timings.confirm,
+            timings.uncertainty,
             timings.export
         );
         text
