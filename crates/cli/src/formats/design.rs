@@ -13,8 +13,10 @@ use toml::Spanned;
 use super::document::Document;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
+use super::material_uncertainty::{MaterialUncertainty, read_uncertainty};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
+use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, list};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
@@ -43,6 +45,7 @@ struct DesignFile {
     sample: Spanned<SampleFile>,
     #[serde(default)]
     search: SearchFile,
+    tolerances: Option<TolerancesFile>,
 }
 
 /// Grooves across the sliding direction, where a design names nothing else.
@@ -124,6 +127,10 @@ pub struct Design {
     pub from_rest: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
     pub dimensions: Option<u8>,
+    /// How samples scatter about the design; nothing is said of it when absent.
+    pub tolerances: Option<TolerancesInput>,
+    /// Errors of a material that is given; a calibration finds its own.
+    pub uncertainty: MaterialUncertainty,
     document: Document,
     condition_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
@@ -170,7 +177,8 @@ impl Design {
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         let max_peak_pressure_pa = document.optional(file.limits.max_peak_pressure_mpa.as_ref(), PRESSURE_MPA)?;
-        let material = read_material_input(&document, &file.material)?;
+        let humidity = condition.map(|condition| condition.humidity);
+        let (material, uncertainty) = read_material_input(&document, &file.material, humidity)?;
         if let MaterialInput::Given(material) = &material {
             read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, material)?;
         }
@@ -197,6 +205,8 @@ impl Design {
             max_evaluations,
             from_rest: file.search.from_rest.unwrap_or(false),
             dimensions,
+            tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
+            uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             document,
@@ -343,18 +353,21 @@ fn read_limits(
 fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
-) -> Result<MaterialInput, Diagnostic> {
+    humidity: Option<f64>,
+) -> Result<(MaterialInput, MaterialUncertainty), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
-            read_material(document, table, &material.span()).map(|read| MaterialInput::Given(Box::new(read)))
+            let read = read_material(document, table, &material.span())?;
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(document, table, humidity)?))
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
-            if Document::read(&path)?.has_key("measurements") {
-                Ok(MaterialInput::Calibration(path))
-            } else {
-                read_file(&path).map(|read| MaterialInput::Given(Box::new(read)))
+            let named = Document::read(&path)?;
+            if named.has_key("measurements") {
+                return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
+            let read = read_file(&path)?;
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(&named, &named.parse()?, humidity)?))
         }
     }
 }

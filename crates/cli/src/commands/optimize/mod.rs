@@ -3,6 +3,8 @@
 mod files;
 mod model;
 mod report;
+mod robustness;
+mod robustness_report;
 mod sensitivity;
 
 use std::ops::ControlFlow;
@@ -27,6 +29,7 @@ use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::calibration::Calibration;
 use crate::formats::design::{Design, MaterialInput};
+use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
@@ -36,6 +39,7 @@ use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use model::SteadyCell;
 use report::{MisfitReport, ReachableReport, TargetReport, Timings, patterns};
+use robustness_report::RobustnessReport;
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -49,8 +53,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
-    let material = match &design.material {
-        MaterialInput::Given(material) => material.as_ref().clone(),
+    let (material, uncertainty) = match &design.material {
+        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
         MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
     };
     let (loads, outside) = design.loads(&material)?;
@@ -68,6 +72,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let target: TargetReport = (&design.target).into();
     let slopes =
         sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    let spread = found.spread(&design, &uncertainty)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -125,6 +130,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
+        robustness: spread,
         reachable: found.reachable.clone(),
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
@@ -156,11 +162,16 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 }
 
 /// The material of the calibration file at `path`, as far as `design` needs it.
-fn calibrated(path: &Path, design: &Design, console: &mut Console<'_>) -> Result<Material, CliError> {
+fn calibrated(
+    path: &Path,
+    design: &Design,
+    console: &mut Console<'_>,
+) -> Result<(Material, MaterialUncertainty), CliError> {
     let calibration = Calibration::read(path)?;
     // A pressure or condition that was not measured is refused before anything is computed.
     design.loads(&super::calibrate::provisional(&calibration)?)?;
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed };
+    let errors = design.tolerances.is_some();
+    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
     super::calibrate::material(path, &calibration, &purpose, console)
 }
 
@@ -418,6 +429,25 @@ impl Rounds {
         let values = self.model.confirmed(self.confirmed.as_ref()?);
         let values: Option<Vec<f64>> = values.into_iter().collect();
         Some(design.target.misfit(&values?).max)
+    }
+
+    /// What tolerances and errors make of the confirmed design; `None` where the design file has no tolerances, or
+    /// friction is not known at every pressure.
+    fn spread(&self, design: &Design, material: &MaterialUncertainty) -> Result<Option<RobustnessReport>, CliError> {
+        let (Some(tolerances), Some(best), Some(confirmed)) = (&design.tolerances, &self.best, &self.confirmed) else {
+            return Ok(None);
+        };
+        robustness::report(&robustness::Request {
+            model: &self.model,
+            pattern: &best.design,
+            confirmed,
+            target: &design.target,
+            is_ratio: design.target.quantity() == Quantity::Ratio,
+            tolerances,
+            material,
+            friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+            seed: design.seed,
+        })
     }
 
     fn is_confirmed(&self, design: &Design) -> bool {

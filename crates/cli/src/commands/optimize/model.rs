@@ -1,5 +1,6 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
+use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -130,6 +131,36 @@ impl SteadyCell {
         simulate(&self.scene(design), &Unwatched)
     }
 
+    /// Ratios of `design` where mu_d at each load is larger by `relative_friction` and the area law is another.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn ratios_where(
+        &self,
+        design: &Pattern,
+        relative_friction: &[f64],
+        area_law: Option<AreaLaw>,
+    ) -> Result<Vec<f64>, ModelFailure> {
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let mut scene = Scene { area_law, ..self.scene.clone() };
+        for (load, by) in scene.loads.iter_mut().zip(relative_friction) {
+            let friction = &load.friction;
+            let (static_mean, dynamic_mean) =
+                (friction.static_mean() * (1.0 + by), friction.dynamic_mean() * (1.0 + by));
+            load.friction = LocalFriction::new(static_mean, dynamic_mean, friction.relative_std())
+                .map_err(|error| trial(error.to_string()))?;
+        }
+        let dimensions = if self.is_solid() { 3 } else { 2 };
+        let solver = Solver::new(&scene, dimensions);
+        Ok(Self::answers(&scene, &solver, design)?.0)
+    }
+
+    /// The area law that designs are solved with.
+    #[must_use]
+    pub const fn area_law(&self) -> Option<&AreaLaw> {
+        self.scene.area_law.as_ref()
+    }
+
     /// Takes the difference between `confirmed` and what the search took for `predicted` as the
     /// model's error at every design, and returns the largest change of it. Pressures where either is
     /// absent keep their correction.
@@ -154,12 +185,22 @@ impl SteadyCell {
 
     /// What `solver`, made of `scene`, says of `design`.
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        let (mut value, peak_pressure_pa) = Self::answers(scene, solver, design)?;
+        for (load, value) in value.iter_mut().enumerate() {
+            let scale = self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load]);
+            *value = *value * scale + self.correction[load];
+        }
+        Ok(Response { value, peak_pressure_pa })
+    }
+
+    /// The ratio at each load, and the largest local pressure.
+    fn answers(scene: &Scene, solver: &Solver, design: &Pattern) -> Result<(Vec<f64>, f64), ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
         scene.validate().map_err(|error| trial(error.to_string()))?;
         let mut value = Vec::new();
         let mut peak_pressure_pa = 0.0_f64;
-        for (load, outcome) in solver.solve(design)?.iter().enumerate() {
+        for outcome in &solver.solve(design)? {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
                 return Err(trial(format!("steady run: {}", surface.status.name())));
@@ -167,12 +208,10 @@ impl SteadyCell {
             if surface.cavity_closed {
                 return Err(trial("the cavity closes under load".to_owned()));
             }
-            let ratio = outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?;
-            let scale = self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load]);
-            value.push(ratio * scale + self.correction[load]);
+            value.push(outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?);
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
         }
-        Ok(Response { value, peak_pressure_pa })
+        Ok((value, peak_pressure_pa))
     }
 }
 
@@ -185,7 +224,7 @@ impl ForwardModel for SteadyCell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_material::Elastic;
     use slipgrid_pattern::Planform;
     use slipgrid_springblock::{Layer, Load};
 

@@ -6,6 +6,7 @@ use slipgrid_optimize::{Quantity, Target};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
+use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
 use crate::formats::design::quantity_name;
 use crate::report::Table;
@@ -52,6 +53,8 @@ pub struct DesignReport {
     pub violations: Vec<String>,
     /// How the target's quantity moves with the dimensions; null where designs beside it have no response.
     pub sensitivities: Option<SensitivityReport>,
+    /// What samples made after the design do; null where the design file has no tolerances.
+    pub robustness: Option<RobustnessReport>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
     /// Other designs that the search's model found to meet the target.
@@ -226,6 +229,9 @@ impl DesignReport {
         if let Some(sensitivities) = &self.sensitivities {
             text += &format!("\n{}\n", sensitivities.text());
         }
+        if let Some(robustness) = &self.robustness {
+            text += &format!("{}\n", robustness.text());
+        }
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
@@ -242,6 +248,9 @@ impl DesignReport {
         }
         for note in &self.model {
             text += &format!("- {note}\n");
+        }
+        if self.robustness.is_some() {
+            text += &format!("- {MEANING}\n");
         }
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;

@@ -16,6 +16,7 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     verdict(&mut page, result);
     dimensions(&mut page, result);
     target(&mut page, result, outputs);
+    uncertainty::robustness(&mut page, result);
     uncertainty::sensitivities(&mut page, result);
     pattern(&mut page, result, outputs);
     pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
