@@ -15,6 +15,7 @@
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
+//! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
@@ -70,6 +71,7 @@ mod sequence;
 mod space;
 mod summary;
 mod target;
+mod trade_offs;
 mod uncertainty;
 
 pub use error::SearchError;
@@ -82,6 +84,7 @@ pub use search::{SearchOptions, search};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{Constraints, DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Misfit, Quantity, Target, TargetPoint};
+pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, trade_offs};
 pub use uncertainty::{Tolerances, Uncertainty};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
