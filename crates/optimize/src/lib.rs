@@ -15,6 +15,7 @@
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
+//! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
 //! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
 //! | [`SearchError`] | why there was nothing to search |
 //!
@@ -65,6 +66,7 @@ mod normal;
 mod outcome;
 mod polish;
 mod propagation;
+mod robust;
 mod search;
 mod sensitivity;
 mod sequence;
@@ -80,6 +82,7 @@ pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status, Violation};
 pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
+pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{Constraints, DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};

@@ -75,6 +75,11 @@ impl Target {
         self.tolerance
     }
 
+    /// The same asked of `times` responses, one after the other.
+    pub(crate) fn repeated(&self, times: usize) -> Self {
+        Self { points: self.points.repeat(times), ..self.clone() }
+    }
+
     /// Misfit of `values`, one per point; further values are ignored.
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {
