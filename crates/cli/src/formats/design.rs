@@ -84,6 +84,7 @@ struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
     from_rest: Option<bool>,
+    robust: Option<Spanned<bool>>,
     dimensions: Option<Spanned<u64>>,
 }
 
@@ -125,6 +126,8 @@ pub struct Design {
     pub max_evaluations: usize,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
+    /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
+    pub robust: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
     pub dimensions: Option<u8>,
     /// How samples scatter about the design; nothing is said of it when absent.
@@ -204,6 +207,7 @@ impl Design {
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
             from_rest: file.search.from_rest.unwrap_or(false),
+            robust: read_robust(&document, &file)?,
             dimensions,
             tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
             uncertainty,
@@ -238,6 +242,15 @@ impl Design {
     #[must_use]
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
         Diagnostic::file(self.document.path(), reason)
+    }
+}
+
+fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {
+    match &file.search.robust {
+        Some(robust) if *robust.get_ref() && file.tolerances.is_none() => Err(document
+            .refuse(robust.span(), "needs to know how samples scatter")
+            .expected("a table [tolerances] with width_std_um, spacing_std_um or depth_std_um")),
+        robust => Ok(robust.as_ref().is_some_and(|robust| *robust.get_ref())),
     }
 }
 

@@ -3,6 +3,7 @@
 mod files;
 mod model;
 mod report;
+mod robust_search;
 mod robustness;
 mod robustness_report;
 mod sensitivity;
@@ -39,6 +40,7 @@ use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use model::SteadyCell;
 use report::{MisfitReport, ReachableReport, TargetReport, Timings, patterns};
+use robust_search::RobustChoice;
 use robustness_report::RobustnessReport;
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
@@ -196,6 +198,8 @@ struct Rounds {
     confirmed: Option<Simulation>,
     alternatives: Vec<Pattern>,
     reachable: Vec<ReachableReport>,
+    /// How the best design was chosen, where samples decided.
+    choice: Option<RobustChoice>,
 }
 
 /// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
@@ -283,6 +287,7 @@ impl Rounds {
             confirmed: None,
             alternatives: Vec::new(),
             reachable: Vec::new(),
+            choice: None,
         })
     }
 
@@ -369,14 +374,16 @@ impl Rounds {
                 search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &progress)
             }
         };
+        let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
         timings.search += bar.finish();
-        let outcome = outcome.map_err(|error| match error {
+        let (outcome, choice) = outcome.map_err(|error| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
                 CliError::Other(error.to_string())
             }
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
+        self.choice = choice;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {
             self.solid_evaluations += outcome.evaluations;
@@ -447,6 +454,7 @@ impl Rounds {
             material,
             friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
             seed: design.seed,
+            choice: self.choice.as_ref(),
         })
     }
 

@@ -8,13 +8,15 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, Simulation};
 
 use super::model::SteadyCell;
+use super::robust_search::RobustChoice;
 use super::robustness_report::{
-    CorrectedReport, InputReport, MEANING, PartsReport, PressureParts, PressureReport, RobustnessReport, ScatterReport,
-    SpreadReport, distribution,
+    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PartsReport, PressureParts, PressureReport,
+    RobustnessReport, ScatterReport, SpreadReport, distribution,
 };
 use crate::CliError;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
+use crate::report::simulation::PatternReport;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Draws from the first-order model, which cost nothing.
@@ -42,6 +44,8 @@ pub struct Request<'a> {
     pub friction_covariance: Option<Vec<Vec<f64>>>,
     /// Seed of the draws.
     pub seed: u64,
+    /// How the design was chosen, where samples decided.
+    pub choice: Option<&'a RobustChoice>,
 }
 
 /// The model about a confirmed design, with the parameters that are not known exactly.
@@ -110,7 +114,20 @@ pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliErro
             }
         }),
         parts: parts(&about, &uncertainty, &first_order),
-        optimum: None,
+        optimum: request.choice.map(|choice| {
+            // In space a draw costs a tenth of a second.
+            let nominal = (!is_linear)
+                .then(|| propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok())
+                .flatten();
+            OptimumReport {
+                nominal: PatternReport::from(&choice.nominal),
+                nominal_expected_rms: Some(tidy(choice.found.nominal_expected_rms)).filter(|rms| rms.is_finite()),
+                expected_rms: tidy(choice.found.expected_rms),
+                nominal_probability: nominal
+                    .map(|drawn| tidy(drawn.probability(|values| is_met(request, values)).share)),
+                evaluations: choice.found.evaluations,
+            }
+        }),
     }))
 }
 
@@ -344,7 +361,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     }
     if let (Some(first), Some(found)) = (about.parameters.discrepancy, request.material.discrepancy.as_ref()) {
         inputs.push(InputReport {
-            name: "model on patterned samples, at each load".to_owned(),
+            name: format!("{ON_PATTERNED}, at each load"),
             std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%",
             basis: format!("{} degrees of freedom; only in the numbers corrected by it", found.degrees_of_freedom),

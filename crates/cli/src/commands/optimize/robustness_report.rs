@@ -12,6 +12,9 @@ use crate::units::tidy;
 pub const MEANING: &str = "Standard deviations of the dimensions are those of a sample's mean: samples differ by so much, \
                            and how the cavities of one sample scatter about its mean is averaged away by friction";
 
+/// How the input begins that corrected numbers alone have.
+pub const ON_PATTERNED: &str = "model on patterned samples";
+
 /// What samples made after a design do.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RobustnessReport {
@@ -135,8 +138,9 @@ pub struct CorrectedReport {
 pub struct OptimumReport {
     /// The design that misses the target least, were it made exactly.
     pub nominal: PatternReport,
-    /// Root-mean-square misfit over made samples, in tolerances: of that design.
-    pub nominal_expected_rms: f64,
+    /// Root-mean-square misfit over made samples, in tolerances: of that design; null where a
+    /// sample of it cannot be computed.
+    pub nominal_expected_rms: Option<f64>,
     /// Of the design chosen.
     pub expected_rms: f64,
     /// Share of samples of the nominal design within the tolerance at all pressures, drawn alike; null where it could
@@ -176,6 +180,7 @@ impl RobustnessReport {
         }
         let names = |is_length: bool| {
             let named = self.inputs.iter().filter(|input| (input.unit == "um") == is_length);
+            let named = named.filter(|input| !input.name.starts_with(ON_PATTERNED));
             named.map(InputReport::words).collect::<Vec<_>>().join(", ")
         };
         let mut text = format!("  ratio of samples made with {}\n", names(true));
@@ -242,8 +247,12 @@ impl OptimumReport {
             .nominal_probability
             .map_or_else(String::new, |share| format!(", {:.1} % of its samples within the tolerance", 100.0 * share));
         format!(
-            "  chosen for its samples: expected misfit {:.2} tolerances; the best design on paper, {} / {} / {} um, has {:.2}{share}\n",
-            self.expected_rms, nominal.width_um, nominal.spacing_um, nominal.depth_um, self.nominal_expected_rms,
+            "  chosen for its samples: expected misfit {:.2} tolerances; the best design on paper, {} / {} / {} um, has {}{share}\n",
+            self.expected_rms,
+            nominal.width_um,
+            nominal.spacing_um,
+            nominal.depth_um,
+            fixed(self.nominal_expected_rms, 2),
         )
     }
 }
