@@ -31,15 +31,6 @@ impl Bound {
             Self::AtLeast(_) => Self::AtLeast(limit),
         }
     }
-
-    /// The same side without a limit.
-    #[must_use]
-    pub const fn relaxed(self) -> Self {
-        match self {
-            Self::AtMost(_) => Self::AtMost(f64::INFINITY),
-            Self::AtLeast(_) => Self::AtLeast(f64::NEG_INFINITY),
-        }
-    }
 }
 
 /// A quantity of a design, which the model gives, and its limit.
@@ -55,6 +46,8 @@ pub struct Limit {
     pub bound: Bound,
     /// Change of the quantity that counts as 1, SI units: the limit itself where that is not 0.
     pub scale: f64,
+    /// The loosest limit that means something, SI units: no limit at all, or what physics or geometry sets.
+    pub loosest: f64,
 }
 
 impl Limit {
@@ -65,6 +58,13 @@ impl Limit {
             Bound::AtMost(limit) => (value - limit) / self.scale,
             Bound::AtLeast(limit) => (limit - value) / self.scale,
         }
+    }
+
+    /// The same with the loosest limit.
+    #[must_use]
+    pub const fn relaxed(mut self) -> Self {
+        self.bound = self.bound.with_limit(self.loosest);
+        self
     }
 
     /// `value` with its unit.
@@ -162,8 +162,22 @@ mod tests {
 
     #[test]
     fn limits_hold_on_their_side_and_say_so_in_their_unit() {
-        let peak = Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound: Bound::AtMost(10e6), scale: 10e6 };
-        let land = Limit { name: "bearing area", unit: "", unit_si: 1.0, bound: Bound::AtLeast(0.6), scale: 0.6 };
+        let peak = Limit {
+            name: "peak pressure",
+            unit: "MPa",
+            unit_si: 1e6,
+            bound: Bound::AtMost(10e6),
+            scale: 10e6,
+            loosest: f64::INFINITY,
+        };
+        let land = Limit {
+            name: "bearing area",
+            unit: "",
+            unit_si: 1.0,
+            bound: Bound::AtLeast(0.6),
+            scale: 0.6,
+            loosest: 0.0,
+        };
         let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
         let constraints = Constraints { quantities: vec![peak, land], ..Constraints::default() };
         let broken = |limited: Vec<f64>| constraints.violations(&design, &Response { value: vec![0.9], limited });
@@ -172,8 +186,7 @@ mod tests {
         assert_eq!(both[0].to_string(), "peak pressure is 12.35 MPa: allowed is at most 10 MPa");
         assert_eq!(both[1].to_string(), "bearing area is 0.3: allowed is at least 0.6");
         assert!((both[0].excess() - 0.234_567).abs() < 1e-9 && (both[1].excess() - 0.5).abs() < 1e-12);
-        let relaxed = Limit { bound: land.bound.relaxed(), ..land };
-        assert!(relaxed.excess(0.0) < 0.0 && Limit { bound: peak.bound.relaxed(), ..peak }.excess(1e9) < 0.0);
+        assert!(land.relaxed().excess(0.0) <= 0.0 && peak.relaxed().excess(1e9) < 0.0);
         assert!(constraints.validate().is_ok());
         let nonsense = Constraints { quantities: vec![Limit { scale: 0.0, ..land }], ..Constraints::default() };
         assert!(matches!(nonsense.validate(), Err(SearchError::OutOfRange { .. })));

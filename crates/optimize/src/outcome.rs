@@ -139,7 +139,8 @@ mod tests {
 
     fn candidate(max: f64, cost: f64, peak_pressure_pa: f64) -> Candidate {
         let bound = Bound::AtMost(10e6);
-        let limit = Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: 10e6 };
+        let limit =
+            Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: 10e6, loosest: f64::INFINITY };
         let constraints = Constraints { quantities: vec![limit], ..Constraints::default() };
         let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
         let response = Response { value: vec![0.9], limited: vec![peak_pressure_pa] };

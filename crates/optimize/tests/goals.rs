@@ -138,7 +138,14 @@ fn several_limits_bind_together() {
     // The lowest ratio under a peak pressure and a share of land: least land where depth is at its limit.
     let mut constraints = peak(5.0);
     let bound = Bound::AtLeast(0.8);
-    constraints.quantities.push(Limit { name: "bearing area", unit: "", unit_si: 1.0, bound, scale: 0.8 });
+    constraints.quantities.push(Limit {
+        name: "bearing area",
+        unit: "",
+        unit_si: 1.0,
+        bound,
+        scale: 0.8,
+        loosest: 0.0,
+    });
     let model = |design: &Pattern| {
         let mut response = respond(design)?;
         response.limited.push(1.0 - design.areal_density());

@@ -60,14 +60,15 @@ pub fn bursts(depth_per_burst_um: f64) -> Constraints {
 pub fn peak(max_peak_pressure_mpa: f64) -> Constraints {
     let limit_pa = max_peak_pressure_mpa * 1e6;
     let bound = Bound::AtMost(limit_pa);
-    let limit = Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: limit_pa };
+    let limit =
+        Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: limit_pa, loosest: f64::INFINITY };
     Constraints { quantities: vec![limit], ..Constraints::default() }
 }
 
 /// The peak pressure without a limit.
 pub fn unlimited() -> Constraints {
     let mut constraints = peak(1.0);
-    constraints.quantities[0].bound = Bound::AtMost(f64::INFINITY);
+    constraints.quantities[0] = constraints.quantities[0].relaxed();
     constraints
 }
 
