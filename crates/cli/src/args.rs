@@ -110,6 +110,9 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
+    #[arg(long)]
+    pub resume: bool,
     /// Print result.json instead of a summary
     #[arg(long)]
     pub json: bool,

@@ -12,8 +12,8 @@
 use crate::search::search_along;
 use crate::sensitivity::{AXES, lengths_m, with_lengths};
 use crate::{
-    Candidate, Constraints, DesignSpace, ForwardModel, Guidance, ModelFailure, Response, SearchError, SearchOptions,
-    SearchOutcome, SearchProgress, Target, Tolerances, Uncertainty, search_guided,
+    Bound, Candidate, Constraints, DesignSpace, ForwardModel, Guidance, Limit, Misfit, ModelFailure, Response,
+    SearchError, SearchOptions, SearchOutcome, SearchProgress, Target, Tolerances, Uncertainty, search_guided,
 };
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -27,10 +27,10 @@ const LEAST_SHARE: f64 = 0.1;
 pub struct RobustOutcome {
     /// The chosen design, by itself.
     pub best: Candidate,
-    /// Root of the mean squared residual over samples of it, in tolerances.
-    pub expected_rms: f64,
-    /// The same of the design that was best on paper; infinite where a sample of it cannot be computed.
-    pub nominal_expected_rms: f64,
+    /// Mean over samples of it; `rms` is the root of the mean squared residual.
+    pub expected: Misfit,
+    /// The same of the design that was best on paper; `None` where a sample of it cannot be computed.
+    pub nominal_expected: Option<Misfit>,
     /// Designs that were asked of, each with its samples.
     pub evaluations: usize,
 }
@@ -53,27 +53,28 @@ pub fn search_robust(
     nominal: &SearchOutcome,
     progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
 ) -> Result<RobustOutcome, SearchError> {
-    let samples = Samples::new(model, tolerances)?;
+    let samples = Samples::new(model, &constraints.quantities, tolerances)?;
     let of_samples = target.repeated(samples.count());
     let found = match guide {
         None => search_along(&[], &of_samples, space, constraints, options, &samples, progress)?,
         Some(guide) => {
-            let along = Samples { model: guide, displacements_m: samples.displacements_m.clone() };
+            let along = Samples { model: guide, displacements_m: samples.displacements_m.clone(), ..samples };
             let guidance = &mut Guidance::new();
             search_guided(&of_samples, space, constraints, options, &samples, &along, guidance, progress)?
         }
     };
     let fatal = |failure: ModelFailure| SearchError::BrokenModel { reason: failure.to_string() };
     let expected = |design: &Pattern| match samples.respond(design) {
-        Ok(response) => Ok(of_samples.misfit(&response.value).rms),
-        Err(ModelFailure::Trial { .. }) => Ok(f64::INFINITY),
+        Ok(response) => Ok(Some(of_samples.misfit(&response.value))),
+        Err(ModelFailure::Trial { .. }) => Ok(None),
         Err(failure) => Err(fatal(failure)),
     };
-    let nominal_expected_rms = expected(&nominal.best.design)?;
+    let nominal_expected = expected(&nominal.best.design)?;
+    let never = Misfit { max: f64::INFINITY, rms: f64::INFINITY, cost: f64::INFINITY };
     let mut chosen = RobustOutcome {
         best: nominal.best.clone(),
-        expected_rms: nominal_expected_rms,
-        nominal_expected_rms,
+        expected: nominal_expected.unwrap_or(never),
+        nominal_expected,
         evaluations: found.evaluations.max(found.guide_evaluations),
     };
     for candidate in std::iter::once(&found.best).chain(&found.alternatives) {
@@ -83,8 +84,8 @@ pub fn search_robust(
         let own = Candidate { design: candidate.design, response, misfit, violations };
         let is_allowed = own.violations.len() <= nominal.best.violations.len()
             && (own.misfit.is_met() || !nominal.best.misfit.is_met());
-        if is_allowed && candidate.misfit.rms < chosen.expected_rms {
-            chosen = RobustOutcome { best: own, expected_rms: candidate.misfit.rms, ..chosen };
+        if is_allowed && candidate.misfit.cost < chosen.expected.cost {
+            chosen = RobustOutcome { best: own, expected: candidate.misfit, ..chosen };
         }
     }
     Ok(chosen)
@@ -93,12 +94,13 @@ pub fn search_robust(
 /// The responses of a design and of its samples, one after the other; what is limited is the worst of them.
 struct Samples<'a> {
     model: &'a dyn ForwardModel,
+    quantities: &'a [Limit],
     /// From the design to its samples, itself first.
     displacements_m: Vec<[f64; AXES]>,
 }
 
 impl<'a> Samples<'a> {
-    fn new(model: &'a dyn ForwardModel, tolerances: &Tolerances) -> Result<Self, SearchError> {
+    fn new(model: &'a dyn ForwardModel, quantities: &'a [Limit], tolerances: &Tolerances) -> Result<Self, SearchError> {
         let uncertainty = Uncertainty::new(tolerances, &[])?;
         let direction = |axis: usize| {
             let mut unit = [0.0; AXES];
@@ -112,7 +114,7 @@ impl<'a> Samples<'a> {
         let reach = (directions.len() as f64 + 0.5).sqrt();
         let both =
             directions.iter().flat_map(|direction| [direction.map(|d| d * reach), direction.map(|d| -d * reach)]);
-        Ok(Self { model, displacements_m: std::iter::once([0.0; AXES]).chain(both).collect() })
+        Ok(Self { model, quantities, displacements_m: std::iter::once([0.0; AXES]).chain(both).collect() })
     }
 
     fn count(&self) -> usize {
@@ -132,8 +134,15 @@ impl ForwardModel for Samples<'_> {
                 self.model.respond(&with_lengths(design, made_m)?)
             })
             .collect::<Result<Vec<Response>, ModelFailure>>()?;
-        let peak_pressure_pa = responses.iter().map(|response| response.peak_pressure_pa).fold(0.0, f64::max);
-        Ok(Response { value: responses.into_iter().flat_map(|response| response.value).collect(), peak_pressure_pa })
+        let worst = |(place, limit): (usize, &Limit)| {
+            let values = responses.iter().filter_map(|response| response.limited.get(place).copied());
+            match limit.bound {
+                Bound::AtMost(_) => values.reduce(f64::max),
+                Bound::AtLeast(_) => values.reduce(f64::min),
+            }
+        };
+        let limited = self.quantities.iter().enumerate().filter_map(worst).collect();
+        Ok(Response { value: responses.into_iter().flat_map(|response| response.value).collect(), limited })
     }
 }
 
@@ -166,7 +175,7 @@ mod tests {
     ) -> (SearchOutcome, RobustOutcome) {
         let model = |design: &Pattern| {
             let value = value(design.width_m() * 1e6, design.spacing_m() * 1e6);
-            Ok(Response { value: vec![value], peak_pressure_pa: 1e6 })
+            Ok(Response { value: vec![value], limited: Vec::new() })
         };
         let (constraints, options) = (Constraints::default(), SearchOptions::default());
         let nominal = search(target, &space(), &constraints, &options, &model, &carry_on).unwrap();
@@ -179,10 +188,12 @@ mod tests {
     fn the_mean_squared_residual_of_a_linear_response_is_exact() {
         let model = |design: &Pattern| {
             let [w, s, _] = lengths_m(design).map(|length_m| length_m * 1e6);
-            Ok(Response { value: vec![0.9 + 1e-3 * w - 2e-3 * s], peak_pressure_pa: w * 1e6 })
+            Ok(Response { value: vec![0.9 + 1e-3 * w - 2e-3 * s], limited: vec![w, w] })
         };
         let known = Tolerances { std_m: [4e-6, 3e-6, 0.0], width_spacing_correlation: -0.5 };
-        let samples = Samples::new(&model, &known).unwrap();
+        let limit = |bound| Limit { name: "width", unit: "", unit_si: 1.0, bound, scale: 1.0, loosest: 0.0 };
+        let quantities = [limit(Bound::AtMost(1e3)), limit(Bound::AtLeast(1.0))];
+        let samples = Samples::new(&model, &quantities, &known).unwrap();
         assert_eq!(samples.count(), 5);
         let design = Pattern::new(Planform::Groove, 100e-6, 50e-6, 5e-6).unwrap();
         let response = samples.respond(&design).unwrap();
@@ -191,7 +202,7 @@ mod tests {
         let variance = 4e-3_f64.powi(2) + 6e-3_f64.powi(2) + 2.0 * 0.5 * 4e-3 * 6e-3;
         let expected = (0.02_f64.powi(2) + variance).sqrt() / 0.01;
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
-        assert!(response.peak_pressure_pa > 104e6, "the worst of the samples");
+        assert!(response.limited[0] > 104.0 && response.limited[1] < 96.0, "the worst of the samples");
     }
 
     #[test]
@@ -203,8 +214,8 @@ mod tests {
         assert!((w / s - 2.0).abs() < 0.2 && robust.best.misfit.is_met(), "{w} {s}");
         // The least there is: sqrt(2 s sw w ss) = sqrt(2 * 2.7e4 * 32) / 3e4.
         let least = (2.0 * 2.7e4 * 32.0_f64).sqrt() / 3e4 / 0.01;
-        assert!(robust.expected_rms < 1.01 * least && robust.expected_rms > 0.99 * least, "{}", robust.expected_rms);
-        assert!(robust.expected_rms <= robust.nominal_expected_rms);
+        assert!(robust.expected.rms < 1.01 * least && robust.expected.rms > 0.99 * least, "{}", robust.expected.rms);
+        assert!(robust.expected.rms <= robust.nominal_expected.unwrap().rms);
     }
 
     #[test]
@@ -216,7 +227,7 @@ mod tests {
         assert!(nominal.best.design.width_m() > 190e-6, "{:?}", nominal.best.design);
         let width_um = robust.best.design.width_m() * 1e6;
         assert!((160.0..190.5).contains(&width_um), "{width_um}");
-        assert!(robust.best.misfit.is_met() && robust.expected_rms < 0.2 * robust.nominal_expected_rms);
+        assert!(robust.best.misfit.is_met() && robust.expected.rms < 0.2 * robust.nominal_expected.unwrap().rms);
         let share = |design: &Pattern| {
             let model = |at: &Pattern, _: &[f64]| Ok(vec![value(at.width_m() * 1e6, 0.0)]);
             let drawn = propagate(&model, design, &Uncertainty::new(&known, &[]).unwrap(), 2000, 1).unwrap();
@@ -229,6 +240,6 @@ mod tests {
     #[test]
     fn without_tolerances_nothing_changes() {
         let (nominal, robust) = both(&target(0.9), &tolerances([0.0; 3]), |w, s| w * s / 3e4);
-        assert!(robust.expected_rms <= nominal.best.misfit.rms && robust.best.misfit.is_met());
+        assert!(robust.expected.rms <= nominal.best.misfit.rms && robust.best.misfit.is_met());
     }
 }

@@ -116,7 +116,7 @@ mod tests {
     }
 
     fn response(value: Vec<f64>) -> Result<Response, ModelFailure> {
-        Ok(Response { value, peak_pressure_pa: 1e6 })
+        Ok(Response { value, limited: Vec::new() })
     }
 
     #[test]

@@ -106,8 +106,8 @@ pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliErro
             let within = all.probability(|values| is_met(request, &values[2 * count..]));
             CorrectedReport {
                 factor: about.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
-                probability: tidy(within.share),
-                probability_stderr: tidy(within.stderr),
+                probability: is_asked(request).then(|| tidy(within.share)),
+                probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
                 by_pressure: (0..count)
                     .map(|load| pair(&spreads[2 * count..], request.is_ratio, load, count))
                     .collect(),
@@ -121,8 +121,8 @@ pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliErro
                 .flatten();
             OptimumReport {
                 nominal: PatternReport::from(&choice.nominal),
-                nominal_expected_rms: Some(tidy(choice.found.nominal_expected_rms)).filter(|rms| rms.is_finite()),
-                expected_rms: tidy(choice.found.expected_rms),
+                nominal_expected_rms: choice.found.nominal_expected.map(|misfit| tidy(misfit.rms)),
+                expected_rms: tidy(choice.found.expected.rms),
                 nominal_probability: nominal
                     .map(|drawn| tidy(drawn.probability(|values| is_met(request, values)).share)),
                 evaluations: choice.found.evaluations,
@@ -262,6 +262,11 @@ fn is_met(request: &Request<'_>, values: &[f64]) -> bool {
     request.target.misfit(&values[..request.target.points().len()]).is_met()
 }
 
+/// Whether anything is demanded that a sample could miss.
+fn is_asked(request: &Request<'_>) -> bool {
+    request.target.has_demands()
+}
+
 fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) -> ScatterReport {
     let count = about.loads.len();
     let spreads = found.spreads();
@@ -270,8 +275,8 @@ fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) 
         draws: found.draws(),
         failed: found.failed,
         redrawn: found.redrawn,
-        probability: tidy(within.share),
-        probability_stderr: tidy(within.stderr),
+        probability: is_asked(request).then(|| tidy(within.share)),
+        probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
         by_pressure: (0..count)
             .map(|load| PressureReport {
                 pressure_mpa: PRESSURE_MPA.from_si(about.loads[load].pressure_pa),

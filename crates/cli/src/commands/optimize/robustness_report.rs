@@ -47,10 +47,10 @@ pub struct ScatterReport {
     pub failed: usize,
     /// Draws with a dimension that was not positive: drawn again.
     pub redrawn: usize,
-    /// Share within the tolerance at all pressures.
-    pub probability: f64,
+    /// Share of what is accepted at all pressures; null where the target has a goal alone.
+    pub probability: Option<f64>,
     /// Its binomial standard error.
-    pub probability_stderr: f64,
+    pub probability_stderr: Option<f64>,
     /// One per pressure.
     pub by_pressure: Vec<PressureReport>,
 }
@@ -125,10 +125,10 @@ pub struct Distribution {
 pub struct CorrectedReport {
     /// Measured over modelled ratio, by pressure.
     pub factor: Vec<f64>,
-    /// Share of samples within the tolerance at all pressures.
-    pub probability: f64,
+    /// Share of samples of what is accepted at all pressures; null where the target has a goal alone.
+    pub probability: Option<f64>,
     /// Its binomial standard error.
-    pub probability_stderr: f64,
+    pub probability_stderr: Option<f64>,
     /// One per pressure.
     pub by_pressure: Vec<SpreadReport>,
 }
@@ -210,8 +210,9 @@ impl RobustnessReport {
     }
 }
 
-fn percent(share: f64, stderr: f64) -> String {
-    format!("{:.1} +- {:.1} %", 100.0 * share, 100.0 * stderr)
+fn percent(share: Option<f64>, stderr: Option<f64>) -> String {
+    let [share, stderr] = [share, stderr].map(|number| fixed(number.map(|number| 100.0 * number), 1));
+    format!("{share} +- {stderr} %")
 }
 
 impl InputReport {

@@ -124,7 +124,7 @@ mod tests {
     fn slopes_are_given_per_micrometre() {
         let model = |at: &Pattern| {
             let value = 0.9 - 1e2 * at.width_m() + 2e1 * at.spacing_m();
-            Ok(Response { value: vec![value, 2.0 * value], peak_pressure_pa: 1e6 })
+            Ok(Response { value: vec![value, 2.0 * value], limited: Vec::new() })
         };
         let found = report(&model, &design(), 10e-6, "ratio", &[0.65, 2.6]).unwrap().unwrap();
         assert_eq!(found.step_um, Dimensions { width: Some(5.0), spacing: Some(5.0), depth: Some(5.0) });

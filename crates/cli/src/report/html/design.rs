@@ -31,8 +31,12 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
 fn verdict(page: &mut Page, result: &Value) {
     let scope = if result["section_model"] == true { " (by the vertical section, as grooves)" } else { "" };
     let (class, words) = match text(result, "status") {
+        "met" if result["goal"].is_object() => ("verdict", "Best design found within bounds and limits"),
         "met" => ("verdict", "Target met"),
         "unreachable" => ("verdict missed", "Target not reachable within bounds and limits; nearest design below"),
+        _ if result["out_of_time"] == true => {
+            ("verdict missed", "The seconds allowed were spent before the search had ended; best design so far below")
+        }
         _ => ("verdict missed", "Target not met before the evaluations allowed were spent; nearest design below"),
     };
     page.paragraph(class, &format!("{words}{scope}."));
@@ -100,7 +104,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
             let (predicted, confirmed) = (predicted.get(row).unwrap_or(none), confirmed.get(row).unwrap_or(none));
             vec![
                 plain(pressure),
-                with_error(&wanted["value"][row], &wanted["tolerance"], 4),
+                accepted(wanted, row),
                 with_error(&result["predicted_value"][row], &predicted["ratio_discretization_error"], 4),
                 with_error(&confirmed[key], &confirmed[error_key], 4),
                 with_error(&confirmed["mu_dynamic"], &confirmed["mu_dynamic_stderr"], 4),
@@ -114,13 +118,28 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     let quantity = if is_ratio { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
         &format!(
-            "Target, predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
+            "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
              predicted the estimated change of the ratio to vanishing blocks; of confirmed, mu and mu flat the standard \
              error in time. Peak pressure grows as blocks shrink."
         ),
         &["P in MPa", "target", "predicted", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
         &rows,
     );
+    let goal = &result["goal"];
+    if goal.is_object() {
+        let what = if goal["goal"] == "even" { "least" } else { text(goal, "goal") };
+        page.paragraph(
+            "",
+            &format!(
+                "Goal: the {what} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
+                text(goal, "of"),
+                number(&goal["predicted"], 5),
+                number(&goal["confirmed"], 5),
+                number(&goal["range_predicted"], 4),
+                number(&goal["range_confirmed"], 4)
+            ),
+        );
+    }
     let misfit = &result["misfit"];
     page.paragraph(
         "",
@@ -146,6 +165,22 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
             };
             page.paragraph("warning", &format!("At {} MPa {words}.", plain(&load["pressure_mpa"])));
         }
+    }
+}
+
+/// What is accepted at a pressure.
+fn accepted(wanted: &Value, row: usize) -> String {
+    if wanted["value"].is_array() {
+        let each = &wanted["tolerance"][row];
+        let tolerance = if each.is_number() { each } else { &wanted["tolerance"] };
+        return with_error(&wanted["value"][row], tolerance, 4);
+    }
+    let (lowest, highest) = (&wanted["lowest"][row], &wanted["highest"][row]);
+    match (lowest.is_number(), highest.is_number()) {
+        (true, true) => format!("{} to {}", number(lowest, 4), number(highest, 4)),
+        (true, false) => format!("at least {}", number(lowest, 4)),
+        (false, true) => format!("at most {}", number(highest, 4)),
+        (false, false) => "-".to_owned(),
     }
 }
 
