@@ -19,6 +19,7 @@ use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
+use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
 use super::values::{Number, NumberList, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
@@ -48,6 +49,7 @@ struct DesignFile {
     #[serde(default)]
     search: SearchFile,
     tolerances: Option<TolerancesFile>,
+    trade_offs: Option<Spanned<TradeOffsFile>>,
 }
 
 /// Grooves across the sliding direction, where a design names nothing else.
@@ -122,6 +124,8 @@ pub struct Design {
     pub dimensions: Option<u8>,
     /// How samples scatter about the design; nothing is said of it when absent.
     pub tolerances: Option<TolerancesInput>,
+    /// By what designs are compared beside the search; nothing when absent.
+    pub trade_offs: Option<TradeOffsInput>,
     /// Errors of a material that is given; a calibration finds its own.
     pub uncertainty: MaterialUncertainty,
     document: Document,
@@ -183,6 +187,13 @@ impl Design {
                 )?
             }
         };
+        let given = Given {
+            laser: &laser,
+            target: &target,
+            texture: space.texture(),
+            has_tolerances: file.tolerances.is_some(),
+        };
+        let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
         let design = Self {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
@@ -202,6 +213,7 @@ impl Design {
             robust: read_robust(&document, &file)?,
             dimensions,
             tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
+            trade_offs,
             uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),

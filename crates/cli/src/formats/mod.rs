@@ -17,6 +17,7 @@ pub mod tolerances;
 pub mod trace_columns;
 pub mod trace_file;
 pub mod traces;
+pub mod trade_offs;
 pub mod values;
 
 pub use document::Document;

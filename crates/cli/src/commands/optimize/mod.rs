@@ -11,6 +11,7 @@ mod sensitivity;
 mod study;
 mod subject;
 mod target_report;
+mod trade_offs;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -47,7 +48,6 @@ use limited::Limited;
 use model::SteadyCell;
 use report::{MisfitReport, ReachableReport, Timings, patterns};
 use robust_search::RobustChoice;
-use robustness_report::RobustnessReport;
 use study::Study;
 use target_report::{GoalReport, TargetReport};
 
@@ -83,7 +83,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let target: TargetReport = (&design.target).into();
     let slopes =
         sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
-    let spread = found.spread(&design, &uncertainty)?;
+    let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
+    let spread = robustness::of_design(&design, &uncertainty, &about)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -117,6 +118,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     pictures::simulation(&confirming, confirmed, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
+    let comparing = Instant::now();
+    let compared = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
+    timings.trade_offs = comparing.elapsed().as_secs_f64();
+
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_solid = found.model.is_solid();
     let sectioned = Some(&pattern).filter(|_| !is_solid);
@@ -143,6 +148,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         violations: best.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
+        trade_offs: compared,
         reachable: found.reachable.clone(),
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
@@ -486,26 +492,6 @@ impl Rounds {
     /// The target's quantity by the confirming run; `None` where it has no value at some pressure.
     fn confirmed_values(&self) -> Option<Vec<f64>> {
         self.model.confirmed(self.confirmed.as_ref()?).into_iter().collect()
-    }
-
-    /// What tolerances and errors make of the confirmed design; `None` where the design file has no tolerances, or
-    /// friction is not known at every pressure.
-    fn spread(&self, design: &Design, material: &MaterialUncertainty) -> Result<Option<RobustnessReport>, CliError> {
-        let (Some(tolerances), Some(best), Some(confirmed)) = (&design.tolerances, &self.best, &self.confirmed) else {
-            return Ok(None);
-        };
-        robustness::report(&robustness::Request {
-            model: &self.model,
-            pattern: &best.design,
-            confirmed,
-            target: &design.target,
-            is_ratio: design.target.quantity() == Quantity::Ratio,
-            tolerances,
-            material,
-            friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
-            seed: design.seed,
-            choice: self.choice.as_ref(),
-        })
     }
 
     fn is_confirmed(&self, design: &Design) -> bool {

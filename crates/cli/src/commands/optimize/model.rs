@@ -152,22 +152,45 @@ impl SteadyCell {
         relative_friction: &[f64],
         area_law: Option<AreaLaw>,
     ) -> Result<Vec<f64>, ModelFailure> {
-        let trial = |reason: String| ModelFailure::Trial { reason };
         let mut scene = Scene { area_law, ..self.scene.clone() };
         for (load, by) in scene.loads.iter_mut().zip(relative_friction) {
-            let friction = &load.friction;
-            let (static_mean, dynamic_mean) =
-                (friction.static_mean() * (1.0 + by), friction.dynamic_mean() * (1.0 + by));
-            load.friction = LocalFriction::new(static_mean, dynamic_mean, friction.relative_std())
-                .map_err(|error| trial(error.to_string()))?;
+            let known = &load.friction;
+            let [static_mean, dynamic_mean] = [known.static_mean(), known.dynamic_mean()].map(|mean| mean * (1.0 + by));
+            load.friction = LocalFriction::new(static_mean, dynamic_mean, known.relative_std())
+                .map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
         }
-        let dimensions = if self.is_solid() { 3 } else { 2 };
-        let solver = Solver::new(&scene, dimensions);
-        let answer = Self::answer(&scene, &solver, design)?;
-        if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
-            return Err(trial("the cavity closes under load".to_owned()));
+        let solver = Solver::new(&scene, if self.is_solid() { 3 } else { 2 });
+        Ok(open(Self::answer(&scene, &solver, design)?)?.ratio)
+    }
+
+    /// What the model alone says of `design`: not corrected, not kept.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
+        open(Self::answer(&self.scene, &self.solver, design)?)
+    }
+
+    /// The same material and loads in the vertical plane, without limits.
+    #[must_use]
+    pub fn in_plane(&self) -> Self {
+        let mut scene = self.scene.clone();
+        scene.run.dimensions = Some(2);
+        Self {
+            solver: Solver::new(&scene, 2),
+            guide: None,
+            flat_mu: self.flat_mu.clone(),
+            correction: vec![0.0; scene.loads.len()],
+            limited: Limited::default(),
+            study: Study::default(),
+            scene,
         }
-        Ok(answer.ratio)
+    }
+
+    /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself.
+    #[must_use]
+    pub fn flat_mu(&self) -> Option<&[f64]> {
+        self.flat_mu.as_deref()
     }
 
     /// The area law that designs are solved with.
@@ -234,6 +257,14 @@ impl SteadyCell {
         let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
         Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um })
     }
+}
+
+/// The answer of a design whose cavities stay open.
+fn open(answer: Answer) -> Result<Answer, ModelFailure> {
+    if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
+        return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+    }
+    Ok(answer)
 }
 
 impl ForwardModel for SteadyCell {

@@ -9,6 +9,7 @@ use slipgrid_springblock::{Extent, Fidelity};
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
 use super::target_report::{GoalReport, TargetReport};
+use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
@@ -57,6 +58,8 @@ pub struct DesignReport {
     pub sensitivities: Option<SensitivityReport>,
     /// What samples made after the design do; null where the design file has no tolerances.
     pub robustness: Option<RobustnessReport>,
+    /// The designs that no other beats in every goal; null where the design file names no goals.
+    pub trade_offs: Option<TradeOffsReport>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
     /// Other designs that the search's model found to meet the target.
@@ -141,6 +144,8 @@ pub struct Timings {
     pub confirm: f64,
     /// Slopes and tolerances at the design.
     pub uncertainty: f64,
+    /// Comparing designs by the goals of `[trade_offs]`.
+    pub trade_offs: f64,
     /// Drawing and tabulating.
     pub export: f64,
 }
@@ -218,6 +223,9 @@ impl DesignReport {
         if let Some(robustness) = &self.robustness {
             text += &format!("{}\n", robustness.text());
         }
+        if let Some(trade_offs) = &self.trade_offs {
+            text += &format!("{}\n", trade_offs.text());
+        }
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
@@ -241,7 +249,7 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, trade-offs {:.1} s, export {:.1} s\n",
             self.evaluations,
             if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
@@ -250,6 +258,7 @@ impl DesignReport {
             timings.search,
             timings.confirm,
             timings.uncertainty,
+            timings.trade_offs,
             timings.export
         );
         text

@@ -2,7 +2,8 @@
 
 use slipgrid_calibrate::Discrepancy;
 use slipgrid_optimize::{
-    Linearization, ModelFailure, Propagation, SearchError, Spread, Target, UncertainModel, Uncertainty, propagate,
+    Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
+    propagate,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, Simulation};
@@ -14,6 +15,7 @@ use super::robustness_report::{
     RobustnessReport, ScatterReport, SpreadReport, distribution,
 };
 use crate::CliError;
+use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
 use crate::report::simulation::PatternReport;
@@ -24,28 +26,54 @@ const LINEAR_DRAWS: usize = 20_000;
 /// Width, spacing, depth: the inputs before the model's parameters.
 const DIMENSIONS: usize = 3;
 
-/// What is propagated through which design.
-pub struct Request<'a> {
+/// A confirmed design.
+pub struct About<'a> {
     /// The model of the search.
     pub model: &'a SteadyCell,
     /// The design.
     pub pattern: &'a Pattern,
     /// Its confirming run: friction is taken to lie about it.
     pub confirmed: &'a Simulation,
-    /// What is wanted.
-    pub target: &'a Target,
-    /// Target values are ratios to the flat surface.
-    pub is_ratio: bool,
-    /// How samples scatter.
-    pub tolerances: &'a TolerancesInput,
-    /// How well the material is known.
-    pub material: &'a MaterialUncertainty,
-    /// The loads' coefficients with their relative covariance; `None` where it is not known.
-    pub friction_covariance: Option<Vec<Vec<f64>>>,
-    /// Seed of the draws.
-    pub seed: u64,
-    /// How the design was chosen, where samples decided.
+    /// How it was chosen, where samples decided.
     pub choice: Option<&'a RobustChoice>,
+}
+
+/// What is propagated through which design.
+struct Request<'a> {
+    about: &'a About<'a>,
+    target: &'a Target,
+    /// Target values are ratios to the flat surface.
+    is_ratio: bool,
+    /// How samples scatter.
+    tolerances: &'a TolerancesInput,
+    /// How well the material is known.
+    material: &'a MaterialUncertainty,
+    /// Relative covariance of the loads' coefficients; `None` where it is not known.
+    friction_covariance: Option<Vec<Vec<f64>>>,
+    /// Seed of the draws.
+    seed: u64,
+}
+
+/// What tolerances and the errors of `material` make of the friction of `design`; `None` where the design file has no
+/// tolerances, or the confirming run has no friction at some pressure.
+///
+/// # Errors
+/// [`CliError::Other`] where no draw can be computed.
+pub fn of_design(
+    design: &Design,
+    material: &MaterialUncertainty,
+    about: &About<'_>,
+) -> Result<Option<RobustnessReport>, CliError> {
+    let Some(tolerances) = &design.tolerances else { return Ok(None) };
+    report(&Request {
+        about,
+        target: &design.target,
+        is_ratio: design.target.quantity() == Quantity::Ratio,
+        tolerances,
+        material,
+        friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+        seed: design.seed,
+    })
 }
 
 /// The model about a confirmed design, with the parameters that are not known exactly.
@@ -60,6 +88,9 @@ struct AboutDesign<'a> {
     parameters: Parameters,
     discrepancy: Option<&'a Discrepancy>,
 }
+
+/// Of the parameters, row by row.
+type Covariance = Vec<Vec<f64>>;
 
 /// Places of the parameters among the deviations; absent where one is not uncertain.
 #[derive(Clone, Debug, Default)]
@@ -76,21 +107,18 @@ struct Parameters {
 }
 
 /// Propagates the uncertainties of `request`; `None` where the confirming run has no friction at some pressure.
-///
-/// # Errors
-/// [`CliError::Other`] where no draw can be computed.
-pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
+fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
     let failed = |failure: ModelFailure| CliError::Other(format!("tolerances: {failure}"));
     let Some((about, covariance)) = AboutDesign::new(request).map_err(failed)? else { return Ok(None) };
     let tolerances = &request.tolerances.tolerances;
     let refused = |error: SearchError| CliError::Other(format!("tolerances: {error}"));
     let uncertainty = Uncertainty::new(tolerances, &covariance).map_err(refused)?;
     let made = Uncertainty::new(tolerances, &vec![vec![0.0; covariance.len()]; covariance.len()]).map_err(refused)?;
-    let first_order = Linearization::new(&about, request.pattern, &uncertainty).map_err(failed)?;
-    let is_linear = request.model.is_solid();
+    let first_order = Linearization::new(&about, request.about.pattern, &uncertainty).map_err(failed)?;
+    let is_linear = request.about.model.is_solid();
     let (sampled, draws): (&dyn UncertainModel, usize) =
         if is_linear { (&first_order, LINEAR_DRAWS) } else { (&about, request.tolerances.draws) };
-    let drawn = |of: &Uncertainty| propagate(sampled, request.pattern, of, draws, request.seed).map_err(failed);
+    let drawn = |of: &Uncertainty| propagate(sampled, request.about.pattern, of, draws, request.seed).map_err(failed);
     let is_known = about.parameters.count > 0;
     let samples = drawn(&made)?;
     let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
@@ -114,7 +142,7 @@ pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliErro
             }
         }),
         parts: parts(&about, &uncertainty, &first_order),
-        optimum: request.choice.map(|choice| {
+        optimum: request.about.choice.map(|choice| {
             // In space a draw costs a tenth of a second.
             let nominal = (!is_linear)
                 .then(|| propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok())
@@ -133,14 +161,19 @@ pub fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliErro
 
 impl<'a> AboutDesign<'a> {
     /// The model about the design, and the covariance of its parameters.
-    fn new(request: &Request<'a>) -> Result<Option<(Self, Vec<Vec<f64>>)>, ModelFailure> {
-        let confirmed: Option<Vec<(f64, f64)>> =
-            request.confirmed.loads.iter().map(|load| Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?))).collect();
+    fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
+        let confirmed: Option<Vec<(f64, f64)>> = request
+            .about
+            .confirmed
+            .loads
+            .iter()
+            .map(|load| Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?)))
+            .collect();
         let Some(confirmed) = confirmed else { return Ok(None) };
-        let model = request.model;
-        let loads = model.scene(request.pattern).loads;
+        let model = request.about.model;
+        let loads = model.scene(request.about.pattern).loads;
         let count = loads.len();
-        let steady = model.ratios_where(request.pattern, &vec![0.0; count], model.area_law().cloned())?;
+        let steady = model.ratios_where(request.about.pattern, &vec![0.0; count], model.area_law().cloned())?;
         let mut parameters = Parameters::default();
         let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut add = |block: Vec<Vec<f64>>| {

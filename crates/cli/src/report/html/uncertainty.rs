@@ -2,7 +2,8 @@
 
 use serde_json::Value;
 
-use super::page::{Page, each, number, plain, text};
+use super::page::{Page, each, number, plain, text, texts};
+use crate::output::Outputs;
 
 /// Slopes at the design, where the result holds them.
 pub(super) fn sensitivities(page: &mut Page, result: &Value) {
@@ -139,4 +140,45 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
             ),
         );
     }
+}
+
+/// Designs that no other beats in every goal, where the result holds them.
+pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
+    let found = &result["trade_offs"];
+    if !found.is_object() {
+        return;
+    }
+    page.heading(2, "What can be had for what");
+    if let Some(svg) = outputs.text("trade-offs.svg") {
+        page.picture(
+            &svg,
+            "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
+        );
+    }
+    let chosen = if found["chosen_is_on_front"] == true {
+        "The chosen design is one of them."
+    } else {
+        "The chosen design is not one of them: the search asks for the target alone."
+    };
+    page.paragraph(
+        "",
+        &format!(
+            "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
+            plain(&found["designs"]),
+            plain(&found["front"]),
+            plain(&found["left_out"]),
+            text(found, "model"),
+        ),
+    );
+    let words = texts(found, "words");
+    let header: Vec<&str> =
+        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(words.iter().map(String::as_str)).collect();
+    let rows: Vec<Vec<String>> = each(found, "listed")
+        .iter()
+        .map(|listed| {
+            let lengths = ["width_um", "spacing_um", "depth_um"].map(|key| plain(&listed["design"][key]));
+            lengths.into_iter().chain(each(listed, "goals").iter().map(|goal| number(goal, 2))).collect()
+        })
+        .collect();
+    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
 }
