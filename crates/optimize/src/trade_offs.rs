@@ -44,7 +44,7 @@ pub struct TradeOffOptions {
 
 impl Default for TradeOffOptions {
     fn default() -> Self {
-        Self { lattice: 2000, refinements: 3 }
+        Self { lattice: 2000, refinements: 4 }
     }
 }
 

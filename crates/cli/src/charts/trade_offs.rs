@@ -17,6 +17,8 @@ pub struct TradeOffsChart<'a> {
     pub others: &'a [&'a [f64]],
     /// The chosen design.
     pub chosen: Option<&'a [f64]>,
+    /// A value of the first goal that matters, with a word for what lies left of it.
+    pub limit: Option<(f64, &'a str)>,
 }
 
 /// Height of a panel with its axis, and of title and legend.
@@ -45,6 +47,8 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
         return Err(ChartError::Empty { title: chart.title.to_owned() });
     };
     let scales: Vec<Scale> = (0..chart.titles.len()).map(|goal| Scale::of(all().map(|goals| goals[goal]))).collect();
+    let spans =
+        all().map(|goals| goals[0]).fold(f64::INFINITY, f64::min)..=all().map(|goals| goals[0]).fold(0.0, f64::max);
     let [blue, vermilion, ..] = PALETTE;
     let mut legend = vec![(Swatch::Mark(Mark::Square, blue), "beaten by none in every goal")];
     if !chart.others.is_empty() {
@@ -62,6 +66,9 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
             let axis = |title: &str, goal: usize| scales[goal].axis(title, all().map(|goals| goals[goal]));
             let frame = [LEFT, top, WIDTH - RIGHT, top + PANEL_HEIGHT - 68.0];
             let plot = Plot::new(canvas, frame, axis(first, 0), axis(title, goal))?;
+            if let Some((value, word)) = chart.limit.filter(|(value, _)| value.is_finite() && spans.contains(value)) {
+                plot.vertical(scales[0].at(value), word)?;
+            }
             let dot = |goals: &[f64], half: f64, color: RGBColor| {
                 let [x, y] = plot.at(place(goals));
                 canvas.rectangle([[x - half, y - half], [x + half, y + half]], color, 1.0)
@@ -128,11 +135,19 @@ mod tests {
             front: &front,
             others: &others,
             chosen: Some(&[1.0, 30.0, 6.0]),
+            limit: Some((1.0, "right of it missed")),
         };
         let svg = trade_offs(&chart).unwrap();
         // In each of two panels four dots and a diamond, and the legend's square, circle and diamond.
         assert_eq!(svg.matches("<rect").count(), 1 + 2 * 4);
-        for text in ["beaten by none in every goal", "chosen", "misfit (tolerances)", "time (s)", "pressure (MPa)"] {
+        for text in [
+            "beaten by none in every goal",
+            "chosen",
+            "misfit (tolerances)",
+            "time (s)",
+            "pressure (MPa)",
+            "right of it missed",
+        ] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         let uneven: Vec<&[f64]> = vec![&[0.1]];

@@ -138,6 +138,7 @@ pub fn report(
             front: &points(&found.front),
             others: &points(&found.dominated),
             chosen: chosen_goals.as_deref(),
+            limit: Some((1.0, "missed beyond")).filter(|_| input.goals[0] == TradeOffGoal::Misfit),
         })?,
     );
     Ok(Some(TradeOffsReport {
