@@ -1,5 +1,6 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod covariances;
 mod files;
 mod limited;
 mod model;
