@@ -9,10 +9,12 @@ use std::fs;
 use common::{DESIGN, Place, names};
 use serde_json::Value;
 
-/// A short sample, so that confirming takes a second, and a target at one pressure.
+/// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
 fn design(value: &str, evaluations: u32) -> String {
     DESIGN
         .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("[40.0, 400.0]", "[40.0, 150.0]")
+        .replace("[40.0, 1000.0]", "[40.0, 150.0]")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9", value)
         .replace("tolerance = 0.01", "tolerance = 0.03")

@@ -243,7 +243,6 @@ fn designs() {
         &[],
         "optimize",
         &[
-            case("\"groove\"", "\"disc\"", ":21: pattern.planform: \"disc\" needs a three-dimensional", "\"square\""),
             case("\"groove\"", "\"rectangle\"", ":20: pattern.length_um: is missing", ""),
             case(
                 "\"groove\"",
@@ -267,6 +266,12 @@ fn designs() {
             case("\"disc\"", "\"rectangle\"", ":31: specimen.diameter_mm", ""),
             case("diameter_mm = 10.0", "", ":29: specimen.diameter_mm: is missing", ""),
             case("max_evaluations = 50", "max_evaluations = 0", ":38: search.max_evaluations: 0 ", "from 1"),
+            case(
+                "max_evaluations = 50",
+                "max_evaluations = 50\ndimensions = 4",
+                ":39: search.dimensions: 4 ",
+                "2 or 3",
+            ),
             case("[limits]", "[limit]", ":22: limit: ", "did you mean `limits`?"),
             case("[target]", "[target]\nunit = 1", ":12: target.unit: ", "is not a known key"),
         ],

@@ -220,6 +220,7 @@ fn calibrate(
         input.area_law.clone_from(&fit.details.area_law);
         facts.origin = Some("fit");
         facts.curve = fit.details.area_curve.clone();
+        facts.notes.clear(); // what was said of having no law
     }
     let discrepancy =
         if with_discrepancy { discrepancy::discrepancy(calibration, &input, &facts.curve)? } else { None };
