@@ -238,7 +238,6 @@ mod tests {
         scene.run.fidelity = Fidelity::Steady;
         let steady = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
         let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
-        println!("{ratio} {expected} {:?} {:?}", load.surface.mu_dynamic, flat.mu_dynamic);
         assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
         assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
         // Micro-stick-slip lies above steady sliding.

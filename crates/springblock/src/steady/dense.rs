@@ -80,9 +80,9 @@ fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize
             target[at] -= (f0 * r0[at] + f1 * r1[at]) + (f2 * r2[at] + f3 * r3[at]);
         }
     }
-    for number in whole..factors.len() {
+    for (number, factor) in factors.iter().enumerate().skip(whole) {
         for (target, value) in target.iter_mut().zip(row(number)) {
-            *target -= factors[number] * value;
+            *target -= factor * value;
         }
     }
 }
