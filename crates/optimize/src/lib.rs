@@ -16,6 +16,7 @@
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
+//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
@@ -66,6 +67,7 @@ mod linear_steps;
 mod model;
 mod outcome;
 mod polish;
+mod relaxation;
 mod search;
 mod sequence;
 mod space;
@@ -78,6 +80,7 @@ pub use guidance::Guidance;
 pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
+pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use search::{SearchOptions, search};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
