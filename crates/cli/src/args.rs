@@ -110,6 +110,9 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Compute every design of whole blocks and bursts within the bounds, too: table.csv, and whether any is better
+    #[arg(long)]
+    pub table: bool,
     /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
     #[arg(long)]
     pub resume: bool,

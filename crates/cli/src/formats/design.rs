@@ -66,6 +66,7 @@ struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
     max_seconds: Option<Number>,
+    table: Option<bool>,
     from_rest: Option<bool>,
     dimensions: Option<Spanned<u64>>,
 }
@@ -110,6 +111,8 @@ pub struct Design {
     pub max_evaluations: usize,
     /// Seconds that searches may take, confirming runs not counted; no limit when absent.
     pub max_seconds: Option<f64>,
+    /// Every design of a lattice is computed, too.
+    pub table: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
@@ -187,6 +190,7 @@ impl Design {
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
+            table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
             dimensions,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),

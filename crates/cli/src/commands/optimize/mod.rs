@@ -1,11 +1,13 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod explanation;
 mod files;
 mod limited;
 mod model;
 mod report;
 mod study;
 mod subject;
+mod table;
 mod target_report;
 
 use std::ops::ControlFlow;
@@ -37,6 +39,7 @@ use crate::report::simulation::{MaterialReport, PatternReport, load_reports, mod
 use crate::report::{VERSION, csv, json};
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
+use explanation::ExplanationReport;
 use files::DesignScene;
 use limited::Limited;
 use model::SteadyCell;
@@ -61,11 +64,18 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
     };
     let (loads, outside) = design.loads(&material)?;
+    let with_table = args.table || design.table;
+    if with_table {
+        table::check(&design)?;
+    }
     timings.material = started.elapsed().as_secs_f64();
 
     let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
+    let mut outputs = Outputs::default();
+    found.explain(&design, console, &mut timings)?;
+    let compared = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
@@ -74,7 +84,6 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let exporting = Instant::now();
     let pattern = best.design;
     let material_report = MaterialReport::from(&material.provenance);
-    let mut outputs = Outputs::default();
     let scene = DesignScene {
         name: &design.name,
         material: &material,
@@ -128,6 +137,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
         reachable: found.reachable.clone(),
+        explanation: found.explanation.clone(),
+        table: compared,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
@@ -189,6 +200,7 @@ struct Rounds {
     predicted: Option<Simulation>,
     confirmed: Option<Simulation>,
     alternatives: Vec<Pattern>,
+    explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
 }
 
@@ -277,6 +289,7 @@ impl Rounds {
             predicted: None,
             confirmed: None,
             alternatives: Vec::new(),
+            explanation: None,
             reachable: Vec::new(),
         })
     }
