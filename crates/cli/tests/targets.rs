@@ -167,3 +167,50 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     fs::write(place.path("a.toml"), text.replace("0.9]", "0.91]")).unwrap();
     place.succeed(&["optimize", "a.toml", "-o", "cut", "--resume"]);
 }
+
+#[test]
+fn why_a_target_is_out_of_reach_is_said_and_the_least_change_that_suffices() {
+    let text = design("value = [0.95, 0.85]\ntolerance = 0.02", "min_bearing_area = 0.8").replace("1000.0", "3000.0");
+    let place = Place::with(&[("far.toml", &text)]);
+    let (told, found) = optimize(&place, "far.toml", 3);
+    let binding = found["explanation"]["binding"].as_array().unwrap();
+    let land = binding.iter().find(|relief| relief["what"] == "bearing area").unwrap();
+    assert_eq!((&land["suffices"], &land["limit"]), (&Value::from(true), &Value::from(0.8)));
+    let relaxed = land["relaxed"].as_f64().unwrap();
+    assert!(told.contains(&format!("why: with bearing area {relaxed} instead of 0.8 the target is met: ")), "{told}");
+    assert!(land["nearest"]["misfit"].as_f64().unwrap() <= 1.0);
+    let page = fs::read_to_string(place.path("out/far/report.html")).unwrap();
+    assert!(page.contains("Why the target is out of reach") && page.contains("bearing area"));
+    // What is said to suffice does.
+    let text = fs::read_to_string(place.path("far.toml")).unwrap();
+    let met = text.replace("min_bearing_area = 0.8", &format!("min_bearing_area = {relaxed}"));
+    fs::write(place.path("near.toml"), met).unwrap();
+    let near = place.run(&["optimize", "near.toml", "--json"]);
+    let near: Value = serde_json::from_slice(&near.stdout).unwrap();
+    assert!(near["misfit"]["predicted"].as_f64().unwrap() <= 1.0, "{}", near["misfit"]);
+}
+
+#[test]
+fn a_table_of_every_design_confirms_the_search() {
+    let text = design("goal = \"lowest\"", "min_bearing_area = 0.6").replace("seed = 1", "seed = 1\ntable = true");
+    let place = Place::with(&[("all.toml", &text.replace("[2.0, 50.0]", "[2.0, 14.0]"))]);
+    let (told, found) = optimize(&place, "all.toml", 0);
+    let table = &found["table"];
+    // Widths 40 to 100, spacings 40 to 200, one to five bursts.
+    assert_eq!(table["designs"], 7 * 17 * 5);
+    assert!(table["confirms_search"] == true && told.contains("none is better than the design found"), "{told}");
+    let csv = fs::read_to_string(place.path("out/all/table.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 1 + 7 * 17 * 5);
+    let head = "width_um,spacing_um,depth_um,ratio_at_0.65_mpa,ratio_at_2.6_mpa,bearing_area,misfit,cost,feasible";
+    assert_eq!(csv.lines().next(), Some(head));
+    // The best of the table is in the table.
+    let best = &table["best"];
+    let rows = csv.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>()).filter(|row| row[8] == "true");
+    let cheapest = rows.min_by(|a, b| a[7].parse::<f64>().unwrap().total_cmp(&b[7].parse().unwrap())).unwrap();
+    assert_eq!(cheapest[0].parse::<f64>().unwrap(), best["design"]["width_um"].as_f64().unwrap());
+    assert!((cheapest[7].parse::<f64>().unwrap() - best["cost"].as_f64().unwrap()).abs() < 1e-4);
+
+    let refused = text.replace("\"groove\"", "\"square\"");
+    fs::write(place.path("space.toml"), refused).unwrap();
+    assert!(place.refuse(&["optimize", "space.toml"]).contains("a table takes the vertical plane"));
+}

@@ -4,6 +4,8 @@ use crate::{Candidate, Constraints, DesignSpace, SearchError, SearchOutcome, Sta
 
 /// A design this near to a bound, relative to it, rests on it.
 const AT_BOUND: f64 = 0.01;
+/// Misfit up to which a relaxed limit is tightened again: the rest of the tolerance is left to what confirms the design.
+const SUFFICIENT_MISFIT: f64 = 0.7;
 /// A relaxation helps where it lowers the cost by this share, and by as much in tolerances.
 const WORTHWHILE: f64 = 0.02;
 
@@ -95,11 +97,12 @@ pub fn explain(
             suffices: found.meets_target(),
             best: found,
         };
+        let suffices = |found: &Candidate| found.meets_target() && found.misfit.max <= SUFFICIENT_MISFIT;
         // Between the limit, which does not suffice, and what the design found has, which does.
         let mut tight = limit;
         for _ in 0..if relief.suffices { halvings } else { 0 } {
             let between = f64::midpoint(tight, relief.relaxed);
-            match attempt(&problem, &[(restriction, between)], solve)?.filter(Candidate::meets_target) {
+            match attempt(&problem, &[(restriction, between)], solve)?.filter(suffices) {
                 Some(found) => (relief.relaxed, relief.best) = (own(restriction, &found), found),
                 None => tight = between,
             }

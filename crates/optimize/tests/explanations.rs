@@ -73,8 +73,9 @@ fn bounds_on_which_the_design_rests_count_and_others_do_not() {
     let narrow = DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 1e-3], [2e-6, 8e-6]).unwrap();
     let (outcome, found, _) = explained(&target_of(&known), &narrow, &unlimited());
     assert_eq!(outcome.status, Status::Unreachable);
-    let depth = &found.reliefs[0];
-    assert_eq!((depth.restriction, depth.suffices), (Restriction::UpperBound(Dimension::Depth), true));
+    let upper = Restriction::UpperBound(Dimension::Depth);
+    let depth = found.reliefs.iter().find(|relief| relief.restriction == upper).unwrap();
+    assert!(depth.suffices);
     // The target wants s g to a tolerance: with spacing at its bound.
     let least_um = depth.relaxed * 1e6;
     let product = |least_um: f64| 100.0 / 140.0 * depth_share(least_um);

@@ -33,6 +33,9 @@ const DIGITS: i32 = 3;
 pub struct ExplanationReport {
     /// Limits and bounds that bind: relaxing each alone brings a design nearer. Those that suffice first.
     pub binding: Vec<ReliefReport>,
+    /// Largest distance of the nearest design from the target, in tolerances, by the search's model as it stands
+    /// after the last confirming run.
+    pub misfit: f64,
     /// Limits, and bounds on which the nearest design rests, that were relaxed one by one.
     pub relaxed: usize,
     /// The nearest design with all of them relaxed, where none suffices alone.
@@ -83,7 +86,7 @@ impl Rounds {
     ) -> Result<(), CliError> {
         let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(()) };
         let bar = Progress::start("why not", console.quiet);
-        let explanation = explanation(design, &self.model, best);
+        let explanation = explanation(design, &self.model, &self.model.judged(design, best));
         timings.explain = bar.finish();
         self.explanation = explanation.map_err(|error| CliError::Other(error.to_string()))?;
         Ok(())
@@ -131,6 +134,7 @@ pub fn explanation(
     let quantities = &design.constraints.quantities;
     Ok(Some(ExplanationReport {
         binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
+        misfit: best.misfit.max,
         relaxed: tried,
         together: together.as_ref().map(NearestReport::from),
         evaluations: evaluations.get(),
@@ -189,8 +193,8 @@ fn loosened(value: f64, is_least: bool) -> f64 {
 impl ExplanationReport {
     /// The reasons, one line each.
     #[must_use]
-    pub fn lines(&self, missed: f64) -> Vec<String> {
-        let mut lines: Vec<String> = self.binding.iter().map(|relief| relief.words(missed)).collect();
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.binding.iter().map(|relief| relief.words(self.misfit)).collect();
         if self.binding.is_empty() {
             lines.push(format!(
                 "no single limit or bound is the reason: relaxing each of {} brings no design nearer",

@@ -222,7 +222,7 @@ impl DesignReport {
                 );
             }
         }
-        for reason in self.explanation.iter().flat_map(|reasons| reasons.lines(self.misfit.predicted)) {
+        for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
             text += &format!("  why: {reason}\n");
         }
         for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {

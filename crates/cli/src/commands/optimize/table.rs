@@ -124,16 +124,7 @@ impl Rounds {
         outputs: &mut Outputs,
     ) -> Result<Option<TableReport>, CliError> {
         let Some(best) = &self.best else { return Ok(None) };
-        // What confirming taught the model after this design was found holds for it as well.
-        let best = self.model.respond(&best.design).map_or_else(
-            |_| best.clone(),
-            |response| Candidate {
-                design: best.design,
-                misfit: design.target.misfit(&response.value),
-                violations: design.constraints.violations(&best.design, &response),
-                response,
-            },
-        );
+        let best = self.model.judged(design, best);
         let bar = Progress::start("table", console.quiet);
         let compared = table(design, &self.model, &best, &bar, outputs);
         timings.table = bar.finish();
