@@ -108,6 +108,8 @@ pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 
 pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Half-widths of the target, and standard errors wanted.
 pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
+/// Weights in means.
+pub const WEIGHT: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e6);
 /// Rms slopes of surfaces.
 pub const SLOPE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Damping frequency over sqrt(k/m).

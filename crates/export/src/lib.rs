@@ -83,7 +83,7 @@ pub use outline::Outline;
 pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use svg::svg;
-pub use work::{WorkSheet, passes};
+pub use work::{WorkSheet, laser_time_s, passes};
 
 /// What drawings say about themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -101,6 +101,13 @@ pub fn passes(laser: &Laser, depth_m: f64) -> Option<u32> {
     Some((bursts / bursts_per_pass(laser)?).round().clamp(1.0, 1e9) as u32)
 }
 
+/// Time under the laser for all cavities of `layout`, in seconds, as the process sheet estimates it; `None` where the
+/// laser is not known well enough.
+#[must_use]
+pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
+    WorkSheet::new(layout, laser).estimated_time_s
+}
+
 fn bursts_per_pass(laser: &Laser) -> Option<f64> {
     let spot_um = laser.spot_um?;
     // n = (pi / 4) s^2 / (p h)

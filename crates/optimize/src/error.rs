@@ -15,6 +15,12 @@ pub enum SearchError {
     /// A target without points.
     #[error("the target has no points: expected at least one pressure with a value")]
     NoTargetPoints,
+    /// A target with neither a demand nor a goal.
+    #[error("the target wants nothing: expected a value or limit at some pressure, or a goal")]
+    NothingWanted,
+    /// Values at one pressure that should be even.
+    #[error("the target asks for even values at one pressure: expected at least two pressures")]
+    OnePressure,
     /// Two target values at one pressure.
     #[error("the target has two values at {pressure_pa} Pa: expected one")]
     RepeatedPressure {
@@ -78,6 +84,14 @@ pub enum SearchError {
         /// Number of target points.
         expected: usize,
         /// Number of values returned.
+        got: usize,
+    },
+    /// The model gives other quantities than the constraints limit.
+    #[error("the model returned {got} limited quantities: expected {expected}, one per limit")]
+    WrongLimited {
+        /// Number of limits.
+        expected: usize,
+        /// Number of quantities returned.
         got: usize,
     },
     /// The search was cancelled before a single design had been evaluated.

@@ -8,15 +8,15 @@
 //!
 //! The scaled identity keeps steps short in directions that change little, so that different starts
 //! end at different designs where many meet the target. Bounds: a share that would leave [0, 1]
-//! stops at its bound and the others are solved again. The limit on the peak pressure p_max is the
-//! constraint c = ln(p / p_max) <= 0: a step that would break it to first order is solved again with
-//! c + c' s = 0 as one more, heavily weighted residual.
+//! stops at its bound and the others are solved again. A limited quantity with the relative excess e
+//! is the constraint c = ln(1 + e) <= 0: a step that would break constraints to first order is solved
+//! again with c + c' s = 0 for each of them as one more, heavily weighted residual.
 
+use crate::Limit;
 use crate::ledger::Notebook;
 use crate::polish::Cost;
 use crate::sequence::MOST_DIMENSIONS;
 use crate::space::Grid;
-use crate::{COMFORTABLE_RMS, TargetPoint};
 use slipgrid_pattern::Pattern;
 
 /// Step of the first difference quotients, as a share of the bounds. Wide enough that a model's
@@ -40,17 +40,30 @@ const CONSTRAINT_WEIGHT: f64 = 1e3;
 /// The constraint is aimed at from within by this much, so that rounding to the grid stays feasible.
 const CONSTRAINT_MARGIN: f64 = 5e-4;
 
-/// The constraint where there is none: far from binding.
-const UNCONSTRAINED: f64 = -1e3;
+/// Least 1 + e, so that a constraint far from binding has a logarithm.
+const FAR_WITHIN: f64 = 1e-6;
 
-type Vector = [f64; MOST_DIMENSIONS];
+pub(crate) type Vector = [f64; MOST_DIMENSIONS];
 
-/// A design, its shares, its residuals in tolerances and, as the last entry of `residuals`, the constraint.
-struct Point {
-    design: Pattern,
-    t: Vector,
+/// A design, its shares, its residuals in tolerances, and the constraints as the last entries of `residuals`.
+pub(crate) struct Point {
+    pub(crate) design: Pattern,
+    pub(crate) t: Vector,
     residuals: Vec<f64>,
-    cost: f64,
+    pub(crate) constraints: usize,
+    pub(crate) cost: f64,
+}
+
+impl Point {
+    /// The goal, where that is the only residual.
+    pub(crate) fn goal(&self) -> f64 {
+        self.residuals[0]
+    }
+
+    /// Residuals, then constraints.
+    pub(crate) fn split(&self) -> (&[f64], &[f64]) {
+        self.residuals.split_at(self.residuals.len() - self.constraints)
+    }
 }
 
 /// Steps from `start` towards the target while they gain. Returns the best design, or `None`
@@ -58,11 +71,12 @@ struct Point {
 pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Pattern> {
     let free = grid.free_axes();
     let mut here = visit(grid, start, cost, notebook)?;
-    if !free.is_empty() && here.cost > COMFORTABLE_RMS {
+    if !free.is_empty() && here.cost > cost.comfortable() {
         let mut jacobian = difference_quotients(grid, &here, cost, &free, notebook)?;
-        let (mut damping, mut vain, mut margin) = (FIRST_DAMPING, 0, CONSTRAINT_MARGIN);
+        let (mut damping, mut vain) = (FIRST_DAMPING, 0);
+        let mut margins = vec![CONSTRAINT_MARGIN; here.constraints];
         for _ in 0..MOST_STEPS {
-            let Some(step) = damped_step(&jacobian, &here, &free, damping, margin) else { break };
+            let Some(step) = damped_step(&jacobian, &here, &free, damping, &margins) else { break };
             let Some(design) = grid.design(&std::array::from_fn(|axis| here.t[axis] + step[axis])) else { break };
             if design == here.design {
                 break;
@@ -77,12 +91,12 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
             if let Some(next) = next {
                 broyden(&mut jacobian, &here, &next);
                 // A constraint broken by its curvature is aimed at from further within the next time.
-                margin = CONSTRAINT_MARGIN + next.residuals.last().map_or(0.0, |&constraint| constraint.max(0.0));
+                margins = next.split().1.iter().map(|constraint| CONSTRAINT_MARGIN + constraint.max(0.0)).collect();
                 if gain > 0.0 {
                     here = next;
                 }
             }
-            if here.cost <= COMFORTABLE_RMS || vain >= MOST_VAIN_STEPS {
+            if here.cost <= cost.comfortable() || vain >= MOST_VAIN_STEPS {
                 break;
             }
         }
@@ -91,23 +105,25 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
 }
 
 /// The point at `design`; `None` where it has no response or may not be evaluated.
-fn visit(grid: &Grid, design: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Point> {
-    let (target, max_peak_pressure_pa) = (notebook.target(), notebook.max_peak_pressure_pa());
+pub(crate) fn visit(grid: &Grid, design: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Point> {
+    let (target, limits) = (notebook.target(), &notebook.constraints().quantities);
     let candidate = notebook.look(design)?.candidate()?;
-    // r_i = (value_i - target_i) / tolerance
-    let residual = |(point, value): (&TargetPoint, &f64)| (value - point.value) / target.tolerance();
-    let mut residuals: Vec<f64> = target.points().iter().zip(&candidate.response.value).map(residual).collect();
-    // c = ln(p / p_max); a peak pressure that is not positive breaks no limit.
-    let constraint = max_peak_pressure_pa
-        .map(|max_peak_pressure_pa| (candidate.response.peak_pressure_pa / max_peak_pressure_pa).ln())
-        .filter(|constraint| constraint.is_finite());
-    residuals.push(constraint.unwrap_or(UNCONSTRAINED));
-    Some(Point { design: *design, t: grid.shares(design), residuals, cost: cost.of(candidate) })
+    // c = ln(1 + e): of a largest allowed value ln(value / limit)
+    let constraint = |(limit, value): (&Limit, &f64)| (1.0 + limit.excess(*value)).max(FAR_WITHIN).ln();
+    let limited = limits.iter().zip(&candidate.response.limited).map(constraint);
+    let (mut residuals, edges) = match target.residuals(&candidate.response.value) {
+        Some(residuals) => (residuals, Vec::new()),
+        // A goal, and the edges of what is accepted.
+        None => (vec![target.goal_cost(&candidate.response.value)?], target.edges(&candidate.response.value)),
+    };
+    residuals.extend(limited.chain(edges.iter().copied()));
+    let (t, cost) = (grid.shares(design), cost.of(candidate));
+    Some(Point { design: *design, t, residuals, constraints: limits.len() + edges.len(), cost })
 }
 
 /// dr_i/dt_j by one-sided differences inwards, one row per residual; `None` where a neighbour has no
 /// response on either side.
-fn difference_quotients(
+pub(crate) fn difference_quotients(
     grid: &Grid,
     here: &Point,
     cost: &Cost,
@@ -137,30 +153,56 @@ fn difference_quotients(
     Some(jacobian)
 }
 
-/// The damped step within the bounds that respects the constraint to first order; `None` where no
-/// share can move. The last row of the Jacobian and the last residual are the constraint's.
-fn damped_step(jacobian: &[Vector], here: &Point, free: &[usize], damping: f64, margin: f64) -> Option<Vector> {
-    let (constraint_row, rows) = jacobian.split_last()?;
-    let (constraint, residuals) = here.residuals.split_last()?;
+/// The damped step within the bounds that respects the constraints to first order; `None` where no
+/// share can move. The last rows of the Jacobian and the last residuals are the constraints'.
+fn damped_step(jacobian: &[Vector], here: &Point, free: &[usize], damping: f64, margins: &[f64]) -> Option<Vector> {
+    let (residuals, constraints) = here.split();
+    let (rows, constraint_rows) = jacobian.split_at(residuals.len());
     let square = |axis: usize| rows.iter().map(|row| row[axis] * row[axis]).sum::<f64>();
     let largest = free.iter().map(|&axis| square(axis)).fold(0.0, f64::max);
     if largest <= 0.0 {
         return None;
     }
     let mut system: Vec<(Vector, f64)> = rows.iter().copied().zip(residuals.iter().copied()).collect();
-    let mut step = bounded_step(&system, &here.t, free, damping * largest)?;
-    let slope = constraint_row.iter().zip(&step).map(|(slope, share)| slope * share).sum::<f64>();
-    if constraint + slope > 0.0 {
-        let weight = CONSTRAINT_WEIGHT * largest.sqrt();
-        system.push((constraint_row.map(|slope| weight * slope), weight * (constraint + margin)));
-        step = bounded_step(&system, &here.t, free, damping * largest)?;
-    }
+    let step =
+        constrained_step(&mut system, (constraint_rows, constraints, margins), &here.t, free, damping * largest)?;
     let longest = step.iter().fold(0.0_f64, |longest, share| longest.max(share.abs()));
     if longest == 0.0 {
         return None;
     }
     let scale = (LONGEST_STEP / longest).min(1.0);
     Some(step.map(|share| share * scale))
+}
+
+/// The step that solves `system` within the bounds and respects the constraints (their slopes, values and margins) to
+/// first order. `None` where it is singular.
+pub(crate) fn constrained_step(
+    system: &mut Vec<(Vector, f64)>,
+    (constraint_rows, constraints, margins): (&[Vector], &[f64], &[f64]),
+    t: &Vector,
+    free: &[usize],
+    damping: f64,
+) -> Option<Vector> {
+    let square = |axis: usize| system.iter().map(|(row, _)| row[axis] * row[axis]).sum::<f64>();
+    let largest = free.iter().map(|&axis| square(axis)).fold(0.0, f64::max);
+    let mut step = bounded_step(system, t, free, damping)?;
+    let mut aimed_at = vec![false; constraints.len()];
+    // A step that spares one constraint can break another: each is added once.
+    loop {
+        let mut added = false;
+        for (place, row) in constraint_rows.iter().enumerate() {
+            let slope = row.iter().zip(&step).map(|(slope, share)| slope * share).sum::<f64>();
+            if !aimed_at[place] && constraints[place] + slope > 0.0 {
+                let weight = CONSTRAINT_WEIGHT * largest.sqrt();
+                system.push((row.map(|slope| weight * slope), weight * (constraints[place] + margins[place])));
+                (aimed_at[place], added) = (true, true);
+            }
+        }
+        if !added {
+            return Some(step);
+        }
+        step = bounded_step(system, t, free, damping)?;
+    }
 }
 
 /// Solves (J' J + damping I) s = -J' r, `system` holding the rows of J with their r, for the shares
@@ -202,7 +244,7 @@ fn bounded_step(system: &[(Vector, f64)], t: &Vector, free: &[usize], damping: f
 }
 
 /// Broyden's update: the least change of the Jacobian that explains the step from `here` to `next`.
-fn broyden(jacobian: &mut [Vector], here: &Point, next: &Point) {
+pub(crate) fn broyden(jacobian: &mut [Vector], here: &Point, next: &Point) {
     let step: Vector = std::array::from_fn(|axis| next.t[axis] - here.t[axis]);
     let square: f64 = step.iter().map(|share| share * share).sum();
     if square == 0.0 {
@@ -244,9 +286,9 @@ fn solve(matrix: &mut [[f64; MOST_DIMENSIONS + 1]; MOST_DIMENSIONS], n: usize) -
 mod tests {
     use super::*;
 
-    fn point(t: Vector, residuals: Vec<f64>) -> Point {
+    fn point(t: Vector, residuals: Vec<f64>, constraints: usize) -> Point {
         let design = Pattern::new(slipgrid_pattern::Planform::Groove, 1e-4, 1e-4, 1e-5).unwrap();
-        Point { design, t, residuals, cost: 1.0 }
+        Point { design, t, residuals, constraints, cost: 1.0 }
     }
 
     const LINEAR: [Vector; 4] = [[4.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 2.0], [0.5, 0.5, 0.5]];
@@ -287,8 +329,8 @@ mod tests {
     fn a_binding_constraint_projects_the_step() {
         // r = t - (0.6, 0.6, 0.3), c = t_1 + t_2 - 1 <= 0, from the middle: nearest allowed (0.5, 0.5, 0.3).
         let rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
-        let here = point([0.4, 0.5, 0.5], vec![-0.2, -0.1, 0.2, -0.1]);
-        let step = damped_step(&rows, &here, &[0, 1, 2], 0.0, CONSTRAINT_MARGIN).unwrap();
+        let here = point([0.4, 0.5, 0.5], vec![-0.2, -0.1, 0.2, -0.1], 1);
+        let step = damped_step(&rows, &here, &[0, 1, 2], 0.0, &[CONSTRAINT_MARGIN]).unwrap();
         for (axis, expected) in [(0, 0.5), (1, 0.5), (2, 0.3)] {
             assert!((here.t[axis] + step[axis] - expected).abs() < CONSTRAINT_MARGIN, "{step:?}");
         }
@@ -296,11 +338,23 @@ mod tests {
     }
 
     #[test]
+    fn two_binding_constraints_meet_in_their_corner() {
+        // r = t - (0.9, 0.9, 0.3), t_1 <= 0.6 and t_2 <= 0.7, both to be seen.
+        let rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let here = point([0.4, 0.5, 0.5], vec![-0.5, -0.4, 0.2, -0.2, -0.2], 2);
+        let step = damped_step(&rows, &here, &[0, 1, 2], 0.0, &[CONSTRAINT_MARGIN; 2]).unwrap();
+        for (axis, expected) in [(0, 0.6), (1, 0.7), (2, 0.3)] {
+            assert!((here.t[axis] + step[axis] - expected).abs() <= 1.01 * CONSTRAINT_MARGIN, "{step:?}");
+        }
+    }
+
+    #[test]
     fn broyden_learns_a_linear_map_from_three_steps_at_right_angles() {
         let root = [0.2, 0.4, 0.6];
         let mut jacobian = vec![[0.0; 3]; 4];
         for step in [[0.1, 0.0, 0.0], [0.0, 0.2, 0.1], [0.0, -0.1, 0.2]] {
-            broyden(&mut jacobian, &point([0.0; 3], residuals([0.0; 3], root)), &point(step, residuals(step, root)));
+            let at = |t| point(t, residuals(t, root), 0);
+            broyden(&mut jacobian, &at([0.0; 3]), &at(step));
         }
         for (learnt, row) in jacobian.iter().flatten().zip(LINEAR.iter().flatten()) {
             assert!((learnt - row).abs() < 1e-12);

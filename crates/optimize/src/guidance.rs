@@ -22,7 +22,7 @@ pub struct Guidance {
 #[derive(Clone, Debug, PartialEq)]
 struct Difference {
     design: Pattern,
-    /// Value of the model less that of the guide, per target point, and the same of the peak pressure's logarithm.
+    /// What the model says less what the guide does: values at the target's points, then limited quantities.
     by: Vec<f64>,
 }
 
@@ -47,24 +47,21 @@ impl Guidance {
 
     /// Takes over what `model` answers of `design`, and its guide.
     pub(crate) fn learn(&mut self, design: Pattern, model: &Response, guide: &Response) {
-        let mut by: Vec<f64> = model.value.iter().zip(&guide.value).map(|(model, guide)| model - guide).collect();
-        // Peak pressures are compared as ratios; where one is not positive nothing can be said.
-        let ratio = (model.peak_pressure_pa / guide.peak_pressure_pa).ln();
-        by.push(if ratio.is_finite() { ratio } else { 0.0 });
+        let by: Vec<f64> = numbers(model).zip(numbers(guide)).map(|(model, guide)| model - guide).collect();
         match self.differences.iter_mut().find(|known| known.design == design) {
             Some(known) => known.by = by,
             None => self.differences.push(Difference { design, by }),
         }
     }
 
-    /// The differences of `values` values as a function of a design's shares on `grid`.
-    pub(crate) fn correction(&self, grid: &Grid, values: usize) -> Correction {
-        let known: Vec<&Difference> = self.differences.iter().filter(|known| known.by.len() == values + 1).collect();
+    /// The differences of `count` numbers, values and limited quantities, as a function of a design's shares on `grid`.
+    pub(crate) fn correction(&self, grid: &Grid, count: usize) -> Correction {
+        let known: Vec<&Difference> = self.differences.iter().filter(|known| known.by.len() == count).collect();
         let shares: Vec<Shares> = known.iter().map(|known| grid.shares(&known.design)).collect();
         let n = known.len();
         let mean = |column: usize| known.iter().map(|known| known.by[column]).sum::<f64>() / n.max(1) as f64;
         let mut columns: Vec<Column> =
-            (0..=values).map(|column| Column { mean: mean(column), weights: vec![0.0; n] }).collect();
+            (0..count).map(|column| Column { mean: mean(column), weights: vec![0.0; n] }).collect();
         let covariances =
             DMatrix::from_fn(n, n, |i, j| covariance(&shares[i], &shares[j]) + if i == j { NUGGET } else { 0.0 });
         // Two designs at one place, which a grid does not have, would be left to the mean.
@@ -80,6 +77,11 @@ impl Guidance {
         }
         Correction { shares, columns }
     }
+}
+
+/// Values, then limited quantities.
+fn numbers(response: &Response) -> impl Iterator<Item = f64> {
+    response.value.iter().chain(&response.limited).copied()
 }
 
 type Shares = [f64; MOST_DIMENSIONS];
@@ -112,9 +114,9 @@ impl Correction {
         // d(t) = m + sum_i w_i C(t, t_i)
         let at =
             |column: &Column| column.mean + column.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>();
-        let value = guide.value.iter().zip(&self.columns).map(|(value, column)| value + at(column)).collect();
-        let peak = self.columns.last().map_or(0.0, at);
-        Response { value, peak_pressure_pa: guide.peak_pressure_pa * libm::exp(peak) }
+        let mut corrected = numbers(guide).zip(&self.columns).map(|(number, column)| number + at(column));
+        let value = corrected.by_ref().take(guide.value.len()).collect();
+        Response { value, limited: corrected.collect() }
     }
 }
 
@@ -130,7 +132,7 @@ mod tests {
     }
 
     fn response(value: f64, peak_pressure_pa: f64) -> Response {
-        Response { value: vec![value, 2.0 * value], peak_pressure_pa }
+        Response { value: vec![value, 2.0 * value], limited: vec![peak_pressure_pa] }
     }
 
     #[test]
@@ -138,22 +140,22 @@ mod tests {
         let grid = grid();
         let guide = response(0.9, 2e6);
         let mut guidance = Guidance::new();
-        assert_eq!(guidance.correction(&grid, 2).apply(&[0.3; 3], &guide), guide);
+        assert_eq!(guidance.correction(&grid, 3).apply(&[0.3; 3], &guide), guide);
         let known: Vec<Shares> = vec![[0.1, 0.2, 0.3], [0.9, 0.2, 0.5], [0.91, 0.2, 0.5], [0.4, 1.0, 0.0]];
         for (place, shares) in known.iter().enumerate() {
             let design = grid.design(shares).unwrap();
             guidance.learn(design, &response(0.9 + 0.01 * place as f64, 3e6), &guide);
         }
         assert_eq!((guidance.len(), guidance.is_empty()), (4, false));
-        let correction = guidance.correction(&grid, 2);
+        let correction = guidance.correction(&grid, 3);
         for (place, known) in guidance.differences.iter().enumerate() {
             let corrected = correction.apply(&grid.shares(&known.design), &guide);
             assert!((corrected.value[0] - 0.9 - 0.01 * place as f64).abs() < 1e-7);
             assert!((corrected.value[1] - 1.8 - 0.02 * place as f64).abs() < 1e-7);
-            assert!((corrected.peak_pressure_pa - 3e6).abs() < 1.0);
+            assert!((corrected.limited[0] - 3e6).abs() < 1.0);
         }
         // A constant difference is one everywhere.
-        assert!((correction.apply(&[0.0, 0.6, 1.0], &guide).peak_pressure_pa / 3e6 - 1.0).abs() < 1e-6);
+        assert!((correction.apply(&[0.0, 0.6, 1.0], &guide).limited[0] / 3e6 - 1.0).abs() < 1e-6);
     }
 
     #[test]
@@ -165,7 +167,7 @@ mod tests {
             let design = grid.design(&point).unwrap();
             guidance.learn(design, &response(truth(&grid.shares(&design)), 1e6), &response(0.0, 1e6));
         }
-        let correction = guidance.correction(&grid, 2);
+        let correction = guidance.correction(&grid, 3);
         let errors: Vec<f64> = crate::sequence::points(3, 200, 7)
             .iter()
             .map(|t| correction.apply(t, &response(0.0, 1e6)).value[0] - truth(t))
@@ -184,7 +186,7 @@ mod tests {
             guidance.learn(design, &response(by, 1e6), &response(0.0, 1e6));
         }
         assert_eq!(guidance.len(), 1);
-        let corrected = guidance.correction(&grid, 2).apply(&grid.shares(&design), &response(0.0, 1e6));
+        let corrected = guidance.correction(&grid, 3).apply(&grid.shares(&design), &response(0.0, 1e6));
         assert!((corrected.value[0] - 0.2).abs() < 1e-8);
     }
 }

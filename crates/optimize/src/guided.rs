@@ -5,8 +5,8 @@ use crate::ledger::{Evaluator, Interruption, Key, Ledger, Record, key};
 use crate::search::search_along;
 use crate::space::Grid;
 use crate::{
-    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, ForwardModel, ModelFailure, Response, SearchError,
-    SearchOptions, SearchOutcome, SearchProgress, Stage, Status, Target, summary,
+    Candidate, Constraints, DesignSpace, ForwardModel, ModelFailure, Response, SearchError, SearchOptions,
+    SearchOutcome, SearchProgress, Stage, Status, Target, summary,
 };
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -60,7 +60,7 @@ pub fn search_guided(
         if left == 0 {
             break;
         }
-        let correction = guidance.correction(&grid, target.points().len());
+        let correction = guidance.correction(&grid, target.points().len() + constraints.quantities.len());
         let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
         let along = SearchOptions { max_evaluations: left, ..*options };
         let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
@@ -96,17 +96,25 @@ pub fn search_guided(
             };
         }
         rounds_met += usize::from(judge.best().is_some_and(Candidate::meets_target));
-        let has_settled = found.status == Status::Unreachable && agree;
-        if judge.is_comfortable() || rounds_met > MORE_ONCE_MET || records.is_empty() || has_settled {
-            // Where the guide still says that the target is met, the model does not follow it.
-            ending = if found.status == Status::Met { Status::Budget } else { found.status };
+        let is_goal = target.goal().is_some();
+        let has_settled = agree && (found.status == Status::Unreachable || (is_goal && found.status == Status::Met));
+        // A goal can always come closer: there it takes agreement.
+        let close = judge.is_comfortable() || (rounds_met > MORE_ONCE_MET && !is_goal);
+        if close || records.is_empty() || has_settled {
+            // Where the guide still says that the target is met, the model does not follow it, unless the two agree.
+            ending = if found.status == Status::Met && !has_settled { Status::Budget } else { found.status };
             break;
         }
     }
     if judge.ledger.records().is_empty() && ending == Status::Cancelled {
         return Err(SearchError::CancelledAtStart);
     }
-    let status = if judge.best().is_some_and(Candidate::meets_target) { Status::Met } else { ending };
+    let met = judge.best().is_some_and(Candidate::meets_target);
+    let status = match ending {
+        _ if met && (target.goal().is_none() || judge.is_comfortable()) => Status::Met,
+        Status::Met if !met => Status::Budget,
+        ending => ending,
+    };
     let outcome = summary::outcome(&judge.ledger, &grid, target, status)?;
     Ok(SearchOutcome { guide_evaluations: guide.len(), ..outcome })
 }
@@ -162,7 +170,8 @@ impl Judge<'_> {
     }
 
     fn is_comfortable(&self) -> bool {
-        self.best().is_some_and(|best| best.meets_target() && best.misfit.rms <= COMFORTABLE_RMS)
+        self.best()
+            .is_some_and(|best| best.meets_target() && best.misfit.cost <= self.evaluator.target.comfortable_cost())
     }
 }
 

@@ -63,7 +63,7 @@ pub(crate) struct Evaluator<'a> {
     pub(crate) constraints: &'a Constraints,
     pub(crate) max_evaluations: usize,
     progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
-    /// Evaluations and the smallest misfit so far, for the reader of the progress alone.
+    /// Evaluations and the smallest cost so far, for the reader of the progress alone.
     glance: Mutex<(usize, Option<f64>)>,
     cancelled: AtomicBool,
     /// What any thread has computed. It saves calls and changes no outcome, the model being a function
@@ -106,7 +106,11 @@ impl<'a> Evaluator<'a> {
                 if got != expected {
                     return Err(Interruption::Error(SearchError::WrongResponse { expected, got }));
                 }
-                if response.value.iter().all(|value| value.is_finite()) && response.peak_pressure_pa.is_finite() {
+                let (expected, got) = (self.constraints.quantities.len(), response.limited.len());
+                if got != expected {
+                    return Err(Interruption::Error(SearchError::WrongLimited { expected, got }));
+                }
+                if response.value.iter().chain(&response.limited).all(|value| value.is_finite()) {
                     Record::Computed(self.judge(design, response))
                 } else {
                     failed("the model returned a value that is not finite")
@@ -137,12 +141,12 @@ impl<'a> Evaluator<'a> {
         let mut glance = self.glance.lock().unwrap_or_else(PoisonError::into_inner);
         glance.0 += 1;
         if let Some(candidate) = record.candidate().filter(|candidate| candidate.violations.is_empty()) {
-            glance.1 = Some(glance.1.map_or(candidate.misfit.rms, |best: f64| best.min(candidate.misfit.rms)));
+            glance.1 = Some(glance.1.map_or(candidate.misfit.cost, |best: f64| best.min(candidate.misfit.cost)));
         }
-        let (evaluations, best_rms) = *glance;
+        let (evaluations, best_cost) = *glance;
         drop(glance);
         let max_evaluations = self.max_evaluations;
-        if (self.progress)(SearchProgress { stage, evaluations, max_evaluations, best_rms }).is_break() {
+        if (self.progress)(SearchProgress { stage, evaluations, max_evaluations, best_cost }).is_break() {
             self.cancelled.store(true, Ordering::Relaxed);
         }
     }
@@ -246,8 +250,8 @@ impl<'a> Notebook<'a> {
         self.evaluator.target
     }
 
-    pub(crate) const fn max_peak_pressure_pa(&self) -> Option<f64> {
-        self.evaluator.constraints.max_peak_pressure_pa
+    pub(crate) const fn constraints(&self) -> &'a Constraints {
+        self.evaluator.constraints
     }
 
     /// New records and what interrupted them.
@@ -272,7 +276,7 @@ mod tests {
         let calls = AtomicUsize::new(0);
         let model = |design: &Pattern| {
             calls.fetch_add(1, Ordering::Relaxed);
-            Ok(Response { value: vec![design.section_density()], peak_pressure_pa: 1e6 })
+            Ok(Response { value: vec![design.section_density()], limited: Vec::new() })
         };
         let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();

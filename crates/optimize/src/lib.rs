@@ -1,28 +1,33 @@
 //! Search for the pattern that brings friction to a target.
 //!
-//! Friction v_i at the pressures P_i, i = 1..n, should be t_i within the tolerance T. Over the
-//! designs x = (width, spacing, depth) that a laser can make, the search minimizes
+//! Friction v_i at the pressures P_i, i = 1..n, should be t_i within the tolerances T_i, or within bands. Over
+//! the designs x = (width, spacing, depth) that a laser can make, the search minimizes
 //!
-//! rms(x) = sqrt( (1/n) sum_i ((v_i(x) - t_i) / T)^2 )   subject to   peak pressure(x) <= the largest allowed.
+//! rms(x) = sqrt( sum_i w_i ((v_i(x) - t_i) / T_i)^2 / sum_i w_i )   subject to   q_k(x) <= or >= the limit of q_k,
+//!
+//! with weights w_i and limited quantities q_k (peak pressure, share of land and the like); or, where the target
+//! has a goal, its lowest or highest mean or its least spread over the pressures, within the bands if any.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`Target`] | wanted values at pressures, and the tolerance |
-//! | [`DesignSpace`], [`Constraints`] | bounds; manufacturing limits and the largest peak pressure |
+//! | [`Target`], [`Demand`], [`Goal`] | values, bands and weights at pressures; what is to be as good as possible |
+//! | [`DesignSpace`], [`Constraints`], [`Limit`] | bounds; manufacturing limits and limited quantities |
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
+//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
-//! low-discrepancy sample, descends from the best distinct designs by damped Gauss-Newton steps and,
-//! where these do not suffice, by Nelder and Mead's method, polishes width and spacing at neighbouring numbers of bursts, and, before it calls a target
+//! low-discrepancy sample, descends from the best distinct designs by damped Gauss-Newton steps (to a lowest or
+//! highest mean by projected linear ones) and, where these do not suffice, by Nelder and Mead's method,
+//! polishes width and spacing at neighbouring numbers of bursts, and, before it calls a target
 //! unreachable, looks for the lowest and highest value there is. It moves only on the grid of
 //! designs that can be made (whole bursts deep; width and spacing to [`POSITION_STEP_M`]), so no
 //! result is rounded afterwards. It stops early only where a design misses by at most
-//! [`COMFORTABLE_RMS`] tolerances. A limit on the peak pressure is a
-//! linearized constraint of the former and an exact penalty of the latter.
+//! [`COMFORTABLE_RMS`] tolerances. A limited quantity is a linearized constraint of the former and an exact
+//! penalty of the latter.
 //!
 //! A design is evaluated once; only where two threads come to the same design at the same time do
 //! both call the model. Equal inputs and seeds give equal outcomes at any number of threads.
@@ -39,7 +44,7 @@
 //! // A surface whose friction is proportional to its land: ratio = 1 - width / pitch. With grooves
 //! // 100 um wide the ratio 0.75 takes a spacing of 300 um.
 //! let model = |design: &Pattern| {
-//!     Ok(Response { value: vec![1.0 - design.section_density()], peak_pressure_pa: 2e6 })
+//!     Ok(Response { value: vec![1.0 - design.section_density()], limited: Vec::new() })
 //! };
 //! let point = TargetPoint { pressure_pa: 1e6, value: 0.75 };
 //! let target = Target::new(Quantity::Ratio, vec![point], 0.01)?;
@@ -52,28 +57,33 @@
 //! # Ok::<(), slipgrid_optimize::SearchError>(())
 //! ```
 
+mod constraints;
 mod error;
 mod gauss_newton;
 mod guidance;
 mod guided;
 mod ledger;
+mod linear_steps;
 mod model;
 mod outcome;
 mod polish;
+mod relaxation;
 mod search;
 mod sequence;
 mod space;
 mod summary;
 mod target;
 
+pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use guidance::Guidance;
 pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
-pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status, Violation};
+pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
+pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use search::{SearchOptions, search};
-pub use space::{Constraints, DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
-pub use target::{Misfit, Quantity, Target, TargetPoint};
+pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
+pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
 /// descending further would only spend evaluations: 0.0002 of a ratio at a tolerance of 0.01.

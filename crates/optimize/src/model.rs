@@ -7,8 +7,9 @@ use slipgrid_pattern::Pattern;
 pub struct Response {
     /// The target's quantity at the target's pressures, in the target's order.
     pub value: Vec<f64>,
-    /// Largest local contact pressure over all target pressures, in pascals.
-    pub peak_pressure_pa: f64,
+    /// What the constraints limit: one for each of [`Constraints::quantities`](crate::Constraints::quantities), in
+    /// their order, SI units.
+    pub limited: Vec<f64>,
 }
 
 /// Why a design has no response.
@@ -74,6 +75,6 @@ pub struct SearchProgress {
     pub evaluations: usize,
     /// Most designs that will be evaluated.
     pub max_evaluations: usize,
-    /// Smallest root-mean-square misfit of a feasible design; `None` before the first.
-    pub best_rms: Option<f64>,
+    /// Smallest cost of a feasible design (see [`Misfit`](crate::Misfit)); `None` before the first.
+    pub best_cost: Option<f64>,
 }

@@ -1,12 +1,13 @@
 //! What a search found.
 
-use crate::{Misfit, Response};
-use slipgrid_pattern::{LimitViolation, Pattern};
+use crate::{Misfit, Response, Violation};
+use slipgrid_pattern::Pattern;
 
 /// How a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// The best design is within the tolerance at every pressure and respects every constraint.
+    /// The best design does what is demanded at every pressure and respects every constraint. With a goal: and
+    /// the search ended by itself, without a better one.
     Met,
     /// The search ended by itself without such a design: see [`SearchOutcome::reachable`].
     Unreachable,
@@ -29,35 +30,6 @@ impl Status {
     }
 }
 
-/// A constraint that a design breaks.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Violation {
-    /// The laser cannot make it.
-    #[error(transparent)]
-    Limit(#[from] LimitViolation),
-    /// The largest local contact pressure is too high.
-    #[error("peak pressure of {peak_pressure_pa:.3e} Pa exceeds the largest allowed, {max_peak_pressure_pa:.3e} Pa")]
-    PeakPressure {
-        /// The design's peak pressure, in pascals.
-        peak_pressure_pa: f64,
-        /// The constraint, in pascals.
-        max_peak_pressure_pa: f64,
-    },
-}
-
-impl Violation {
-    /// How far beyond the constraint, relative to it: 0 at the constraint.
-    #[must_use]
-    pub fn excess(&self) -> f64 {
-        match *self {
-            Self::Limit(limit) => limit.excess(),
-            Self::PeakPressure { peak_pressure_pa, max_peak_pressure_pa } => {
-                peak_pressure_pa / max_peak_pressure_pa - 1.0
-            }
-        }
-    }
-}
-
 /// A design with its predicted response. Lengths are those of the design that would be made, so the
 /// prediction is its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,7 +45,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Within tolerance at every pressure, and feasible.
+    /// Accepted at every pressure, and feasible.
     #[must_use]
     pub fn meets_target(&self) -> bool {
         self.violations.is_empty() && self.misfit.is_met()
@@ -86,7 +58,7 @@ impl Candidate {
     }
 
     /// Whether this design is to be preferred: feasible ones first, then those that meet the target,
-    /// then the smaller root-mean-square misfit. Among designs that are not feasible, the smaller excess.
+    /// then the smaller cost. Among designs that are not feasible, the smaller excess.
     #[must_use]
     pub fn is_better_than(&self, other: &Self) -> bool {
         match (self.violations.is_empty(), other.violations.is_empty()) {
@@ -96,7 +68,7 @@ impl Candidate {
             (true, true) => match (self.misfit.is_met(), other.misfit.is_met()) {
                 (true, false) => true,
                 (false, true) => false,
-                _ => self.misfit.rms < other.misfit.rms,
+                _ => self.misfit.cost < other.misfit.cost,
             },
         }
     }
@@ -162,17 +134,18 @@ pub struct SearchOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Bound, Constraints, Limit};
     use slipgrid_pattern::Planform;
 
-    fn candidate(max: f64, rms: f64, peak_pressure_pa: f64) -> Candidate {
-        let max_peak_pressure_pa = 10e6;
-        let violation = Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa };
-        Candidate {
-            design: Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap(),
-            response: Response { value: vec![0.9], peak_pressure_pa },
-            misfit: Misfit { max, rms },
-            violations: if peak_pressure_pa > max_peak_pressure_pa { vec![violation] } else { Vec::new() },
-        }
+    fn candidate(max: f64, cost: f64, peak_pressure_pa: f64) -> Candidate {
+        let bound = Bound::AtMost(10e6);
+        let limit =
+            Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: 10e6, loosest: f64::INFINITY };
+        let constraints = Constraints { quantities: vec![limit], ..Constraints::default() };
+        let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
+        let response = Response { value: vec![0.9], limited: vec![peak_pressure_pa] };
+        let violations = constraints.violations(&design, &response);
+        Candidate { design, response, misfit: Misfit { max, rms: cost, cost }, violations }
     }
 
     #[test]

@@ -10,7 +10,7 @@
 use crate::ledger::{Notebook, Record};
 use crate::sequence::MOST_DIMENSIONS;
 use crate::space::Grid;
-use crate::{COMFORTABLE_RMS, Candidate, gauss_newton};
+use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, linear_steps};
 use argmin::core::{CostFunction, Error, Executor, IterState};
 use argmin::solver::neldermead::NelderMead;
 use slipgrid_pattern::Pattern;
@@ -40,8 +40,8 @@ const FAILED_COST: f64 = 1e12;
 /// What a descent minimizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Objective {
-    /// Root-mean-square misfit.
-    RootMeanSquare,
+    /// The target's own: root-mean-square misfit, or its goal.
+    Target,
     /// Largest misfit.
     Largest,
     /// The value at one target point, in tolerances.
@@ -54,7 +54,10 @@ pub(crate) enum Objective {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cost {
     pub(crate) objective: Objective,
+    /// Change of a value that counts as 1 in a lowest or highest value.
     pub(crate) tolerance: f64,
+    /// Cost of the target's own objective with which nothing is left to gain.
+    pub(crate) comfortable: f64,
     /// Cost of a relative excess of 1. An exact penalty: above the objective's own slope, so that the
     /// minimum lies on the constraint and not beyond it.
     pub(crate) penalty: f64,
@@ -64,7 +67,7 @@ impl Cost {
     /// Cost of a design, in tolerances.
     pub(crate) fn of(&self, candidate: &Candidate) -> f64 {
         let objective = match self.objective {
-            Objective::RootMeanSquare => candidate.misfit.rms,
+            Objective::Target => candidate.misfit.cost,
             Objective::Largest => candidate.misfit.max,
             Objective::Lowest(point) => candidate.response.value[point] / self.tolerance,
             Objective::Highest(point) => -candidate.response.value[point] / self.tolerance,
@@ -73,9 +76,9 @@ impl Cost {
     }
 
     /// Cost below which a descent ends early.
-    fn comfortable(&self) -> f64 {
+    pub(crate) fn comfortable(&self) -> f64 {
         match self.objective {
-            Objective::RootMeanSquare => COMFORTABLE_RMS,
+            Objective::Target => self.comfortable,
             // Within the tolerance is all that is asked.
             Objective::Largest => 0.9,
             Objective::Lowest(_) | Objective::Highest(_) => f64::NEG_INFINITY,
@@ -85,7 +88,8 @@ impl Cost {
     /// Gain below which a restart from `cost` was the last.
     fn worthwhile_gain(&self, cost: f64) -> f64 {
         match self.objective {
-            Objective::RootMeanSquare | Objective::Largest => (WORTHWHILE_GAIN * cost).max(COMFORTABLE_RMS),
+            // A goal's cost may be negative.
+            Objective::Target | Objective::Largest => (WORTHWHILE_GAIN * cost.min(1.0)).max(COMFORTABLE_RMS),
             Objective::Lowest(_) | Objective::Highest(_) => WORTHWHILE_EXTENSION,
         }
     }
@@ -94,8 +98,10 @@ impl Cost {
 /// How a descent goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Method {
-    /// Few evaluations where the response is smooth; root-mean-square misfit alone.
+    /// Few evaluations where the response is smooth; the target's own objective, where that is a root mean square.
     GaussNewton,
+    /// Few evaluations; a goal.
+    LinearSteps,
     /// Restarted simplex: any objective, kinks, noise.
     Simplex,
 }
@@ -127,8 +133,10 @@ impl Descent {
     /// that would continue this one.
     pub(crate) fn run(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
         match self.method {
-            Method::GaussNewton => {
-                let end = gauss_newton::descend(&self.grid, &self.start, &self.cost, notebook);
+            Method::GaussNewton | Method::LinearSteps => {
+                let descend =
+                    if self.method == Method::GaussNewton { gauss_newton::descend } else { linear_steps::descend };
+                let end = descend(&self.grid, &self.start, &self.cost, notebook);
                 self.start = end.unwrap_or(self.start);
                 notebook.interruption.is_some().then_some(self)
             }
@@ -276,7 +284,7 @@ mod tests {
     fn descend(objective: Objective, budget: usize) -> (Pattern, usize, Option<Interruption>) {
         let model = |design: &Pattern| match design.width_m() {
             width_m if width_m > 300e-6 => Err(ModelFailure::Trial { reason: "too wide".to_owned() }),
-            _ => Ok(Response { value: vec![design.section_density()], peak_pressure_pa: 1e6 }),
+            _ => Ok(Response { value: vec![design.section_density()], limited: Vec::new() }),
         };
         let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
@@ -287,7 +295,7 @@ mod tests {
         let evaluator = Evaluator::new(&model, &target, &constraints, budget, &carry_on);
         let mut ledger = Ledger::default();
         let mut notebook = Notebook::new(&evaluator, &ledger, Stage::Polishing, budget);
-        let cost = Cost { objective, tolerance: 0.01, penalty: 1.0 };
+        let cost = Cost { objective, tolerance: 0.01, comfortable: COMFORTABLE_RMS, penalty: 1.0 };
         let start = Pattern::new(Planform::Groove, 150e-6, 200e-6, 5e-6).unwrap();
         let rest = Descent::new(grid, start, cost, Method::Simplex).run(&mut notebook);
         let (records, interruption) = notebook.close();
@@ -299,7 +307,7 @@ mod tests {
 
     #[test]
     fn the_simplex_meets_a_target_and_stops_there() {
-        let (best, evaluations, interruption) = descend(Objective::RootMeanSquare, 200);
+        let (best, evaluations, interruption) = descend(Objective::Target, 200);
         assert!((best.section_density() - 0.3).abs() <= 0.01 * COMFORTABLE_RMS);
         assert!(evaluations < 40 && interruption.is_none(), "{evaluations}");
     }

@@ -2,8 +2,8 @@ use crate::ledger::{Evaluator, Interruption, Ledger, Notebook};
 use crate::polish::{Cost, Descent, Method, Objective};
 use crate::space::Grid;
 use crate::{
-    COMFORTABLE_RMS, Candidate, Constraints, DesignSpace, ForwardModel, SearchError, SearchOutcome, SearchProgress,
-    Stage, Status, Target, sequence, summary,
+    Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, SearchProgress, Stage, Status,
+    Target, sequence, summary,
 };
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -119,10 +119,13 @@ fn search_with(
         Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0, effort };
     let sample_is_whole = search.sample(known, options)?;
     let status = match search.descend_in_stages() {
+        Ok(()) if search.is_met() && (target.goal().is_none() || search.is_comfortable()) => Status::Met,
+        Ok(()) if !search.unfinished.is_empty() || !sample_is_whole => Status::Budget,
+        // There is nothing better than what was found.
         Ok(()) if search.is_met() => Status::Met,
-        Ok(()) if search.unfinished.is_empty() && sample_is_whole => Status::Unreachable,
-        Ok(()) | Err(Interruption::Budget) => Status::Budget,
-        Err(Interruption::Cancelled) if search.is_met() => Status::Met,
+        Ok(()) => Status::Unreachable,
+        Err(Interruption::Budget) => Status::Budget,
+        Err(Interruption::Cancelled) if search.is_met() && target.goal().is_none() => Status::Met,
         Err(Interruption::Cancelled) => Status::Cancelled,
         Err(Interruption::Error(error)) => return Err(error),
     };
@@ -182,10 +185,12 @@ impl Search<'_> {
         if self.ledger.records().is_empty() {
             return Err(SearchError::CancelledAtStart);
         }
-        let mut misfits: Vec<f64> = self.ledger.candidates().map(|candidate| candidate.misfit.rms).collect();
-        misfits.sort_by(f64::total_cmp);
-        match misfits.get(misfits.len() / 2) {
-            Some(median) => self.penalty = PENALTY_STEEPNESS * median.max(1.0),
+        let mut costs: Vec<f64> = self.ledger.candidates().map(|candidate| candidate.misfit.cost).collect();
+        costs.sort_by(f64::total_cmp);
+        // Misfits are counted from 0, a goal from the best there is.
+        let from = if self.has_goal() { costs.first().copied().unwrap_or(0.0) } else { 0.0 };
+        match costs.get(costs.len() / 2) {
+            Some(median) => self.penalty = PENALTY_STEEPNESS * (median - from).max(1.0),
             None => return Err(summary::every_trial_failed(&self.ledger)),
         }
         Ok(is_whole)
@@ -201,18 +206,22 @@ impl Search<'_> {
         self.polish(&tried.clone())?;
         // 2. Width and spacing at the numbers of bursts near the best one.
         if !self.is_comfortable() {
-            let most = if self.is_met() { NEXT_BURSTS } else { self.effort.bursts };
+            let most = if self.is_met() && !self.has_goal() { NEXT_BURSTS } else { self.effort.bursts };
             self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
         }
         // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
-        if let Some(best) = self.ledger.best().filter(|best| !best.misfit.is_met() && best.misfit.rms <= 1.0) {
+        let hidden = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
+        if let Some(best) = self.ledger.best().filter(hidden).filter(|_| !self.has_goal()) {
             let descents = vec![self.descent(self.grid, best.design, Objective::Largest, Method::Simplex)];
             self.run(descents, Stage::Polishing, self.stage_budget())?;
         }
         // 4. Before saying that the target is out of reach: how far friction can be brought, and
-        // starts unlike those before.
-        if !self.is_met() {
+        // starts unlike those before; these, too, before saying that there is nothing better.
+        let is_met = self.is_met();
+        if !is_met {
             self.run(self.extreme_descents(), Stage::Extremes, self.stage_budget())?;
+        }
+        if !is_met || (self.has_goal() && !self.is_comfortable()) {
             tried.extend(self.ledger.best().map(|best| best.design));
             let starts = self.distinct_starts(&tried, self.effort.starts);
             self.polish(&starts)?;
@@ -225,14 +234,14 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Gauss-Newton steps from `starts`, then, unless that was enough, simplexes from the best distinct
-    /// designs so far.
+    /// Gauss-Newton steps, or towards a goal linear ones, from `starts`, then, unless that was enough, simplexes from
+    /// the best distinct designs so far.
     fn polish(&mut self, starts: &[Pattern]) -> Result<(), Interruption> {
         let from = |search: &Self, starts: &[Pattern], method| -> Vec<Descent> {
-            let descent = |&start: &Pattern| search.descent(search.grid, start, Objective::RootMeanSquare, method);
+            let descent = |&start: &Pattern| search.descent(search.grid, start, Objective::Target, method);
             starts.iter().map(descent).collect()
         };
-        self.run(from(self, starts, Method::GaussNewton), Stage::Polishing, self.stage_budget())?;
+        self.run(from(self, starts, self.method()), Stage::Polishing, self.stage_budget())?;
         if !self.is_comfortable() {
             let starts = self.distinct_starts(&[], self.effort.simplex_starts);
             self.run(from(self, &starts, Method::Simplex), Stage::Polishing, self.stage_budget())?;
@@ -245,7 +254,31 @@ impl Search<'_> {
     }
 
     fn cost(&self, objective: Objective) -> Cost {
-        Cost { objective, tolerance: self.evaluator.target.tolerance(), penalty: self.penalty }
+        let target = self.evaluator.target;
+        let tolerance = match objective {
+            Objective::Lowest(point) | Objective::Highest(point) => target.points()[point].wanted.tolerance(),
+            Objective::Target | Objective::Largest => None,
+        };
+        Cost {
+            objective,
+            tolerance: tolerance.unwrap_or_else(|| target.tolerance()),
+            comfortable: target.comfortable_cost(),
+            penalty: self.penalty,
+        }
+    }
+
+    fn has_goal(&self) -> bool {
+        self.evaluator.target.goal().is_some()
+    }
+
+    /// What descends to the target first: Gauss-Newton steps where its cost is a root mean square.
+    fn method(&self) -> Method {
+        let target = self.evaluator.target;
+        match target.goal() {
+            None => Method::GaussNewton,
+            Some(Goal::Even) if !target.has_demands() => Method::GaussNewton,
+            Some(_) => Method::LinearSteps,
+        }
     }
 
     /// Runs `descents` in rounds. In a round each has the same number of evaluations, fixed in
@@ -288,7 +321,7 @@ impl Search<'_> {
 
     /// The best designs that are unlike `taken` and one another.
     fn distinct_starts(&self, taken: &[Pattern], most: usize) -> Vec<Pattern> {
-        let cost = self.cost(Objective::RootMeanSquare);
+        let cost = self.cost(Objective::Target);
         let mut ranked: Vec<(f64, &Pattern)> =
             self.ledger.candidates().map(|candidate| (cost.of(candidate), &candidate.design)).collect();
         // Stable: of equal costs the earlier first.
@@ -323,7 +356,7 @@ impl Search<'_> {
                 Some(start) => Some(start.design),
                 None => grid.design(&self.grid.shares(&best.design)),
             };
-            start.map(|start| self.descent(grid, start, Objective::RootMeanSquare, Method::GaussNewton))
+            start.map(|start| self.descent(grid, start, Objective::Target, self.method()))
         };
         bursts.into_iter().filter_map(start_at).collect()
     }
@@ -334,7 +367,7 @@ impl Search<'_> {
         let points = self.evaluator.target.points();
         let mut chosen: Vec<usize> = (0..points.len()).collect();
         if points.len() > EVERY_EXTREME {
-            let miss = |&point: &usize| (best.response.value[point] - points[point].value).abs();
+            let miss = |&point: &usize| points[point].wanted.residual(best.response.value[point]).abs();
             let lightest =
                 chosen.iter().copied().min_by(|&i, &j| points[i].pressure_pa.total_cmp(&points[j].pressure_pa));
             let heaviest =
@@ -370,6 +403,7 @@ impl Search<'_> {
     }
 
     fn is_comfortable(&self) -> bool {
-        self.ledger.best().is_some_and(|best| best.meets_target() && best.misfit.rms <= COMFORTABLE_RMS)
+        let comfortable = self.evaluator.target.comfortable_cost();
+        self.ledger.best().is_some_and(|best| best.meets_target() && best.misfit.cost <= comfortable)
     }
 }

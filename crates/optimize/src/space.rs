@@ -7,8 +7,8 @@
 
 use crate::error::positive;
 use crate::sequence::MOST_DIMENSIONS;
-use crate::{Response, SearchError, Violation};
-use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Planform, Texture};
+use crate::{Constraints, SearchError};
+use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
 
 /// Step of width and spacing, in metres: what a laser scanner positions. Coarser loses accuracy
 /// (0.1 um moves the friction ratio by about 1e-4), finer gives digits without meaning.
@@ -84,30 +84,6 @@ impl DesignSpace {
     #[must_use]
     pub const fn depth_m(&self) -> [f64; 2] {
         self.depth_m
-    }
-}
-
-/// What a design must respect beside its bounds.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Constraints {
-    /// What the laser can make.
-    pub limits: ManufacturingLimits,
-    /// Largest local contact pressure allowed, in pascals.
-    pub max_peak_pressure_pa: Option<f64>,
-}
-
-impl Constraints {
-    /// What `design` breaks, with the peak pressure of `response`.
-    #[must_use]
-    pub fn violations(&self, design: &Pattern, response: &Response) -> Vec<Violation> {
-        let mut violations: Vec<_> = self.limits.violations(design).into_iter().map(Violation::Limit).collect();
-        if let Some(max_peak_pressure_pa) = self.max_peak_pressure_pa
-            && response.peak_pressure_pa > max_peak_pressure_pa
-        {
-            let peak_pressure_pa = response.peak_pressure_pa;
-            violations.push(Violation::PeakPressure { peak_pressure_pa, max_peak_pressure_pa });
-        }
-        violations
     }
 }
 
@@ -228,9 +204,7 @@ impl Grid {
         {
             above("spacing across", [spacing_m; 2], "smallest land", limits.min_land_m)?;
         }
-        if let Some(max_peak_pressure_pa) = constraints.max_peak_pressure_pa {
-            positive("largest peak pressure", max_peak_pressure_pa)?;
-        }
+        constraints.validate()?;
         let (depth, bursts) = match limits.depth_per_burst_m {
             None => (Axis::position(space.depth_m, DEPTH_STEP_M), None),
             Some(depth_per_burst_m) => burst_axis(space.depth_m, depth_per_burst_m)?,
@@ -307,11 +281,12 @@ fn burst_axis([lower_m, upper_m]: [f64; 2], depth_per_burst_m: f64) -> Result<(A
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipgrid_pattern::ManufacturingLimits;
 
     fn grid(width_um: [f64; 2], depth_um: [f64; 2], limits: ManufacturingLimits) -> Result<Grid, SearchError> {
         let metres = |bounds: [f64; 2]| bounds.map(|bound| bound * 1e-6);
         let space = DesignSpace::new(Planform::Groove, metres(width_um), metres([40.0, 1000.0]), metres(depth_um))?;
-        Grid::new(&space, &Constraints { limits, max_peak_pressure_pa: None })
+        Grid::new(&space, &Constraints { limits, ..Constraints::default() })
     }
 
     fn bursts_of(micrometres: f64) -> ManufacturingLimits {
@@ -381,7 +356,7 @@ mod tests {
         let grid = |texture: Texture, limits| {
             let space = DesignSpace::new(texture, [40e-6, 400e-6], [40e-6, 1e-3], [2e-6, 50e-6]).unwrap();
             assert_eq!(*space.texture(), texture);
-            Grid::new(&space, &Constraints { limits, max_peak_pressure_pa: None })
+            Grid::new(&space, &Constraints { limits, ..Constraints::default() })
         };
         let limits =
             ManufacturingLimits { min_land_m: Some(20e-6), spot_m: Some(23e-6), ..ManufacturingLimits::default() };

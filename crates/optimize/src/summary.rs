@@ -2,9 +2,7 @@
 
 use crate::ledger::{Ledger, Record};
 use crate::space::Grid;
-use crate::{
-    Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchError, SearchOutcome, Status, Target, TargetPoint,
-};
+use crate::{Candidate, Demand, FailedTrial, HistoryPoint, ReachableRange, SearchError, SearchOutcome, Status, Target};
 
 /// Alternatives reported, and how unlike one another they are, as a share of the bounds.
 const ALTERNATIVES: usize = 4;
@@ -57,7 +55,7 @@ fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
 
 fn alternatives(ledger: &Ledger, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
     let mut meeting: Vec<&Candidate> = ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
-    meeting.sort_by(|left, right| left.misfit.rms.total_cmp(&right.misfit.rms));
+    meeting.sort_by(|left, right| left.misfit.cost.total_cmp(&right.misfit.cost));
     let mut alternatives: Vec<Candidate> = Vec::new();
     for candidate in meeting {
         let is_unlike = |other: &Candidate| grid.distance(&candidate.design, &other.design) >= ALTERNATIVE_DISTANCE;
@@ -69,7 +67,7 @@ fn alternatives(ledger: &Ledger, grid: &Grid, best: &Candidate) -> Vec<Candidate
 }
 
 fn reachable(ledger: &Ledger, target: &Target) -> Vec<ReachableRange> {
-    let range = |(index, point): (usize, &TargetPoint)| {
+    let range = |(index, point): (usize, &Demand)| {
         let value = |candidate: &Candidate| candidate.response.value[index];
         // The earliest of equals, either way.
         let extreme = |is_beyond: fn(f64, f64) -> bool| {

@@ -1,5 +1,22 @@
-use crate::SearchError;
+//! What friction should be.
+//!
+//! Residuals count in tolerances: r_i = (v_i - t_i) / T_i, met where every |r_i| is at most 1. What lies beyond a
+//! one-sided limit by a margin costs nothing. A goal ranks what lies within.
+
 use crate::error::positive;
+use crate::{COMFORTABLE_RMS, SearchError};
+
+/// A change of this share matters to a goal: goals count in per cent.
+const GOAL_STEP: f64 = 0.01;
+/// Change of a value that matters where a goal alone is given: of a ratio, and of a friction coefficient, which is a
+/// quarter of one for most dry polymers.
+const RATIO_STEP: f64 = 0.01;
+const FRICTION_STEP: f64 = 0.0025;
+/// Residual from which a goal pays for coming near the edge of a band, so that what confirms the design may
+/// differ a little.
+const NEAR_THE_EDGE: f64 = 0.9;
+/// What a residual beyond that costs, over what a goal can gain by it.
+const EDGE_STEEPNESS: f64 = 10.0;
 
 /// Which number the target prescribes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,42 +36,183 @@ pub struct TargetPoint {
     pub value: f64,
 }
 
+/// What is accepted of a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Wanted {
+    /// Anything: a goal alone decides.
+    Anything,
+    /// `value`, give or take `tolerance`.
+    Near {
+        /// Wanted.
+        value: f64,
+        /// Largest accepted distance.
+        tolerance: f64,
+    },
+    /// From `lowest` to `highest`; without a goal the middle is aimed at.
+    Between {
+        /// Lowest accepted.
+        lowest: f64,
+        /// Highest accepted.
+        highest: f64,
+    },
+    /// `lowest` or more; `margin` more is aimed at.
+    AtLeast {
+        /// Lowest accepted.
+        lowest: f64,
+        /// Distance from the limit beyond which nothing is gained.
+        margin: f64,
+    },
+    /// `highest` or less; `margin` less is aimed at.
+    AtMost {
+        /// Highest accepted.
+        highest: f64,
+        /// Distance from the limit beyond which nothing is gained.
+        margin: f64,
+    },
+}
+
+impl Wanted {
+    /// Distance of `value` in tolerances: 0 at what is aimed at, -1 and 1 at what is just accepted.
+    #[must_use]
+    pub fn residual(&self, value: f64) -> f64 {
+        match *self {
+            Self::Anything => 0.0,
+            // r = (v - t) / T
+            Self::Near { value: wanted, tolerance } => (value - wanted) / tolerance,
+            Self::Between { lowest, highest } => (value - f64::midpoint(lowest, highest)) / (0.5 * (highest - lowest)),
+            // r = (v - (t + T)) / T below t + T, 0 above
+            Self::AtLeast { lowest, margin } => ((value - lowest) / margin - 1.0).min(0.0),
+            Self::AtMost { highest, margin } => ((value - highest) / margin + 1.0).max(0.0),
+        }
+    }
+
+    /// Lowest and highest accepted value, where there are any.
+    #[must_use]
+    pub fn band(&self) -> [Option<f64>; 2] {
+        match *self {
+            Self::Anything => [None; 2],
+            Self::Near { value, tolerance } => [Some(value - tolerance), Some(value + tolerance)],
+            Self::Between { lowest, highest } => [Some(lowest), Some(highest)],
+            Self::AtLeast { lowest, .. } => [Some(lowest), None],
+            Self::AtMost { highest, .. } => [None, Some(highest)],
+        }
+    }
+
+    /// Change of a value that is a residual of 1; `None` where nothing is demanded.
+    #[must_use]
+    pub fn tolerance(&self) -> Option<f64> {
+        match *self {
+            Self::Anything => None,
+            Self::Near { tolerance, .. } => Some(tolerance),
+            Self::Between { lowest, highest } => Some(0.5 * (highest - lowest)),
+            Self::AtLeast { margin, .. } | Self::AtMost { margin, .. } => Some(margin),
+        }
+    }
+
+    fn validate(&self) -> Result<(), SearchError> {
+        match *self {
+            Self::Anything => {}
+            Self::Near { value, tolerance } => {
+                positive("target value", value)?;
+                positive("target tolerance", tolerance)?;
+            }
+            Self::Between { lowest, highest } => {
+                positive("lowest value", lowest)?;
+                positive("highest value", highest)?;
+                if lowest >= highest {
+                    let expected = "more than the lowest value";
+                    return Err(SearchError::OutOfRange { quantity: "highest value", value: highest, expected });
+                }
+            }
+            Self::AtLeast { lowest: limit, margin } | Self::AtMost { highest: limit, margin } => {
+                positive("limit of the value", limit)?;
+                positive("target tolerance", margin)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is wanted at one nominal pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Demand {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// What is accepted.
+    pub wanted: Wanted,
+    /// How much this pressure counts in means over the pressures; whether the target is met does not depend on it.
+    pub weight: f64,
+}
+
+/// What is to be as good as possible among designs that do what is demanded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Goal {
+    /// The lowest mean value over the pressures.
+    Lowest,
+    /// The highest.
+    Highest,
+    /// The least standard deviation over the pressures, relative to the mean.
+    Even,
+}
+
 /// What friction should be, and how nearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     quantity: Quantity,
-    points: Vec<TargetPoint>,
-    tolerance: f64,
+    demands: Vec<Demand>,
+    goal: Option<Goal>,
 }
 
-/// Distance of a response from the target, in units of the tolerance.
+/// Distance of a response from the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Misfit {
-    /// Largest |value - target| / tolerance over the target's pressures: at most 1 where the target is met.
+    /// Largest residual over the target's pressures: at most 1 where the target is met.
     pub max: f64,
-    /// Root mean square of (value - target) / tolerance.
+    /// Root mean square of the residuals, by weight.
     pub rms: f64,
+    /// What the search minimizes: the root mean square; with a goal that goal, in per cent, with the price of coming
+    /// near the edge of what is accepted.
+    pub cost: f64,
 }
 
 impl Target {
     /// A target of `quantity` at `points`, met where every value lies within `tolerance`.
     ///
     /// # Errors
-    /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], or
-    /// [`SearchError::OutOfRange`] unless pressures, values and the tolerance are positive and finite.
+    /// As [`Target::of`].
     pub fn new(quantity: Quantity, points: Vec<TargetPoint>, tolerance: f64) -> Result<Self, SearchError> {
-        if points.is_empty() {
+        let demand = |point: TargetPoint| {
+            let wanted = Wanted::Near { value: point.value, tolerance };
+            Demand { pressure_pa: point.pressure_pa, wanted, weight: 1.0 }
+        };
+        Self::of(quantity, points.into_iter().map(demand).collect(), None)
+    }
+
+    /// A target of `quantity`: every demand met, and with a goal as good as possible beside that.
+    ///
+    /// # Errors
+    /// [`SearchError::NoTargetPoints`], [`SearchError::RepeatedPressure`], [`SearchError::NothingWanted`] where there is
+    /// neither a demand nor a goal, [`SearchError::OnePressure`] where values at one pressure should be even, and
+    /// [`SearchError::OutOfRange`] unless pressures, weights, values and tolerances are positive and finite.
+    pub fn of(quantity: Quantity, demands: Vec<Demand>, goal: Option<Goal>) -> Result<Self, SearchError> {
+        if demands.is_empty() {
             return Err(SearchError::NoTargetPoints);
         }
-        for (index, point) in points.iter().enumerate() {
-            positive("target pressure", point.pressure_pa)?;
-            positive("target value", point.value)?;
-            if points[..index].iter().any(|earlier| earlier.pressure_pa == point.pressure_pa) {
-                return Err(SearchError::RepeatedPressure { pressure_pa: point.pressure_pa });
+        for (index, demand) in demands.iter().enumerate() {
+            positive("target pressure", demand.pressure_pa)?;
+            positive("target weight", demand.weight)?;
+            demand.wanted.validate()?;
+            if demands[..index].iter().any(|earlier| earlier.pressure_pa == demand.pressure_pa) {
+                return Err(SearchError::RepeatedPressure { pressure_pa: demand.pressure_pa });
             }
         }
-        positive("target tolerance", tolerance)?;
-        Ok(Self { quantity, points, tolerance })
+        if goal.is_none() && demands.iter().all(|demand| demand.wanted == Wanted::Anything) {
+            return Err(SearchError::NothingWanted);
+        }
+        if goal == Some(Goal::Even) && demands.len() < 2 {
+            return Err(SearchError::OnePressure);
+        }
+        Ok(Self { quantity, demands, goal })
     }
 
     /// Which number is prescribed.
@@ -63,34 +221,128 @@ impl Target {
         self.quantity
     }
 
-    /// The pressures and their values, in the order given.
+    /// The pressures and what is wanted there, in the order given.
     #[must_use]
-    pub fn points(&self) -> &[TargetPoint] {
-        &self.points
+    pub fn points(&self) -> &[Demand] {
+        &self.demands
     }
 
-    /// Largest accepted |value - target|.
+    /// What is to be as good as possible.
     #[must_use]
-    pub const fn tolerance(&self) -> f64 {
-        self.tolerance
+    pub const fn goal(&self) -> Option<Goal> {
+        self.goal
+    }
+
+    /// Whether anything is demanded at some pressure.
+    #[must_use]
+    pub fn has_demands(&self) -> bool {
+        self.demands.iter().any(|demand| demand.wanted != Wanted::Anything)
+    }
+
+    /// The smallest change of a value that matters: the smallest tolerance; where there is a goal, at most 0.01 of a
+    /// ratio and 0.0025 of a friction coefficient.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        let smallest = self.demands.iter().filter_map(|demand| demand.wanted.tolerance()).reduce(f64::min);
+        let step = match self.quantity {
+            Quantity::Ratio => RATIO_STEP,
+            Quantity::DynamicFriction => FRICTION_STEP,
+        };
+        match (smallest, self.goal) {
+            (Some(smallest), None) => smallest,
+            (smallest, _) => smallest.map_or(step, |smallest| smallest.min(step)),
+        }
+    }
+
+    /// What the goal is about: the mean value, or for an even one standard deviation over mean.
+    #[must_use]
+    pub fn goal_value(&self, values: &[f64]) -> Option<f64> {
+        let mean = self.mean(values.iter().copied());
+        Some(match self.goal? {
+            Goal::Lowest | Goal::Highest => mean,
+            // s / m = sqrt( sum w_i (v_i - m)^2 / sum w_i ) / m
+            Goal::Even => self.mean(values.iter().map(|value| (value - mean).powi(2))).sqrt() / mean,
+        })
+    }
+
+    /// Residuals whose root mean square is the cost of `values`; `None` where it is none.
+    #[must_use]
+    pub fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
+        let residual: Vec<f64> = match self.goal {
+            None => self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
+            Some(Goal::Even) if !self.has_demands() => {
+                let mean = self.mean(values.iter().copied());
+                values.iter().map(|value| (value / mean - 1.0) / GOAL_STEP).collect()
+            }
+            Some(_) => return None,
+        };
+        let mean_weight = self.total_weight() / self.demands.len() as f64;
+        let weighted = |(demand, residual): (&Demand, f64)| residual * (demand.weight / mean_weight).sqrt();
+        Some(self.demands.iter().zip(residual).map(weighted).collect())
     }
 
     /// Misfit of `values`, one per point; further values are ignored.
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {
-        // r_i = (value_i - target_i) / tolerance, rms = sqrt(sum r_i^2 / n)
-        let residuals = self.points.iter().zip(values).map(|(point, value)| (value - point.value) / self.tolerance);
-        let (mut max, mut sum_of_squares) = (0.0_f64, 0.0);
-        for residual in residuals {
-            max = max.max(residual.abs());
-            sum_of_squares += residual * residual;
+        let values = &values[..values.len().min(self.demands.len())];
+        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let max = residuals().fold(0.0, |max: f64, residual| max.max(residual.abs()));
+        // rms = sqrt( sum w_i r_i^2 / sum w_i )
+        let rms = self.mean(residuals().map(|residual| residual * residual)).sqrt();
+        let near_the_edge = || self.edge_price() * (max - NEAR_THE_EDGE).max(0.0);
+        let cost = self.goal_cost(values).map_or(rms, |goal| goal + near_the_edge());
+        Misfit { max, rms, cost }
+    }
+
+    /// The goal in per cent, the less the better.
+    pub(crate) fn goal_cost(&self, values: &[f64]) -> Option<f64> {
+        let value = self.goal_value(values)?;
+        Some(match self.goal? {
+            // 100 ln(m): a hundredth of the mean is 1.
+            Goal::Lowest => libm::log(value.max(f64::MIN_POSITIVE)) / GOAL_STEP,
+            Goal::Highest => -libm::log(value.max(f64::MIN_POSITIVE)) / GOAL_STEP,
+            Goal::Even => value / GOAL_STEP,
+        })
+    }
+
+    /// How far `values` lie beyond the places near both edges of what is accepted that a goal may go to, in tolerances:
+    /// at most 0 within.
+    pub(crate) fn edges(&self, values: &[f64]) -> Vec<f64> {
+        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let edges = |residual: f64| [residual - NEAR_THE_EDGE, -residual - NEAR_THE_EDGE];
+        if self.has_demands() { residuals().flat_map(edges).collect() } else { Vec::new() }
+    }
+
+    /// Cost at which there is nothing left to gain.
+    pub(crate) const fn comfortable_cost(&self) -> f64 {
+        match self.goal {
+            None | Some(Goal::Even) => COMFORTABLE_RMS,
+            Some(Goal::Lowest | Goal::Highest) => f64::NEG_INFINITY,
         }
-        Misfit { max, rms: (sum_of_squares / self.points.len() as f64).sqrt() }
+    }
+
+    /// Price of a residual of 1 beyond what is accepted: ten times what a goal gains by it, in per cent.
+    fn edge_price(&self) -> f64 {
+        let widest = self.demands.iter().filter_map(|demand| {
+            let reference = demand.wanted.band().into_iter().flatten().reduce(f64::min)?;
+            Some(demand.wanted.tolerance()? / reference.max(GOAL_STEP))
+        });
+        EDGE_STEEPNESS * widest.fold(GOAL_STEP, f64::max) / GOAL_STEP
+    }
+
+    fn total_weight(&self) -> f64 {
+        self.demands.iter().map(|demand| demand.weight).sum()
+    }
+
+    /// Mean by weight.
+    fn mean(&self, numbers: impl Iterator<Item = f64>) -> f64 {
+        self.demands.iter().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>()
+            / self.total_weight()
     }
 }
 
 impl Misfit {
-    /// Whether every value lies within the tolerance.
+    /// Whether every value is accepted.
     #[must_use]
     pub fn is_met(&self) -> bool {
         self.max <= 1.0
@@ -105,13 +357,89 @@ mod tests {
         TargetPoint { pressure_pa, value }
     }
 
+    fn demands(wanted: &[(Wanted, f64)]) -> Vec<Demand> {
+        let demand = |(place, &(wanted, weight)): (usize, &(Wanted, f64))| Demand {
+            pressure_pa: 1e6 * (place + 1) as f64,
+            wanted,
+            weight,
+        };
+        wanted.iter().enumerate().map(demand).collect()
+    }
+
     #[test]
     fn misfit_counts_in_tolerances() {
         let target = Target::new(Quantity::Ratio, vec![point(1e6, 0.9), point(2e6, 0.8)], 0.01).unwrap();
         let misfit = target.misfit(&[0.93, 0.76]);
         assert!((misfit.max - 4.0).abs() < 1e-12);
-        assert!((misfit.rms - 12.5_f64.sqrt()).abs() < 1e-12);
+        assert!((misfit.rms - 12.5_f64.sqrt()).abs() < 1e-12 && misfit.cost == misfit.rms);
         assert!(!misfit.is_met() && target.misfit(&[0.905, 0.795]).is_met());
+    }
+
+    #[test]
+    fn every_kind_of_demand_is_met_up_to_its_edge() {
+        let near = Wanted::Near { value: 0.9, tolerance: 0.02 };
+        let between = Wanted::Between { lowest: 0.88, highest: 0.92 };
+        let least = Wanted::AtLeast { lowest: 0.88, margin: 0.02 };
+        let most = Wanted::AtMost { highest: 0.92, margin: 0.02 };
+        for (value, residuals) in [
+            (0.86, [-2.0, -2.0, -2.0, 0.0]),
+            (0.88, [-1.0, -1.0, -1.0, 0.0]),
+            (0.9, [0.0; 4]),
+            (0.91, [0.5, 0.5, 0.0, 0.5]),
+            (0.92, [1.0, 1.0, 0.0, 1.0]),
+            (1.2, [15.0, 15.0, 0.0, 15.0]),
+        ] {
+            for (wanted, residual) in [near, between, least, most].into_iter().zip(residuals) {
+                assert!((wanted.residual(value) - residual).abs() < 1e-9, "{wanted:?} {value}");
+            }
+        }
+        assert_eq!(Wanted::Anything.residual(5.0), 0.0);
+        assert_eq!(least.band(), [Some(0.88), None]);
+        assert_eq!(most.tolerance(), Some(0.02));
+    }
+
+    #[test]
+    fn weights_count_in_the_mean_square_and_not_in_what_is_met() {
+        let near = |value| Wanted::Near { value, tolerance: 0.01 };
+        let target = Target::of(Quantity::Ratio, demands(&[(near(0.9), 3.0), (near(0.8), 1.0)]), None).unwrap();
+        // sqrt((3 * 1^2 + 1 * 2^2) / 4)
+        let values = [0.91, 0.82];
+        let misfit = target.misfit(&values);
+        assert!((misfit.max - 2.0).abs() < 1e-9 && (misfit.rms - 1.75_f64.sqrt()).abs() < 1e-9);
+        let residuals = target.residuals(&values).unwrap();
+        let rms = (residuals.iter().map(|r| r * r).sum::<f64>() / 2.0).sqrt();
+        assert!((rms - misfit.cost).abs() < 1e-12);
+    }
+
+    #[test]
+    fn goals_rank_by_their_mean_or_their_spread() {
+        let free = |goal| Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0); 2]), Some(goal)).unwrap();
+        let (low, high, uneven) = ([0.8, 0.9], [0.9, 0.9], [0.5, 1.3]);
+        let (lowest, highest, even) = (free(Goal::Lowest), free(Goal::Highest), free(Goal::Even));
+        assert!(lowest.misfit(&low).cost < lowest.misfit(&high).cost);
+        assert!(highest.misfit(&high).cost < highest.misfit(&low).cost);
+        assert_eq!(even.misfit(&high).cost, 0.0);
+        // Standard deviation 0.4 of mean 0.9, in per cent; residuals say the same.
+        assert!((even.misfit(&uneven).cost - 100.0 * 0.4 / 0.9).abs() < 1e-9);
+        let residuals = even.residuals(&uneven).unwrap();
+        assert!(((residuals.iter().map(|r| r * r).sum::<f64>() / 2.0).sqrt() - 100.0 * 0.4 / 0.9).abs() < 1e-9);
+        assert_eq!(even.goal_value(&high), Some(0.0));
+        assert!((lowest.goal_value(&low).unwrap() - 0.85).abs() < 1e-12);
+        // A hundredth less is 1 cheaper, whatever the mean.
+        for mean in [0.2, 0.9] {
+            let gain = lowest.misfit(&[mean; 2]).cost - lowest.misfit(&[mean * 0.99; 2]).cost;
+            assert!((gain - 1.005).abs() < 1e-3, "{gain}");
+        }
+        assert!(lowest.misfit(&low).is_met() && lowest.residuals(&low).is_none());
+    }
+
+    #[test]
+    fn a_goal_within_a_band_pays_more_for_leaving_it_than_it_can_gain() {
+        let between = Wanted::Between { lowest: 0.8, highest: 0.9 };
+        let target = Target::of(Quantity::Ratio, demands(&[(between, 1.0)]), Some(Goal::Lowest)).unwrap();
+        let cost = |value| target.misfit(&[value]).cost;
+        assert!(cost(0.81) < cost(0.85) && cost(0.81) < cost(0.799) && cost(0.799) < cost(0.7));
+        assert!(target.misfit(&[0.8001]).is_met() && !target.misfit(&[0.799]).is_met());
     }
 
     #[test]
@@ -122,5 +450,11 @@ mod tests {
         for (pressure_pa, value, tolerance) in [(0.0, 0.9, 0.01), (1e6, f64::NAN, 0.01), (1e6, 0.9, 0.0)] {
             assert!(matches!(new(vec![point(pressure_pa, value)], tolerance), Err(SearchError::OutOfRange { .. })));
         }
+        let of = |wanted, weight, goal| Target::of(Quantity::Ratio, demands(&[(wanted, weight)]), goal);
+        assert_eq!(of(Wanted::Anything, 1.0, None), Err(SearchError::NothingWanted));
+        assert_eq!(of(Wanted::Anything, 1.0, Some(Goal::Even)), Err(SearchError::OnePressure));
+        assert!(matches!(of(Wanted::Anything, 0.0, Some(Goal::Lowest)), Err(SearchError::OutOfRange { .. })));
+        let reversed = Wanted::Between { lowest: 0.9, highest: 0.8 };
+        assert!(matches!(of(reversed, 1.0, None), Err(SearchError::OutOfRange { .. })));
     }
 }

@@ -12,13 +12,13 @@ use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use surface::{bursts, carry_on, design, peak, respond, run, seeded, space, target, target_of};
+use surface::{bursts, carry_on, design, peak, respond, run, seeded, space, target, target_of, unlimited};
 
 #[test]
 fn the_outcome_is_the_same_at_any_number_of_threads() {
-    let both = Constraints { max_peak_pressure_pa: Some(4.5e6), ..bursts(2.6) };
+    let both = Constraints { limits: bursts(2.6).limits, ..peak(4.5) };
     for wanted in [target_of(&design(130.0, 370.0, 20.0)), target([0.5; 4])] {
-        for constraints in [Constraints::default(), bursts(2.6), peak(4.5), both] {
+        for constraints in [unlimited(), bursts(2.6), peak(4.5), both.clone()] {
             for max_evaluations in [150, 2000] {
                 let options = SearchOptions { seed: 3, max_evaluations };
                 let outcomes = [1, 2, 4].map(|threads| {
@@ -34,7 +34,7 @@ fn the_outcome_is_the_same_at_any_number_of_threads() {
 
 #[test]
 fn every_design_is_evaluated_once_and_the_count_is_true() {
-    for constraints in [Constraints::default(), bursts(2.6)] {
+    for constraints in [unlimited(), bursts(2.6)] {
         for wanted in [target_of(&design(130.0, 370.0, 20.0)), target([0.5; 4])] {
             let calls = AtomicUsize::new(0);
             let seen = Mutex::new(BTreeSet::new());
@@ -65,7 +65,7 @@ fn every_design_is_evaluated_once_and_the_count_is_true() {
 #[test]
 fn history_ends_at_the_best_design_and_alternatives_are_others() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
-    let outcome = run(&wanted, &Constraints::default(), &seeded(1));
+    let outcome = run(&wanted, &unlimited(), &seeded(1));
     let last = outcome.history.last().unwrap();
     assert_eq!(last.misfit, outcome.best.misfit);
     assert!(last.evaluation <= outcome.evaluations && last.feasible);
@@ -86,13 +86,13 @@ fn history_ends_at_the_best_design_and_alternatives_are_others() {
 fn a_budget_too_small_is_a_status() {
     let wanted = target([0.5; 4]);
     for max_evaluations in [1, 2, 7, 30, 100, 200] {
-        let outcome = run(&wanted, &Constraints::default(), &SearchOptions { seed: 1, max_evaluations });
+        let outcome = run(&wanted, &unlimited(), &SearchOptions { seed: 1, max_evaluations });
         assert_eq!(outcome.status, Status::Budget);
         assert!(outcome.evaluations <= max_evaluations);
         assert!(outcome.evaluations * 20 >= max_evaluations * 19, "{} of {max_evaluations}", outcome.evaluations);
     }
     let none = SearchOptions { seed: 1, max_evaluations: 0 };
-    let refused = search(&wanted, &space(), &Constraints::default(), &none, &respond, &carry_on);
+    let refused = search(&wanted, &space(), &unlimited(), &none, &respond, &carry_on);
     assert!(matches!(refused, Err(SearchError::OutOfRange { .. })));
 }
 
@@ -100,7 +100,7 @@ fn a_budget_too_small_is_a_status() {
 fn a_small_budget_suffices_for_an_easy_target() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
     let options = |seed| SearchOptions { seed, max_evaluations: 60 };
-    let met = (0..20).filter(|&seed| run(&wanted, &Constraints::default(), &options(seed)).status == Status::Met);
+    let met = (0..20).filter(|&seed| run(&wanted, &unlimited(), &options(seed)).status == Status::Met);
     assert_eq!(met.count(), 20);
 }
 
@@ -108,7 +108,7 @@ fn a_small_budget_suffices_for_an_easy_target() {
 fn fixed_dimensions_stay_and_a_fixed_design_is_only_judged() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
     let fixed = |spacing_m| DesignSpace::new(Planform::Groove, [130e-6; 2], spacing_m, [20e-6; 2]).unwrap();
-    let none = Constraints::default();
+    let none = unlimited();
     let line = search(&wanted, &fixed([40e-6, 1000e-6]), &none, &seeded(1), &respond, &carry_on).unwrap();
     assert_eq!(line.status, Status::Met);
     assert_eq!((line.best.design.width_m(), line.best.design.depth_m()), (130e-6, 20e-6));
@@ -124,7 +124,7 @@ fn fixed_dimensions_stay_and_a_fixed_design_is_only_judged() {
 fn manufacturing_limits_are_never_crossed() {
     let limits =
         ManufacturingLimits { min_land_m: Some(200e-6), spot_m: Some(150e-6), depth_per_burst_m: Some(2.6e-6) };
-    let constraints = Constraints { limits, max_peak_pressure_pa: None };
+    let constraints = Constraints { limits, ..unlimited() };
     let model = |design: &Pattern| {
         assert!(limits.violations(design).is_empty());
         respond(design)
@@ -141,11 +141,11 @@ fn manufacturing_limits_are_never_crossed() {
 fn a_constraint_that_no_design_respects_is_reported() {
     let outcome = run(&target([0.9; 4]), &peak(1.0), &seeded(1));
     assert_eq!(outcome.status, Status::Unreachable);
-    assert!(matches!(outcome.best.violations[..], [Violation::PeakPressure { .. }]));
+    assert!(matches!(outcome.best.violations[..], [Violation::Quantity { .. }]));
     assert!(outcome.reachable.is_empty());
     // The least peak pressure: narrowest, farthest, shallowest.
-    let least = respond(&design(40.0, 1000.0, 2.0)).unwrap().peak_pressure_pa;
-    assert!((outcome.best.response.peak_pressure_pa / least - 1.0).abs() < 1e-9);
+    let least = respond(&design(40.0, 1000.0, 2.0)).unwrap().limited[0];
+    assert!((outcome.best.response.limited[0] / least - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn failed_trials_are_counted_and_passed_by() {
     };
     for seed in 0..20 {
         let wanted = target_of(&design(190.0, 370.0, 20.0));
-        let outcome = search(&wanted, &space(), &Constraints::default(), &seeded(seed), &fragile, &carry_on).unwrap();
+        let outcome = search(&wanted, &space(), &unlimited(), &seeded(seed), &fragile, &carry_on).unwrap();
         assert_eq!(outcome.status, Status::Met);
         assert!(outcome.failed_trials.iter().any(|trial| trial.reason.contains("too wide")));
         assert!(outcome.failed_trials.iter().any(|trial| trial.reason.contains("not finite")));
@@ -174,13 +174,13 @@ fn failed_trials_are_counted_and_passed_by() {
 fn a_broken_model_is_an_error() {
     let with = |answer: fn() -> Result<Response, ModelFailure>| {
         let model = move |_: &Pattern| answer();
-        search(&target([0.9; 4]), &space(), &Constraints::default(), &seeded(1), &model, &carry_on).unwrap_err()
+        search(&target([0.9; 4]), &space(), &unlimited(), &seeded(1), &model, &carry_on).unwrap_err()
     };
     let trial = with(|| Err(ModelFailure::Trial { reason: "never".to_owned() }));
     assert_eq!(trial, SearchError::EveryTrialFailed { trials: 40, reason: "never".to_owned() });
     let broken = with(|| Err(ModelFailure::Broken { reason: "no material".to_owned() }));
     assert_eq!(broken, SearchError::BrokenModel { reason: "no material".to_owned() });
-    let short = with(|| Ok(Response { value: vec![0.9], peak_pressure_pa: 1e6 }));
+    let short = with(|| Ok(Response { value: vec![0.9], limited: vec![1e6] }));
     assert_eq!(short, SearchError::WrongResponse { expected: 4, got: 1 });
     assert_eq!(with(|| Err(ModelFailure::Cancelled)), SearchError::CancelledAtStart);
 }
@@ -194,7 +194,7 @@ fn cancelling_keeps_the_best_design() {
             let stop = calls.fetch_add(1, Ordering::Relaxed) + 1 >= stop_at;
             if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let none = Constraints::default();
+        let none = unlimited();
         let outcome = search(&target([0.5; 4]), &space(), &none, &seeded(1), &respond, &progress).unwrap();
         assert_eq!(outcome.status, Status::Cancelled);
         assert!(outcome.evaluations >= stop_at && outcome.evaluations < stop_at + 64);

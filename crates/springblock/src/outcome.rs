@@ -102,6 +102,9 @@ pub struct SurfaceOutcome {
     pub tension_blocks: usize,
     /// The ceiling of a cavity sags to the counterface.
     pub cavity_closed: bool,
+    /// Least height of a cavity's ceiling above the counterface under load, in metres, negative beyond it; steady runs of
+    /// patterns alone.
+    pub clearance_m: Option<f64>,
     /// A contact pressure lies past the last pressure of the area law.
     pub area_law_extrapolated: bool,
     /// Steady: largest change of mu in the last iteration, the bound on its convergence error.
@@ -130,6 +133,7 @@ impl SurfaceOutcome {
             peak_pressure_pa: 0.0,
             tension_blocks: 0,
             cavity_closed: false,
+            clearance_m: None,
             area_law_extrapolated: false,
             residual: None,
             iterations: 0,

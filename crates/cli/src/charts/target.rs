@@ -24,10 +24,12 @@ pub struct TargetChart<'a> {
 pub struct TargetPoint {
     /// Nominal pressure, in MPa.
     pub pressure_mpa: f64,
-    /// The value wanted.
-    pub value: f64,
-    /// Permitted departure, plus or minus.
-    pub tolerance: f64,
+    /// The value wanted; absent where a band is, or a goal alone.
+    pub value: Option<f64>,
+    /// Lowest accepted value, where there is one.
+    pub lowest: Option<f64>,
+    /// Highest accepted value, where there is one.
+    pub highest: Option<f64>,
 }
 
 /// Height of the picture.
@@ -38,7 +40,7 @@ const BAND: f64 = 0.22;
 /// # Errors
 /// [`ChartError`] if there is no target or a value is not finite.
 pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
-    check(chart.title, chart.target.iter().flat_map(|point| [&point.pressure_mpa, &point.value, &point.tolerance]))?;
+    check(chart.title, chart.target.iter().map(|point| &point.pressure_mpa))?;
     let confirmed_points = || chart.confirmed.iter().map(|&(pressure, estimate)| [pressure, estimate.value]);
     let bars = || {
         chart.confirmed.iter().flat_map(|&(_, Estimate { value, error })| {
@@ -47,8 +49,7 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         })
     };
     let points = || chart.predicted.iter().chain(chart.flat).copied().chain(confirmed_points());
-    let limits =
-        || chart.target.iter().flat_map(|point| [point.value - point.tolerance, point.value + point.tolerance]);
+    let limits = || chart.target.iter().flat_map(|point| [point.value, point.lowest, point.highest]).flatten();
     let pressures = || chart.target.iter().map(|point| point.pressure_mpa).chain(points().map(|point| point[0]));
     let values = || limits().chain(points().map(|point| point[1])).chain(bars());
     if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
@@ -56,8 +57,14 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     }
 
     let [blue, vermilion, green, ..] = PALETTE;
-    let mut legend =
-        vec![(Swatch::Band(green, BAND), "target ± tolerance"), (Swatch::Mark(Mark::Diamond, green), "target")];
+    let has_values = chart.target.iter().any(|point| point.value.is_some());
+    let mut legend = Vec::new();
+    if limits().next().is_some() {
+        legend.push((Swatch::Band(green, BAND), if has_values { "target ± tolerance" } else { "accepted" }));
+    }
+    if has_values {
+        legend.push((Swatch::Mark(Mark::Diamond, green), "target"));
+    }
     if !chart.predicted.is_empty() {
         legend.push((Swatch::Mark(Mark::Ring, blue), "predicted"));
     }
@@ -80,23 +87,34 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     let ends = [(first, -beyond_mpa), (last, beyond_mpa)]
         .map(|(point, beyond_mpa)| TargetPoint { pressure_mpa: point.pressure_mpa + beyond_mpa, ..*point });
     let widened = || ends[..1].iter().chain(chart.target).chain(&ends[1..]);
-    let edge = |side: f64| widened().map(move |point| [point.pressure_mpa, point.value + side * point.tolerance]);
-    let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
+    // A band that is open to one side reaches a little beyond everything drawn.
+    let (low, high) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+    let beyond = 0.05 * (high - low).max(0.02 * high.abs());
+    let is_open = |point: &TargetPoint| point.lowest.is_some() != point.highest.is_some();
+    let [below, above] = [low - beyond, high + beyond];
+    let opened = chart.target.iter().filter(|point| is_open(point)).flat_map(|_| [below, above]);
+    let is_banded = |point: &&TargetPoint| point.lowest.is_some() || point.highest.is_some();
+    let lower = widened().filter(is_banded).map(|point| [point.pressure_mpa, point.lowest.unwrap_or(below)]);
+    let upper = widened().filter(is_banded).map(|point| [point.pressure_mpa, point.highest.unwrap_or(above)]);
+    let band: Vec<[f64; 2]> = lower.chain(upper.rev()).collect();
 
     let x_axis = Axis::around("nominal pressure (MPa)", pressures());
-    let y_axis = Axis::around(chart.quantity, values());
+    let y_axis = Axis::around(chart.quantity, values().chain(opened));
     picture(HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
         let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
-        plot.polygon(&band, green, BAND)?;
+        if !band.is_empty() {
+            plot.polygon(&band, green, BAND)?;
+        }
         plot.line(chart.flat, GREY, 1.6)?;
         for &point in chart.flat {
             plot.mark(Mark::Triangle, point, None, 0.0, GREY)?;
         }
-        let wanted: Vec<[f64; 2]> = edge(0.0).collect();
+        let at = |point: &TargetPoint| Some([point.pressure_mpa, point.value?]);
+        let wanted: Vec<[f64; 2]> = widened().filter_map(at).collect();
         plot.line(&wanted, green, 1.6)?;
-        for point in chart.target {
-            plot.mark(Mark::Diamond, [point.pressure_mpa, point.value], None, 0.0, green)?;
+        for point in chart.target.iter().filter_map(at) {
+            plot.mark(Mark::Diamond, point, None, 0.0, green)?;
         }
         for &(pressure, estimate) in chart.confirmed {
             plot.mark(Mark::Square, [pressure, estimate.value], estimate.error, 0.0, vermilion)?;
@@ -113,8 +131,8 @@ mod tests {
     use super::*;
 
     const TARGET: [TargetPoint; 2] = [
-        TargetPoint { pressure_mpa: 0.65, value: 0.97, tolerance: 0.01 },
-        TargetPoint { pressure_mpa: 2.6, value: 0.83, tolerance: 0.01 },
+        TargetPoint { pressure_mpa: 0.65, value: Some(0.97), lowest: Some(0.96), highest: Some(0.98) },
+        TargetPoint { pressure_mpa: 2.6, value: Some(0.83), lowest: Some(0.82), highest: Some(0.84) },
     ];
 
     #[test]
@@ -137,6 +155,22 @@ mod tests {
         assert!(svg.contains("\nflat surface\n"));
         // One point of the target is drawn as well.
         assert!(target(&TargetChart { target: &TARGET[..1], ..full }).is_ok());
+    }
+
+    #[test]
+    fn bands_may_be_open_and_goals_have_none() {
+        let predicted = [[0.65, 0.9], [2.6, 0.7]];
+        let chart = |target: &[TargetPoint]| {
+            let chart =
+                TargetChart { title: "t", quantity: "q", target, predicted: &predicted, confirmed: &[], flat: &[] };
+            super::target(&chart).unwrap()
+        };
+        let open = TARGET.map(|point| TargetPoint { value: None, lowest: None, ..point });
+        let svg = chart(&open);
+        assert!(svg.contains("\naccepted\n") && svg.contains("<polygon") && !svg.contains("\ntarget\n"));
+        let free = open.map(|point| TargetPoint { highest: None, ..point });
+        let svg = chart(&free);
+        assert!(!svg.contains("accepted") && svg.contains("\npredicted\n"));
     }
 
     #[test]

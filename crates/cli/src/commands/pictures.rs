@@ -160,8 +160,13 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
     let mut points: Vec<TargetPoint> = wanted
         .pressure_mpa
         .iter()
-        .zip(&wanted.value)
-        .map(|(&pressure_mpa, &value)| TargetPoint { pressure_mpa, value, tolerance: wanted.tolerance })
+        .enumerate()
+        .map(|(row, &pressure_mpa)| TargetPoint {
+            pressure_mpa,
+            value: wanted.value.as_ref().map(|values| values[row]),
+            lowest: wanted.lowest[row],
+            highest: wanted.highest[row],
+        })
         .collect();
     points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
     let mut predicted: Vec<[f64; 2]> =

@@ -5,20 +5,22 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use slipgrid_export::Laser;
 use slipgrid_material::{Condition, Material};
-use slipgrid_optimize::{Constraints, DesignSpace, Quantity, Target, TargetPoint};
+use slipgrid_optimize::{Constraints, DesignSpace, Target};
 use slipgrid_pattern::{Arrangement, ManufacturingLimits};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
+use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
-use super::values::{Number, NumberList, Numbers, PathOr, for_each, list};
+use super::target::{TargetFile, read_target};
+use super::values::{Number, NumberList, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
-use crate::units::{FRICTION, LENGTH_UM, PRESSURE_MPA, RATIO, SPEED_MM_S, TOLERANCE};
+use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
 
 /// Most model evaluations where a file names no limit.
 const DEFAULT_MAX_EVALUATIONS: usize = 2000;
@@ -52,15 +54,6 @@ fn plain_texture() -> Spanned<TextureFile> {
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct TargetFile {
-    quantity: Spanned<String>,
-    pressure_mpa: Spanned<Numbers>,
-    value: Spanned<Numbers>,
-    tolerance: Number,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct BoundsFile {
     width_um: NumberList,
     spacing_um: NumberList,
@@ -69,17 +62,11 @@ struct BoundsFile {
 
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LimitsFile {
-    min_land_um: Option<Number>,
-    depth_per_burst_um: Option<Number>,
-    max_peak_pressure_mpa: Option<Number>,
-}
-
-#[derive(Clone, Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
 struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
+    max_seconds: Option<Number>,
+    table: Option<bool>,
     from_rest: Option<bool>,
     dimensions: Option<Spanned<u64>>,
 }
@@ -108,6 +95,8 @@ pub struct Design {
     pub space: DesignSpace,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
+    /// What the constraints' quantities are, in their order.
+    pub measures: Vec<Measure>,
     /// The laser, for the process sheet.
     pub laser: Laser,
     /// The specimen.
@@ -120,6 +109,10 @@ pub struct Design {
     pub seed: u64,
     /// Most evaluations of the model.
     pub max_evaluations: usize,
+    /// Seconds that searches may take, confirming runs not counted; no limit when absent.
+    pub max_seconds: Option<f64>,
+    /// Every design of a lattice is computed, too.
+    pub table: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
@@ -169,7 +162,7 @@ impl Design {
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
-        let max_peak_pressure_pa = document.optional(file.limits.max_peak_pressure_mpa.as_ref(), PRESSURE_MPA)?;
+        let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let material = read_material_input(&document, &file.material)?;
         if let MaterialInput::Given(material) = &material {
             read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, material)?;
@@ -188,13 +181,16 @@ impl Design {
             condition,
             target,
             space,
-            constraints: Constraints { limits, max_peak_pressure_pa },
+            constraints: Constraints { limits, quantities },
+            measures,
             laser,
             outline: read_specimen(&document, &file.specimen)?,
             layer,
             speed_m_s: condition.map_or_else(|| SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S), |condition| condition.speed_m_s),
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
+            max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
+            table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
             dimensions,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
@@ -239,37 +235,6 @@ fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Re
             _ => Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
         })
         .transpose()
-}
-
-/// The name of a target's quantity in files.
-#[must_use]
-pub const fn quantity_name(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Ratio => "ratio",
-        Quantity::DynamicFriction => "mu_dynamic",
-    }
-}
-
-fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
-    let target = file.get_ref();
-    let all = [Quantity::Ratio, Quantity::DynamicFriction];
-    let quantity = document.choice(&target.quantity, &all, quantity_name)?;
-    let pressures_pa = list(document, &target.pressure_mpa, PRESSURE_MPA)?;
-    for (place, pressure_pa) in pressures_pa.iter().enumerate() {
-        if pressures_pa[..place].contains(pressure_pa) {
-            return Err(document
-                .refuse(target.pressure_mpa.span(), format!("has {} MPa twice", PRESSURE_MPA.from_si(*pressure_pa)))
-                .expected("each pressure once"));
-        }
-    }
-    let range = match quantity {
-        Quantity::Ratio => RATIO,
-        Quantity::DynamicFriction => FRICTION,
-    };
-    let values = for_each(document, &target.value, range, pressures_pa.len(), "pressure")?;
-    let points = pressures_pa.iter().zip(values).map(|(&pressure_pa, value)| TargetPoint { pressure_pa, value });
-    Target::new(quantity, points.collect(), document.number(&target.tolerance, TOLERANCE)?)
-        .map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
 fn read_range(document: &Document, bounds: &NumberList) -> Result<[f64; 2], Diagnostic> {

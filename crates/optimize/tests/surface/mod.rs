@@ -9,8 +9,8 @@
 #![allow(dead_code, reason = "each test crate uses its own part")]
 
 use slipgrid_optimize::{
-    Constraints, DesignSpace, ModelFailure, Quantity, Response, SearchOptions, SearchOutcome, SearchProgress, Target,
-    TargetPoint, search,
+    Bound, Constraints, DesignSpace, Limit, ModelFailure, Quantity, Response, SearchOptions, SearchOutcome,
+    SearchProgress, Target, TargetPoint, search,
 };
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 use std::ops::ControlFlow;
@@ -31,7 +31,7 @@ pub fn ratio(design: &Pattern, pressure_pa: f64) -> f64 {
 pub fn respond(design: &Pattern) -> Result<Response, ModelFailure> {
     let value = PRESSURES_PA.iter().map(|&pressure_pa| ratio(design, pressure_pa)).collect();
     let peak_pressure_pa = 2.5e6 * (1.0 + 2.0 * design.section_density()) * (1.0 + design.depth_m() / 40e-6);
-    Ok(Response { value, peak_pressure_pa })
+    Ok(Response { value, limited: vec![peak_pressure_pa] })
 }
 
 pub fn target(values: [f64; 4]) -> Target {
@@ -54,11 +54,22 @@ pub fn space() -> DesignSpace {
 
 pub fn bursts(depth_per_burst_um: f64) -> Constraints {
     let limits = ManufacturingLimits { depth_per_burst_m: Some(depth_per_burst_um * 1e-6), ..Default::default() };
-    Constraints { limits, max_peak_pressure_pa: None }
+    Constraints { limits, ..unlimited() }
 }
 
 pub fn peak(max_peak_pressure_mpa: f64) -> Constraints {
-    Constraints { max_peak_pressure_pa: Some(max_peak_pressure_mpa * 1e6), ..Default::default() }
+    let limit_pa = max_peak_pressure_mpa * 1e6;
+    let bound = Bound::AtMost(limit_pa);
+    let limit =
+        Limit { name: "peak pressure", unit: "MPa", unit_si: 1e6, bound, scale: limit_pa, loosest: f64::INFINITY };
+    Constraints { quantities: vec![limit], ..Constraints::default() }
+}
+
+/// The peak pressure without a limit.
+pub fn unlimited() -> Constraints {
+    let mut constraints = peak(1.0);
+    constraints.quantities[0] = constraints.quantities[0].relaxed();
+    constraints
 }
 
 pub fn seeded(seed: u64) -> SearchOptions {

@@ -193,6 +193,7 @@ impl Driven {
             peak_pressure_pa,
             tension_blocks: last.iter().filter(|force| force.normal < 0.0).count(),
             cavity_closed,
+            clearance_m: None,
             area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(peak_pressure_pa)),
             residual: None,
             iterations: 0,

@@ -104,6 +104,7 @@ impl From<SolidOutcome> for SurfaceOutcome {
             peak_pressure_pa: outcome.peak_pressure_pa,
             tension_blocks: outcome.tension_blocks,
             cavity_closed: outcome.cavity_closed,
+            clearance_m: outcome.clearance_m,
             area_law_extrapolated: outcome.area_law_extrapolated,
             residual: Some(outcome.residual).filter(|_| outcome.status != Status::NoLoad),
             iterations: outcome.iterations,

@@ -30,6 +30,9 @@ pub struct SolidOutcome {
     pub tension_blocks: usize,
     /// The ceiling of a cavity sags to the counterface.
     pub cavity_closed: bool,
+    /// Least height of a cavity's ceiling above the counterface under load, in metres, negative beyond it; absent of flat
+    /// surfaces.
+    pub clearance_m: Option<f64>,
     /// A contact pressure lies past the last pressure of the area law.
     pub area_law_extrapolated: bool,
     /// Sum of the forces out of balance over the load.
@@ -49,6 +52,7 @@ impl SolidOutcome {
             peak_pressure_pa: 0.0,
             tension_blocks: 0,
             cavity_closed: false,
+            clearance_m: None,
             area_law_extrapolated: false,
             residual: 0.0,
             iterations: 0,

@@ -168,17 +168,15 @@ impl SolidSteadyModel {
         self.interface.surface().iter().filter(|s| s.contact.is_some()).map(|s| s.contact_share)
     }
 
-    /// Whether a ceiling sags to the counterface.
-    fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
+    /// Least height of a ceiling above the counterface, in blocks.
+    fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = self.displacement_unit(pressure_pa);
         let [nx, ny] = self.lattice.columns();
         // Depth is below the height: the ceiling is a row of blocks, wholly or in part.
         let row = (self.lattice.depth().floor() as usize).min(self.lattice.rows() - 1);
         let ceiling = &displacement[(3 * row + 2) * nx * ny..][..nx * ny];
-        (0..nx * ny).any(|column| {
-            let (i, j) = (column % nx, column / nx);
-            self.lattice.contact_share(i, j) == 0.0 && self.lattice.depth() + ceiling[column] * unit <= 0.0
-        })
+        let is_cavity = |column: &usize| self.lattice.contact_share(column % nx, column / nx) == 0.0;
+        (0..nx * ny).filter(is_cavity).map(|column| self.lattice.depth() + ceiling[column] * unit).reduce(f64::min)
     }
 }
 
@@ -420,6 +418,7 @@ impl<'a> Solver<'a> {
         let compressive: f64 = self.state.normal.iter().filter(|normal| **normal > 0.0).sum();
         let total: f64 = friction.iter().sum();
         let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
+        let clearance = self.model.clearance(load.pressure_pa, &self.response.fields);
         SolidOutcome {
             status: match mu {
                 Some(0.0) if end.status == Status::Converged => Status::NoFriction,
@@ -429,7 +428,8 @@ impl<'a> Solver<'a> {
             mu_dynamic: mu,
             peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
             tension_blocks: self.state.normal.iter().filter(|normal| **normal < 0.0).count(),
-            cavity_closed: self.model.is_closed(load.pressure_pa, &self.response.fields),
+            cavity_closed: clearance.is_some_and(|clearance| clearance <= 0.0),
+            clearance_m: clearance.map(|clearance| clearance * self.model.block_m),
             area_law_extrapolated: load
                 .area_law
                 .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),

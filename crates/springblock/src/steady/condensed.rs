@@ -116,20 +116,21 @@ impl CondensedModel {
         if state.status != Status::Converged || lifts {
             return None;
         }
-        let closed = self.is_closed(load.pressure_pa, &state);
-        Some(observe(contacts, self.block_m, load, &state, closed))
+        let clearance = self.clearance(load.pressure_pa, &state);
+        Some(observe(contacts, self.block_m, load, &state, clearance))
     }
 
-    /// Whether a ceiling sags to the counterface.
-    fn is_closed(&self, pressure_pa: f64, state: &Equilibrium) -> bool {
+    /// Least height of a ceiling above the counterface, in blocks.
+    fn clearance(&self, pressure_pa: f64, state: &Equilibrium) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
         let friction = &state.friction;
         let affine = |row: &[f64]| dot(&row[..friction.len()], friction) + row[friction.len()];
         let unknowns: Vec<f64> = self.unknowns.chunks_exact(friction.len() + 1).map(affine).collect();
-        self.ceilings.iter().any(|ceiling| {
+        let heights = self.ceilings.iter().map(|ceiling| {
             let (by_unknowns, rest) = ceiling.height.split_at(unknowns.len());
-            ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit <= 0.0
-        })
+            ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit
+        });
+        heights.reduce(f64::min)
     }
 }
 

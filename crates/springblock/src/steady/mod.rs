@@ -179,20 +179,21 @@ impl SteadyModel {
     }
 
     fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
-        let closed = self.is_closed(load.pressure_pa, &state.displacement);
-        observe(self.system.contacts(), self.block_m, load, state, closed)
+        let clearance = self.clearance(load.pressure_pa, &state.displacement);
+        observe(self.system.contacts(), self.block_m, load, state, clearance)
     }
 
-    /// Whether a ceiling sags to the counterface.
-    fn is_closed(&self, pressure_pa: f64, displacement: &[f64]) -> bool {
+    /// Least height of a ceiling above the counterface, in blocks.
+    fn clearance(&self, pressure_pa: f64, displacement: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
         let (columns, rows) = (self.lattice.columns(), self.lattice.ny());
         // A layer of one row may be cut through: nothing is left that could sag.
         let ceilings = columns.iter().enumerate().filter(|(i, c)| !c.is_land() && self.lattice.lowest_row(*i) < rows);
-        ceilings.into_iter().any(|(i, column)| {
+        let heights = ceilings.into_iter().map(|(i, column)| {
             let ceiling = self.system.dof(i, self.lattice.lowest_row(i));
-            column.cavity_rows + displacement[ceiling + 1] * unit <= 0.0
-        })
+            column.cavity_rows + displacement[ceiling + 1] * unit
+        });
+        heights.reduce(f64::min)
     }
 }
 
@@ -206,13 +207,13 @@ fn unloaded(contacts: &[Contact], block_m: f64) -> SurfaceOutcome {
     SurfaceOutcome::unsolved(Status::NoLoad, contacts.iter().map(|contact| contact.centre * block_m))
 }
 
-/// What the forces of `state` on `contacts` say.
+/// What the forces of `state` on `contacts` say, with the least height of a ceiling, in blocks.
 fn observe(
     contacts: &[Contact],
     block_m: f64,
     load: &SteadyLoad,
     state: &Equilibrium,
-    cavity_closed: bool,
+    clearance: Option<f64>,
 ) -> SurfaceOutcome {
     if !state.normal.iter().chain(&state.friction).all(|force| force.is_finite()) {
         // Nothing resists the friction, as in a single free column: there is no equilibrium.
@@ -244,7 +245,8 @@ fn observe(
         mu_static: None,
         peak_pressure_pa,
         tension_blocks: state.normal.iter().filter(|n| **n < 0.0).count(),
-        cavity_closed,
+        cavity_closed: clearance.is_some_and(|clearance| clearance <= 0.0),
+        clearance_m: clearance.map(|clearance| clearance * block_m),
         area_law_extrapolated: load
             .area_law
             .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),

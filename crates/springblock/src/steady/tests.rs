@@ -281,6 +281,12 @@ fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
     assert!(solve(&soft, 2.6, 0.27, None).cavity_closed);
     let stiff = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
     assert!(!solve(&stiff, 2.6, 0.27, None).cavity_closed);
+    // What is left of the depth falls as the load grows, in proportion where friction does.
+    let sag_m = |pressure_mpa| {
+        stiff.lattice().columns().iter().map(|c| c.cavity_rows).fold(0.0, f64::max) * 10e-6
+            - solve(&stiff, pressure_mpa, 0.27, None).clearance_m.unwrap()
+    };
+    assert!(sag_m(1.3) > 0.0 && (sag_m(2.6) / sag_m(1.3) - 2.0).abs() < 1e-6);
 }
 
 #[test]

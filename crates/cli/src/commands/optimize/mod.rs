@@ -1,17 +1,24 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod explanation;
 mod files;
+mod limited;
 mod model;
 mod report;
+mod study;
+mod subject;
+mod table;
+mod target_report;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Candidate, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Status, search,
-    search_guided,
+    Candidate, Goal, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Stage, Status,
+    search, search_guided,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -32,9 +39,13 @@ use crate::report::simulation::{MaterialReport, PatternReport, load_reports, mod
 use crate::report::{VERSION, csv, json};
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
+use explanation::ExplanationReport;
 use files::DesignScene;
+use limited::Limited;
 use model::SteadyCell;
 use report::{MisfitReport, ReachableReport, Timings, patterns};
+use study::Study;
+use target_report::GoalReport;
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -53,10 +64,18 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
     };
     let (loads, outside) = design.loads(&material)?;
+    let with_table = args.table || design.table;
+    if with_table {
+        table::check(&design)?;
+    }
     timings.material = started.elapsed().as_secs_f64();
 
     let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
+    found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
+    let mut outputs = Outputs::default();
+    found.explain(&design, console, &mut timings)?;
+    let compared = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
@@ -65,7 +84,6 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let exporting = Instant::now();
     let pattern = best.design;
     let material_report = MaterialReport::from(&material.provenance);
-    let mut outputs = Outputs::default();
     let scene = DesignScene {
         name: &design.name,
         material: &material,
@@ -115,12 +133,16 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, sectioned, &outside),
+        goal: GoalReport::new(&design.target, &best.response.value, found.confirmed_values().as_deref()),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
         reachable: found.reachable.clone(),
+        explanation: found.explanation.clone(),
+        table: compared,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
+        out_of_time: found.out_of_time,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
         model,
@@ -172,10 +194,13 @@ struct Rounds {
     evaluations: usize,
     solid_evaluations: usize,
     failed_trials: usize,
+    /// The seconds allowed for searches were spent.
+    out_of_time: bool,
     best: Option<Candidate>,
     predicted: Option<Simulation>,
     confirmed: Option<Simulation>,
     alternatives: Vec<Pattern>,
+    explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
 }
 
@@ -259,16 +284,18 @@ impl Rounds {
             evaluations: 0,
             solid_evaluations: 0,
             failed_trials: 0,
+            out_of_time: false,
             best: None,
             predicted: None,
             confirmed: None,
             alternatives: Vec::new(),
+            explanation: None,
             reachable: Vec::new(),
         })
     }
 
     fn run(&mut self, design: &Design, console: &Console<'_>, timings: &mut Timings) -> Result<(), CliError> {
-        while self.rounds < MOST_ROUNDS && self.evaluations < design.max_evaluations {
+        while self.rounds < MOST_ROUNDS && self.evaluations < design.max_evaluations && !self.out_of_time {
             let outcome = self.search(design, console, timings)?;
             let pattern = outcome.best.design;
             let misfit = outcome.best.misfit;
@@ -278,7 +305,10 @@ impl Rounds {
             if !unchanged {
                 self.confirm(design, &pattern, console, timings)?;
             }
-            if feasible && self.is_confirmed(design) {
+            let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
+            // What is even by the steady model need not be in time: searched again with what the first run taught.
+            let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
+            if feasible && has_ended && is_settled && self.is_confirmed(design) {
                 self.status = Status::Met;
                 return Ok(());
             }
@@ -290,12 +320,32 @@ impl Rounds {
                 Status::Unreachable => doubtful,
                 Status::Budget | Status::Cancelled => false,
             };
-            self.status = if outcome.status == Status::Met { Status::Budget } else { outcome.status };
+            self.status = match outcome.status {
+                Status::Unreachable => Status::Unreachable,
+                Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
+            };
             // Where the design stays the same the model is exact already.
             if !again || unchanged {
                 break;
             }
         }
+        Ok(())
+    }
+
+    /// Keeps every answer in the file at `path`, and with `resume` begins with those that it holds.
+    fn study(
+        &mut self,
+        design: &Design,
+        path: PathBuf,
+        resume: bool,
+        console: &mut Console<'_>,
+    ) -> Result<(), CliError> {
+        let depends_on = subject::depends_on(&self.scene, design.space.texture());
+        let study = Study::in_file(path.clone(), depends_on, resume)?;
+        if study.resumed() > 0 {
+            console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));
+        }
+        self.model.keep(Limited::of(design), study);
         Ok(())
     }
 
@@ -338,8 +388,17 @@ impl Rounds {
     ) -> Result<SearchOutcome, CliError> {
         let options = SearchOptions { seed: design.seed, max_evaluations: design.max_evaluations - self.evaluations };
         let bar = Progress::start("search", console.quiet);
+        let left_s = design.max_seconds.map(|most_s| most_s - timings.search);
+        let out_of_time = AtomicBool::new(false);
+        let guided = self.model.guide().is_some();
         let progress = |progress: SearchProgress| {
             bar.set(progress.evaluations as f64 / progress.max_evaluations as f64);
+            // Without a design of the model itself there is nothing to report.
+            let may_end = !guided || progress.stage == Stage::Judging;
+            if may_end && left_s.is_some_and(|left_s| bar.elapsed_s() > left_s) {
+                out_of_time.store(true, Ordering::Relaxed);
+                return ControlFlow::Break(());
+            }
             ControlFlow::Continue(())
         };
         let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
@@ -358,6 +417,7 @@ impl Rounds {
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
+        self.out_of_time = out_of_time.into_inner();
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {
             self.solid_evaluations += outcome.evaluations;
@@ -407,9 +467,12 @@ impl Rounds {
     /// Largest distance of the confirming run from the target, in tolerances; `None` where it has
     /// no value at some pressure.
     fn confirmed_misfit(&self, design: &Design) -> Option<f64> {
-        let values = self.model.confirmed(self.confirmed.as_ref()?);
-        let values: Option<Vec<f64>> = values.into_iter().collect();
-        Some(design.target.misfit(&values?).max)
+        Some(design.target.misfit(&self.confirmed_values()?).max)
+    }
+
+    /// The target's quantity by the confirming run; `None` where it has no value at some pressure.
+    fn confirmed_values(&self) -> Option<Vec<f64>> {
+        self.model.confirmed(self.confirmed.as_ref()?).into_iter().collect()
     }
 
     fn is_confirmed(&self, design: &Design) -> bool {

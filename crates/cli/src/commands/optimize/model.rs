@@ -1,11 +1,15 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
-use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
+use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Fidelity, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation,
     SolidModel, Status, Unwatched, simulate,
 };
+
+use super::limited::Limited;
+use super::study::{Answer, Study};
+use crate::formats::design::Design;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
@@ -27,6 +31,8 @@ pub struct SteadyCell {
     flat_mu: Option<Vec<f64>>,
     /// Added to the model's value at each pressure: dynamic minus steady at a confirmed design.
     correction: Vec<f64>,
+    limited: Limited,
+    study: Study,
 }
 
 /// What solves steady cells.
@@ -87,7 +93,14 @@ impl SteadyCell {
             flat_mu,
             correction: vec![0.0; scene.loads.len()],
             scene,
+            limited: Limited::default(),
+            study: Study::default(),
         }
+    }
+
+    /// Takes over the quantities that limits hold, and the study that answers belong to.
+    pub fn keep(&mut self, limited: Limited, study: Study) {
+        (self.limited, self.study) = (limited, study);
     }
 
     /// Whether designs are solved in space.
@@ -152,27 +165,53 @@ impl SteadyCell {
         simulation.loads.iter().map(value).collect()
     }
 
-    /// What `solver`, made of `scene`, says of `design`.
+    /// `candidate` by the model as it stands: confirming runs may have corrected it since.
+    #[must_use]
+    pub fn judged(&self, design: &Design, candidate: &Candidate) -> Candidate {
+        let Ok(response) = self.respond(&candidate.design) else { return candidate.clone() };
+        Candidate {
+            design: candidate.design,
+            misfit: design.target.misfit(&response.value),
+            violations: design.constraints.violations(&candidate.design, &response),
+            response,
+        }
+    }
+
+    /// What `solver`, made of `scene`, says of `design`, corrected.
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        let answer = self.study.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
+        if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
+            return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+        }
+        let corrected = |(load, ratio): (usize, &f64)| {
+            let scale = self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load]);
+            ratio * scale + self.correction[load]
+        };
+        let value = answer.ratio.iter().enumerate().map(corrected).collect();
+        Ok(Response { value, limited: self.limited.values(design, &answer)? })
+    }
+
+    /// What `solver`, made of `scene`, says of `design`.
+    fn answer(scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
         scene.validate().map_err(|error| trial(error.to_string()))?;
-        let mut value = Vec::new();
-        let mut peak_pressure_pa = 0.0_f64;
-        for (load, outcome) in solver.solve(design)?.iter().enumerate() {
+        let mut ratio = Vec::new();
+        let (mut peak_pressure_pa, mut least_pressure) = (0.0_f64, f64::INFINITY);
+        let mut clearance_m: Option<f64> = None;
+        for (outcome, load) in solver.solve(design)?.iter().zip(&scene.loads) {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
                 return Err(trial(format!("steady run: {}", surface.status.name())));
             }
-            if surface.cavity_closed {
-                return Err(trial("the cavity closes under load".to_owned()));
-            }
-            let ratio = outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?;
-            let scale = self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load]);
-            value.push(ratio * scale + self.correction[load]);
+            ratio.push(outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?);
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
+            let least_pa = surface.interface.iter().map(|point| point.pressure_pa).fold(f64::INFINITY, f64::min);
+            least_pressure = least_pressure.min(least_pa / load.pressure_pa);
+            clearance_m = [clearance_m, surface.clearance_m].into_iter().flatten().reduce(f64::min);
         }
-        Ok(Response { value, peak_pressure_pa })
+        let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
+        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um })
     }
 }
 
@@ -224,7 +263,14 @@ mod tests {
                     assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
                 }
                 let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-                assert!((response.peak_pressure_pa / peak - 1.0).abs() < 1e-9);
+                let answer = SteadyCell::answer(&model.scene, &model.solver, &design).unwrap();
+                assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < 1e-9 && response.limited.is_empty());
+                let points = simulation
+                    .loads
+                    .iter()
+                    .flat_map(|load| load.surface.interface.iter().map(|point| point.pressure_pa / load.pressure_pa));
+                assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < 1e-9);
+                assert!(answer.clearance_m().is_some_and(|least_m| least_m > 0.0 && least_m < design.depth_m()));
             }
         }
         let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();

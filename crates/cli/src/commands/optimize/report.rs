@@ -2,16 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_export::Laser;
-use slipgrid_optimize::{Quantity, Target};
+use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
-use crate::formats::design::quantity_name;
+use super::explanation::ExplanationReport;
+use super::table::TableReport;
+use super::target_report::{GoalReport, TargetReport};
+use crate::formats::target::quantity_name;
 use crate::report::Table;
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
 use crate::report::specimen::SpecimenReport;
 use crate::report::table::fixed;
-use crate::units::PRESSURE_MPA;
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -45,18 +47,26 @@ pub struct DesignReport {
     pub predicted_value: Vec<f64>,
     /// The confirming run at the target's pressures.
     pub confirmed: Vec<LoadReport>,
+    /// What became of the goal; null without one.
+    pub goal: Option<GoalReport>,
     /// Largest distance from the target in tolerances.
     pub misfit: MisfitReport,
     /// Constraints that the best design breaks.
     pub violations: Vec<String>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
+    /// Which limits and bounds keep designs from a target out of reach; null otherwise.
+    pub explanation: Option<ExplanationReport>,
+    /// Every design of a lattice beside the one found; null unless asked for.
+    pub table: Option<TableReport>,
     /// Other designs that the search's model found to meet the target.
     pub alternatives: Vec<PatternReport>,
     /// Designs that the search's model, or its guide, was asked of.
     pub evaluations: usize,
     /// Designs solved in space at the layer's own block size.
     pub solid_evaluations: usize,
+    /// Seconds, not evaluations, were spent.
+    pub out_of_time: bool,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
     /// Searches made: each after the first corrected by the confirming run before it.
@@ -98,30 +108,6 @@ pub struct StoredDesign {
     pub seed: u64,
 }
 
-/// A target as result.json holds it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct TargetReport {
-    /// `ratio` or `mu_dynamic`.
-    pub quantity: &'static str,
-    /// Nominal pressures.
-    pub pressure_mpa: Vec<f64>,
-    /// Wanted values.
-    pub value: Vec<f64>,
-    /// Largest accepted distance.
-    pub tolerance: f64,
-}
-
-impl From<&Target> for TargetReport {
-    fn from(target: &Target) -> Self {
-        Self {
-            quantity: quantity_name(target.quantity()),
-            pressure_mpa: target.points().iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect(),
-            value: target.points().iter().map(|point| point.value).collect(),
-            tolerance: target.tolerance(),
-        }
-    }
-}
-
 /// Largest distances from the target, in tolerances: up to 1 where it is met.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MisfitReport {
@@ -151,6 +137,10 @@ pub struct Timings {
     pub flat: f64,
     /// Searching.
     pub search: f64,
+    /// Finding out why the target is out of reach.
+    pub explain: f64,
+    /// The table of designs, where asked for.
+    pub table: f64,
     /// Confirming.
     pub confirm: f64,
     /// Drawing and tabulating.
@@ -180,7 +170,8 @@ impl DesignReport {
     #[must_use]
     pub fn summary(&self) -> String {
         let design = &self.design;
-        let mut text = format!("{}: target {}\n\n", self.name, self.verdict());
+        let mut text =
+            format!("{}: {}{}\n\n", self.name, if self.goal.is_some() { "" } else { "target " }, self.verdict());
         text += &format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the surface\n\n",
             design.planform,
@@ -192,12 +183,12 @@ impl DesignReport {
             100.0 * design.areal_density,
         );
         let mut table = Table::new(["P MPa", "target", "predicted", "confirmed", "+-", "mu", "mu flat", "peak MPa"]);
-        for (row, (pressure_mpa, wanted)) in self.target.pressure_mpa.iter().zip(&self.target.value).enumerate() {
+        for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
             let (predicted, confirmed) = (self.predicted.get(row), self.confirmed.get(row));
             let error = confirmed.and_then(|load| self.stderr(load));
             table.row([
                 pressure_mpa.to_string(),
-                fixed(Some(*wanted), 4),
+                self.target.wanted(row),
                 fixed(self.predicted_value.get(row).copied(), 4),
                 fixed(confirmed.and_then(|load| self.value(load)), 4),
                 fixed(error, 4),
@@ -212,12 +203,17 @@ impl DesignReport {
             self.in_space(),
             self.confirmation()
         );
-        text += &format!(
-            "\n  misfit {} of the tolerance {} predicted, {} confirmed\n",
-            fixed(Some(self.misfit.predicted), 2),
-            self.target.tolerance,
-            fixed(self.misfit.confirmed, 2),
-        );
+        if let Some(goal) = &self.goal {
+            text += &format!("\n  {}\n", goal.words());
+        }
+        if self.target.has_demands() {
+            text += &format!(
+                "\n  misfit {} of {} predicted, {} confirmed\n",
+                fixed(Some(self.misfit.predicted), 2),
+                self.target.tolerance_words(),
+                fixed(self.misfit.confirmed, 2),
+            );
+        }
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
@@ -225,6 +221,12 @@ impl DesignReport {
                     range.pressure_mpa, range.lowest, range.highest
                 );
             }
+        }
+        for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
+            text += &format!("  why: {reason}\n");
+        }
+        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
+            text += &format!("  {line}\n");
         }
         for broken in &self.violations {
             text += &format!("! {broken}\n");
@@ -251,6 +253,11 @@ impl DesignReport {
         text
     }
 
+    /// What ran out, in words.
+    fn spent(&self) -> &'static str {
+        if self.out_of_time { "the seconds allowed were spent" } else { "the evaluations allowed were spent" }
+    }
+
     fn in_space(&self) -> &'static str {
         if self.dimensions == 3 { " in space" } else { "" }
     }
@@ -267,9 +274,13 @@ impl DesignReport {
     fn verdict(&self) -> String {
         let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
         match self.status {
+            "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
             "met" => format!("met{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
-            _ => format!("not met{scope} before the evaluations allowed were spent; nearest design:"),
+            _ if self.goal.is_some() && self.misfit.predicted <= 1.0 => {
+                format!("best so far{scope}: {} before the search had ended", self.spent())
+            }
+            _ => format!("not met{scope} before {}; nearest design:", self.spent()),
         }
     }
 }

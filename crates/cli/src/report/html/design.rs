@@ -18,6 +18,7 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     pattern(&mut page, result, outputs);
     pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
     pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
+    why(&mut page, result);
     search(&mut page, result);
     material(&mut page, result, outputs);
     model(&mut page, result);
@@ -28,8 +29,12 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
 fn verdict(page: &mut Page, result: &Value) {
     let scope = if result["section_model"] == true { " (by the vertical section, as grooves)" } else { "" };
     let (class, words) = match text(result, "status") {
+        "met" if result["goal"].is_object() => ("verdict", "Best design found within bounds and limits"),
         "met" => ("verdict", "Target met"),
         "unreachable" => ("verdict missed", "Target not reachable within bounds and limits; nearest design below"),
+        _ if result["out_of_time"] == true => {
+            ("verdict missed", "The seconds allowed were spent before the search had ended; best design so far below")
+        }
         _ => ("verdict missed", "Target not met before the evaluations allowed were spent; nearest design below"),
     };
     page.paragraph(class, &format!("{words}{scope}."));
@@ -97,7 +102,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
             let (predicted, confirmed) = (predicted.get(row).unwrap_or(none), confirmed.get(row).unwrap_or(none));
             vec![
                 plain(pressure),
-                with_error(&wanted["value"][row], &wanted["tolerance"], 4),
+                accepted(wanted, row),
                 with_error(&result["predicted_value"][row], &predicted["ratio_discretization_error"], 4),
                 with_error(&confirmed[key], &confirmed[error_key], 4),
                 with_error(&confirmed["mu_dynamic"], &confirmed["mu_dynamic_stderr"], 4),
@@ -111,13 +116,28 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     let quantity = if is_ratio { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
         &format!(
-            "Target, predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
+            "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
              predicted the estimated change of the ratio to vanishing blocks; of confirmed, mu and mu flat the standard \
              error in time. Peak pressure grows as blocks shrink."
         ),
         &["P in MPa", "target", "predicted", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
         &rows,
     );
+    let goal = &result["goal"];
+    if goal.is_object() {
+        let what = if goal["goal"] == "even" { "least" } else { text(goal, "goal") };
+        page.paragraph(
+            "",
+            &format!(
+                "Goal: the {what} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
+                text(goal, "of"),
+                number(&goal["predicted"], 5),
+                number(&goal["confirmed"], 5),
+                number(&goal["range_predicted"], 4),
+                number(&goal["range_confirmed"], 4)
+            ),
+        );
+    }
     let misfit = &result["misfit"];
     page.paragraph(
         "",
@@ -143,6 +163,22 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
             };
             page.paragraph("warning", &format!("At {} MPa {words}.", plain(&load["pressure_mpa"])));
         }
+    }
+}
+
+/// What is accepted at a pressure.
+fn accepted(wanted: &Value, row: usize) -> String {
+    if wanted["value"].is_array() {
+        let each = &wanted["tolerance"][row];
+        let tolerance = if each.is_number() { each } else { &wanted["tolerance"] };
+        return with_error(&wanted["value"][row], tolerance, 4);
+    }
+    let (lowest, highest) = (&wanted["lowest"][row], &wanted["highest"][row]);
+    match (lowest.is_number(), highest.is_number()) {
+        (true, true) => format!("{} to {}", number(lowest, 4), number(highest, 4)),
+        (true, false) => format!("at least {}", number(lowest, 4)),
+        (false, true) => format!("at most {}", number(highest, 4)),
+        (false, false) => "-".to_owned(),
     }
 }
 
@@ -210,7 +246,83 @@ fn search(page: &mut Page, result: &Value) {
         &["width in µm", "spacing in µm", "depth in µm", "share in %"],
         &alternatives,
     );
+    table(page, result);
     history(page, result);
+}
+
+/// Which limits and bounds keep designs from the target, where it is out of reach.
+fn why(page: &mut Page, result: &Value) {
+    let explanation = &result["explanation"];
+    if !explanation.is_object() {
+        return;
+    }
+    page.heading(2, "Why the target is out of reach");
+    let rows: Vec<Vec<String>> = each(explanation, "binding")
+        .iter()
+        .map(|relief| {
+            let nearest = &relief["nearest"];
+            let suffices = relief["suffices"] == true;
+            vec![
+                text(relief, "what").to_owned(),
+                plain(&relief["limit"]),
+                if suffices { plain(&relief["relaxed"]) } else { number(&relief["relaxed"], 3) },
+                text(relief, "unit").to_owned(),
+                if suffices {
+                    "met".to_owned()
+                } else {
+                    format!("missed by {} tolerances", number(&nearest["misfit"], 2))
+                },
+                lengths(&nearest["design"]),
+            ]
+        })
+        .collect();
+    page.table(
+        "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
+        &["limit or bound", "now", "relaxed to", "unit", "target", "design (width / spacing / depth in µm)"],
+        &rows,
+    );
+    if rows.is_empty() {
+        page.paragraph("", "No single limit or bound is the reason: relaxing each alone brings no design nearer.");
+    }
+    let together = &explanation["together"];
+    if together.is_object() {
+        page.paragraph(
+            "",
+            &format!(
+                "With all of them relaxed together the nearest design, {} µm, misses by {} tolerances.",
+                lengths(&together["design"]),
+                number(&together["misfit"], 2)
+            ),
+        );
+    }
+}
+
+/// Width, spacing and depth of a design.
+fn lengths(design: &Value) -> String {
+    ["width_um", "spacing_um", "depth_um"].map(|key| plain(&design[key])).join(" / ")
+}
+
+/// What a table of designs says of the one found.
+fn table(page: &mut Page, result: &Value) {
+    let table = &result["table"];
+    if !table.is_object() {
+        return;
+    }
+    let verdict = if table["confirms_search"] == true { "None is better than" } else { "One is better than" };
+    page.paragraph(
+        "",
+        &format!(
+            "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict} \
+             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the root-mean-square misfit in \
+             tolerances, or the goal in per cent.",
+            plain(&table["designs"]),
+            plain(&table["feasible"]),
+            plain(&table["meeting"]),
+            number(&table["found_cost"], 3),
+            lengths(&table["best"]["design"]),
+            number(&table["best"]["cost"], 3),
+        ),
+    );
 }
 
 /// The best so far against evaluations, where the result holds it: whatever numbers an entry has.

@@ -80,6 +80,9 @@ fn assert_same([found, expected]: &[SurfaceOutcome; 2], what: &str) {
     let close = |a: f64, b: f64, scale: f64| assert!((a - b).abs() <= 1e-9 * scale, "{what}: {a} {b}");
     close(found.mu_dynamic.unwrap(), expected.mu_dynamic.unwrap(), 1.0);
     close(found.peak_pressure_pa, expected.peak_pressure_pa, expected.peak_pressure_pa);
+    // Compared with the layer: sums of displacements of that order cancel.
+    close(found.clearance_m.unwrap_or(0.0), expected.clearance_m.unwrap_or(0.0), 1e-3);
+    assert_eq!(found.clearance_m.is_some(), expected.clearance_m.is_some(), "{what}");
     assert_eq!(found.interface.len(), expected.interface.len());
     for (a, b) in found.interface.iter().zip(&expected.interface) {
         assert_eq!(a.x_m, b.x_m);

@@ -1,0 +1,50 @@
+//! What the answers of the search's model depend on, for the first line of a study.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+use slipgrid_pattern::Texture;
+use slipgrid_springblock::Scene;
+
+use crate::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+
+/// Everything that the steady cells of a search are made of, but for width, spacing and depth.
+#[must_use]
+pub fn depends_on(scene: &Scene, texture: &Texture) -> Map<String, Value> {
+    let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    let area_law = scene.area_law.as_ref().map(|law| {
+        let pressure_mpa: Vec<f64> =
+            law.pressures_pa().iter().map(|&pressure_pa| PRESSURE_MPA.from_si(pressure_pa)).collect();
+        json!({ "pressure_mpa": pressure_mpa, "factor": law.factors() })
+    });
+    let loads = scene.loads.iter().map(|load| {
+        json!({ "pressure_mpa": PRESSURE_MPA.from_si(load.pressure_pa), "dynamic_mean": load.friction.dynamic_mean() })
+    });
+    let entries = [
+        ("area_law", json!(area_law)),
+        ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
+        ("layer", json!({ "layer_um": um(scene.layer.height_m), "block_um": um(scene.layer.block_m) })),
+        ("loads", loads.collect()),
+        (
+            "pattern",
+            json!({
+                "planform": texture.planform().name(),
+                "arrangement": texture.arrangement().name(),
+                "length_um": texture.length_m().map(um),
+                "spacing_across_um": texture.spacing_across_m().map(um),
+                "angle_deg": texture.orientation_deg(),
+                "sliding_angle_deg": texture.sliding_angle_deg(),
+            }),
+        ),
+        ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// The study's file, beside the folder of results: out/NAME.study.jsonl.
+#[must_use]
+pub fn study_path(folder: &Path) -> PathBuf {
+    let mut name = folder.file_name().map_or_else(|| "design".into(), std::ffi::OsStr::to_os_string);
+    name.push(".study.jsonl");
+    folder.with_file_name(name)
+}

@@ -1,0 +1,194 @@
+//! What a design must respect beside its bounds.
+
+use crate::error::positive;
+use crate::{Response, SearchError};
+use slipgrid_pattern::{LimitViolation, ManufacturingLimits, Pattern};
+use std::fmt;
+
+/// Which side of a limit is allowed, and the limit itself. An infinite one does not bind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bound {
+    /// The limit or less.
+    AtMost(f64),
+    /// The limit or more.
+    AtLeast(f64),
+}
+
+impl Bound {
+    /// The limit.
+    #[must_use]
+    pub const fn limit(self) -> f64 {
+        match self {
+            Self::AtMost(limit) | Self::AtLeast(limit) => limit,
+        }
+    }
+
+    /// The same side with another limit.
+    #[must_use]
+    pub const fn with_limit(self, limit: f64) -> Self {
+        match self {
+            Self::AtMost(_) => Self::AtMost(limit),
+            Self::AtLeast(_) => Self::AtLeast(limit),
+        }
+    }
+}
+
+/// A quantity of a design, which the model gives, and its limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// What it is, in words.
+    pub name: &'static str,
+    /// Unit in which it is told; may be empty.
+    pub unit: &'static str,
+    /// That unit in SI units.
+    pub unit_si: f64,
+    /// The limit, SI units.
+    pub bound: Bound,
+    /// Change of the quantity that counts as 1, SI units: the limit itself where that is not 0.
+    pub scale: f64,
+    /// The loosest limit that means something, SI units: no limit at all, or what physics or geometry sets.
+    pub loosest: f64,
+}
+
+impl Limit {
+    /// How far `value` lies beyond the limit, in scales: 0 at the limit, negative within.
+    #[must_use]
+    pub fn excess(&self, value: f64) -> f64 {
+        match self.bound {
+            Bound::AtMost(limit) => (value - limit) / self.scale,
+            Bound::AtLeast(limit) => (limit - value) / self.scale,
+        }
+    }
+
+    /// The same with the loosest limit.
+    #[must_use]
+    pub const fn relaxed(mut self) -> Self {
+        self.bound = self.bound.with_limit(self.loosest);
+        self
+    }
+
+    /// `value` with its unit.
+    #[must_use]
+    pub fn tell(&self, value: f64) -> String {
+        let told = significant(value / self.unit_si);
+        if self.unit.is_empty() { told } else { format!("{told} {}", self.unit) }
+    }
+}
+
+/// Four significant digits.
+fn significant(value: f64) -> String {
+    format!("{value:.3e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
+}
+
+/// What a design must respect beside its bounds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Constraints {
+    /// What the laser can make.
+    pub limits: ManufacturingLimits,
+    /// Quantities that the model gives, in the order of [`Response::limited`].
+    pub quantities: Vec<Limit>,
+}
+
+impl Constraints {
+    /// What `design` breaks, with the quantities of `response`.
+    #[must_use]
+    pub fn violations(&self, design: &Pattern, response: &Response) -> Vec<Violation> {
+        let makeable = self.limits.violations(design).into_iter().map(Violation::Limit);
+        let exceeded = |(limit, &value): (&Limit, &f64)| {
+            (limit.excess(value) > 0.0).then_some(Violation::Quantity { limit: *limit, value })
+        };
+        makeable.chain(self.quantities.iter().zip(&response.limited).filter_map(exceeded)).collect()
+    }
+
+    /// # Errors
+    /// [`SearchError::OutOfRange`] for a limit that is no number, or a scale that is not positive.
+    pub(crate) fn validate(&self) -> Result<(), SearchError> {
+        for limit in &self.quantities {
+            if limit.bound.limit().is_nan() {
+                let value = limit.bound.limit();
+                return Err(SearchError::OutOfRange { quantity: limit.name, value, expected: "a number" });
+            }
+            positive(limit.name, limit.scale)?;
+        }
+        Ok(())
+    }
+}
+
+/// A constraint that a design breaks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Violation {
+    /// The laser cannot make it.
+    Limit(LimitViolation),
+    /// A quantity lies beyond its limit.
+    Quantity {
+        /// The quantity and its limit.
+        limit: Limit,
+        /// The design's value, SI units.
+        value: f64,
+    },
+}
+
+impl Violation {
+    /// How far beyond the constraint, relative to it: 0 at the constraint.
+    #[must_use]
+    pub fn excess(&self) -> f64 {
+        match self {
+            Self::Limit(limit) => limit.excess(),
+            Self::Quantity { limit, value } => limit.excess(*value),
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Limit(limit) => limit.fmt(f),
+            Self::Quantity { limit, value } => {
+                let side = match limit.bound {
+                    Bound::AtMost(_) => "at most",
+                    Bound::AtLeast(_) => "at least",
+                };
+                let (value, allowed) = (limit.tell(*value), limit.tell(limit.bound.limit()));
+                write!(f, "{} is {value}: allowed is {side} {allowed}", limit.name)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn limits_hold_on_their_side_and_say_so_in_their_unit() {
+        let peak = Limit {
+            name: "peak pressure",
+            unit: "MPa",
+            unit_si: 1e6,
+            bound: Bound::AtMost(10e6),
+            scale: 10e6,
+            loosest: f64::INFINITY,
+        };
+        let land = Limit {
+            name: "bearing area",
+            unit: "",
+            unit_si: 1.0,
+            bound: Bound::AtLeast(0.6),
+            scale: 0.6,
+            loosest: 0.0,
+        };
+        let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
+        let constraints = Constraints { quantities: vec![peak, land], ..Constraints::default() };
+        let broken = |limited: Vec<f64>| constraints.violations(&design, &Response { value: vec![0.9], limited });
+        assert!(broken(vec![10e6, 0.6]).is_empty());
+        let both = broken(vec![12.345_67e6, 0.3]);
+        assert_eq!(both[0].to_string(), "peak pressure is 12.35 MPa: allowed is at most 10 MPa");
+        assert_eq!(both[1].to_string(), "bearing area is 0.3: allowed is at least 0.6");
+        assert!((both[0].excess() - 0.234_567).abs() < 1e-9 && (both[1].excess() - 0.5).abs() < 1e-12);
+        assert!(land.relaxed().excess(0.0) <= 0.0 && peak.relaxed().excess(1e9) < 0.0);
+        assert!(constraints.validate().is_ok());
+        let nonsense = Constraints { quantities: vec![Limit { scale: 0.0, ..land }], ..Constraints::default() };
+        assert!(matches!(nonsense.validate(), Err(SearchError::OutOfRange { .. })));
+    }
+}
