@@ -30,7 +30,15 @@ pub fn persson_law() -> Result<AreaLaw, Box<dyn std::error::Error>> {
 /// # Errors
 /// None: the lengths are valid.
 pub fn published_groove() -> Result<Pattern, PatternError> {
-    Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)
+    published(Planform::Groove)
+}
+
+/// The published lengths, 130 um wide, 370 um apart, 20 um deep, in any planform.
+///
+/// # Errors
+/// [`PatternError`] for planforms that take a length more.
+pub fn published(planform: Planform) -> Result<Pattern, PatternError> {
+    Pattern::new(planform, 130e-6, 370e-6, 20e-6)
 }
 
 /// A scene of the published polymer with [`persson_law`] and [`published_friction`], sliding at 2 mm/s.

@@ -2,7 +2,9 @@
 
 Friction of the flat samples is 1.015 mu_d f(P): mu_d = 0.18, f by Persson's contact area with
 E* h'rms = 12 MPa, the 1.5 % what micro-stick-slip adds to steady sliding. Repeats differ by 0.6 %,
-samples by 2 %. Patterned samples have 0.93 of it. Torques are those of three specimens at 25 mm.
+samples by 2 %. Patterned samples have the share of it that grooves of 100/300/20 um have in the model
+(0.961 at 80 N, 0.787 at 300 N) times 0.95, a discrepancy for the calibration to find. Torques are those
+of three specimens at 25 mm.
 """
 
 import math
@@ -10,6 +12,7 @@ import random
 
 RADIUS_M, ARM_M, SPECIMENS = 0.003, 0.025, 3
 DYNAMIC_MEAN, SCALE_PA, THRESHOLD_PA = 0.18, 12e6, 0.7e6
+PATTERNED_OVER_FLAT = {80: 0.95 * 0.961, 300: 0.95 * 0.787}
 
 
 def area(pressure_pa):
@@ -44,5 +47,5 @@ def write(kind, force_n, repeat, ratio):
 for repeat in (1, 2, 3):
     for force_n in (30, 80, 160, 300):
         write("flat", force_n, repeat, 1.0)
-    for force_n in (80, 300):
-        write("patterned", force_n, repeat, 0.93)
+    for force_n, ratio in PATTERNED_OVER_FLAT.items():
+        write("patterned", force_n, repeat, ratio)

@@ -11,7 +11,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Scene, SectionModel, Unwatched, simulate};
-use slipgrid_tests::{polymer_scene, published_groove};
+use slipgrid_tests::{polymer_scene, published, published_groove};
 
 /// Repetitions of which the median counts.
 const REPETITIONS: usize = 5;
@@ -131,6 +131,9 @@ fn main() {
     row("sample of grooves 130/370/20 um with its flat one", 1, &scene(true, Extent::Sample, true), 0.03e-6);
     row("flat cell, 50 x 20", 1, &cell(scene(false, Extent::Cell, true)), 1e-6);
     row("cell of grooves 130/370/20 um with its flat one", 1, &cell(scene(true, Extent::Cell, true)), 0.5e-6);
+    let mut squares = scene(true, Extent::Cell, true);
+    squares.pattern = Some(published(Planform::Square).expect("valid lengths"));
+    row("cell of squares 130/370/20 um in space, 50 x 50 x 20, with its flat one", 1, &squares, 0.02e-6);
     let mut reference = scene(false, Extent::Sample, true);
     reference.run.fidelity = Fidelity::Reference;
     row("flat sample by the reference integration", 1, &reference, 0.002e-6);

@@ -10,4 +10,5 @@
 mod calibrated_flat;
 mod dynamic_against_reference;
 mod excess;
+mod finite_elements;
 mod steady_against_dynamic;

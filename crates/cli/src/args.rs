@@ -98,10 +98,14 @@ pub struct SimulateArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
-    slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n\n\
+    slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n  \
+    slipgrid optimize designs/ldpe-lower-friction.toml --table --resume\n\n\
     Writes result.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
     process.toml, report.html and pictures. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
-    it, 4 budget of evaluations spent; the best design is written in all three cases.\n\n\
+    it, 4 budget of evaluations or seconds spent; the best design is written in all three cases.\n\n\
+    Every answer of the search's model is appended to out/NAME.study.jsonl at once: a run that was killed\n\
+    goes on from there with --resume, and ends with the same results. A study of another material, layer,\n\
+    load or texture is refused; other targets, limits and bounds share it.\n\n\
     Not modelled: recast rims, plasticity, viscoelasticity, heating, wear. Of square cavities the\n\
     model takes the section through their centres, as if they were grooves.")]
 pub struct OptimizeArgs {
@@ -110,6 +114,9 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Compute every design of whole blocks and bursts within the bounds, too: table.csv, and whether any is better
+    #[arg(long)]
+    pub table: bool,
     /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
     #[arg(long)]
     pub resume: bool,

@@ -189,8 +189,8 @@ fn spoil_everything(times: usize, seed: u64) {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let string = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string();
     let near = |text: &str| Document::new(place.path("x.toml"), text);
-    let folder = format!("{}/", place.path("").display());
-    let local = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string().replace(&folder, "");
+    let folder = place.path("x.toml").display().to_string();
+    let local = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string().replace(&folder, "x.toml");
     let accepted = [
         spoil_all(SCENE, times, seed, |text, _| scene(text)),
         spoil_all(DESIGN, times, seed + 1, |text, _| {
@@ -231,20 +231,41 @@ fn two_million_spoiled_files_are_refused_or_read() {
 /// The program itself, on a few hundred of them, from the file to the exit code.
 #[test]
 fn the_program_answers_spoiled_files_or_refuses_them() {
-    let result = r#"{"name": "x", "version": "0", "seed": 1,
-"design": {"width_um": 130.0, "spacing_um": 370.0, "depth_um": 5.2, "planform": "square",
-"areal_density": 0.1, "section_density": 0.1},
-"laser": {"spot_um": 23.0, "hatch_um": 20.0, "wall_taper_deg": 5.0},
-"specimen": {"shape": "ring",
-"outer_diameter_mm": 4.0,
-"inner_diameter_mm": 1.0},
-"material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#;
+    // A key a line and commas in front: a line's value can be exchanged.
+    let result = r#"{
+"name": "x"
+, "version": "0"
+, "seed": 1
+, "design": {
+"width_um": 130.0
+, "spacing_um": 370.0
+, "depth_um": 5.2
+, "planform": "square"
+, "areal_density": 0.1
+, "section_density": 0.1
+}, "laser": {
+"spot_um": 23.0
+, "hatch_um": 20.0
+, "wall_taper_deg": 5.0
+}, "specimen": {
+"shape": "ring"
+, "outer_diameter_mm": 4.0
+, "inner_diameter_mm": 1.0
+}, "material": {
+"name": ""
+, "source": ""
+, "synthetic_surface": false
+, "notes": []
+}}"#;
     let place = Place::with(&[]);
     let mut dice = Dice(7);
     let mut codes = [0; 2];
-    for _ in 0..200 {
+    for _ in 0..400 {
         // JSON has colons where TOML has equals signs.
-        let spoiled = spoil(&result.replace(": ", "= "), &mut dice);
+        let written = result.replace(": ", "= ");
+        // JSON forgives little: half of the files have one line spoiled, mostly a value.
+        let spoiled =
+            if dice.below(2) == 0 { spoil(&written, &mut dice) } else { spoil_line(written.as_bytes(), &mut dice) };
         let spoiled: Vec<u8> = String::from_utf8_lossy(&spoiled).replace("= ", ": ").into_bytes();
         fs::write(place.path("x.json"), &spoiled).unwrap();
         let path = place.path("x.json").display().to_string();

@@ -9,10 +9,12 @@ use std::fs;
 use common::{DESIGN, Place, names};
 use serde_json::Value;
 
-/// A short sample, so that confirming takes a second, and a target at one pressure.
+/// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
 fn design(value: &str, evaluations: u32) -> String {
     DESIGN
         .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("[40.0, 400.0]", "[40.0, 100.0]")
+        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9", value)
         .replace("tolerance = 0.01", "tolerance = 0.03")
@@ -36,7 +38,7 @@ fn a_target_that_is_met() {
     let confirmed = found["confirmed"][0]["ratio"].as_f64().unwrap();
     assert!((confirmed - 0.88).abs() <= 0.03, "{confirmed}");
     let um = |key: &str| found["design"][key].as_f64().unwrap();
-    assert!((40.0..=400.0).contains(&um("width_um")) && (40.0..=1000.0).contains(&um("spacing_um")));
+    assert!((40.0..=100.0).contains(&um("width_um")) && (40.0..=200.0).contains(&um("spacing_um")));
     let bursts = um("depth_um") / 2.6;
     assert!((bursts - bursts.round()).abs() < 1e-6 && found["bursts"].as_f64().unwrap() == bursts.round());
     for stage in ["material", "search", "confirm", "export"] {

@@ -9,11 +9,13 @@ use std::fs;
 use common::{Place, names};
 use slipgrid_cli::formats::design::Design;
 
-const COMMANDS: [&str; 11] = [
+const COMMANDS: [&str; 13] = [
     "simulate",
     "optimize",
     "calibrate",
     "area-law",
+    "surface",
+    "traces",
     "synthesize",
     "export",
     "validate",

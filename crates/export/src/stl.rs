@@ -62,9 +62,12 @@ pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     if leans && layout.iter().any(|cavity| cavity.cut_by.is_some()) { Err(ExportError::TaperAndCut) } else { Ok(()) }
 }
 
+/// Corners of a face, anticlockwise, in metres.
+type Polygon = Vec<[f64; 2]>;
+
 /// Lid and floor of a cavity's parts, corner by corner.
-fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Vec<[f64; 2]>, Vec<[f64; 2]>)> {
-    let faces = |cavity: &Cavity| -> Vec<Vec<[f64; 2]>> {
+fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
+    let faces = |cavity: &Cavity| -> Vec<Polygon> {
         if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
             let corner = |k: u32| {
                 let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);

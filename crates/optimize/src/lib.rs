@@ -20,6 +20,7 @@
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
 //! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
+//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
@@ -72,6 +73,7 @@ mod normal;
 mod outcome;
 mod polish;
 mod propagation;
+mod relaxation;
 mod robust;
 mod search;
 mod sensitivity;
@@ -89,6 +91,7 @@ pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
 pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
+pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};

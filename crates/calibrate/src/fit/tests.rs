@@ -176,7 +176,6 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
             covered[1] += usize::from(curvature);
         }
     }
-    println!("covered by profile and by curvature, of {REPLICATES}: {covered:?}");
     // 95 % of 200 is 190 +- 3.1.
     for parameter in covered {
         assert!((181..=199).contains(&parameter[0]), "{covered:?}");

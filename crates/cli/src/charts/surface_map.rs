@@ -1,4 +1,4 @@
-//! A surface seen from above.
+//! A quantity over a surface, seen from above.
 
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -8,21 +8,23 @@ use super::plot::{Axis, Plot};
 use super::raster::Raster;
 use super::{ChartError, check};
 
-/// Heights from above as colours.
+/// Values over a surface from above, as colours: heights, or pressures.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceMapChart<'a> {
     /// Title above the picture.
     pub title: &'a str,
-    /// Heights, row by row along y, NaN where missing.
-    pub height_um: &'a [f64],
-    /// Heights of a row.
+    /// Values, row by row along y, NaN where there is none.
+    pub values: &'a [f64],
+    /// Unit of the values.
+    pub unit: &'a str,
+    /// Values of a row.
     pub columns: usize,
     /// Sides of the map along x and y.
     pub side_um: [f64; 2],
-    /// Heights at the ends of the colour scale.
-    pub scale_um: [f64; 2],
-    /// Where a section runs along x.
-    pub section_y_um: f64,
+    /// Values at the ends of the colour scale.
+    pub scale: [f64; 2],
+    /// Where a section runs along x; `None` without one.
+    pub section_y_um: Option<f64>,
 }
 
 /// Page height at most, and the least side of the drawn map.
@@ -33,7 +35,7 @@ const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
 const TOP: f64 = 48.0;
 const BOTTOM: f64 = 62.0;
-/// A point that was not measured.
+/// A point without a value.
 const MISSING: [u8; 3] = [190, 190, 190];
 
 /// Viridis (van der Walt and Smith), at ten equal steps: even in lightness, so that it also reads in grey and with
@@ -70,16 +72,16 @@ fn color(share: f64) -> [u8; 3] {
 /// # Errors
 /// [`ChartError`] if there is nothing to draw, rows are incomplete or a number is not finite.
 pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
-    check(chart.title, chart.side_um.iter().chain(&chart.scale_um).chain([&chart.section_y_um]))?;
+    check(chart.title, chart.side_um.iter().chain(&chart.scale).chain(&chart.section_y_um))?;
     let columns = chart.columns.max(1);
-    let rows = chart.height_um.len() / columns;
-    if rows == 0 || rows * columns != chart.height_um.len() {
+    let rows = chart.values.len() / columns;
+    if rows == 0 || rows * columns != chart.values.len() {
         return Err(ChartError::Empty { title: chart.title.to_owned() });
     }
-    let [low, high] = chart.scale_um;
+    let [low, high] = chart.scale;
     let span = if high > low { high - low } else { 1.0 };
     let map = Raster::new(rows, columns, |across, down| {
-        color((chart.height_um[across * columns + (columns - 1 - down)] - low) / span)
+        color((chart.values[across * columns + (columns - 1 - down)] - low) / span)
     });
     let scale = Raster::new(1, 256, |_, down| color(1.0 - down as f64 / 255.0));
 
@@ -93,16 +95,19 @@ pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
         canvas.heading(chart.title, &[])?;
         let (x, y) = (Axis::over("x (um)", [0.0, chart.side_um[0]]), Axis::over("y (um)", [0.0, chart.side_um[1]]));
         let plot = Plot::new(canvas, frame, x, y)?;
-        // Where the section runs is marked outside: nothing hides the map.
-        let [right, level] = plot.at([chart.side_um[0], chart.section_y_um]);
-        canvas.polygon(&[[right + 3.0, level], [right + 12.0, level - 5.0], [right + 12.0, level + 5.0]], INK, 1.0)?;
+        if let Some(section_y_um) = chart.section_y_um {
+            // Marked outside: nothing hides the map.
+            let [right, level] = plot.at([chart.side_um[0], section_y_um]);
+            let arrow = [[right + 3.0, level], [right + 12.0, level - 5.0], [right + 12.0, level + 5.0]];
+            canvas.polygon(&arrow, INK, 1.0)?;
+        }
         for (value, text) in Axis::over("", [low, low + span]).numbers() {
             let share = (value - low) / span;
             let at = [scale_frame[2] + 7.0, scale_frame[3] - share * height];
             canvas.line(&[[scale_frame[2], at[1]], [scale_frame[2] + 4.0, at[1]]], INK, 1.0)?;
             canvas.text(text, at, (HPos::Left, VPos::Center), RGBColor(INK.0, INK.1, INK.2))?;
         }
-        canvas.text("um", [scale_frame[0], TOP - 12.0], (HPos::Left, VPos::Center), INK)
+        canvas.text(chart.unit, [scale_frame[0], TOP - 12.0], (HPos::Left, VPos::Center), INK)
     })?;
     map.onto(scale.onto(svg, scale_frame)?, frame)
 }
@@ -111,8 +116,9 @@ pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
 mod tests {
     use super::*;
 
-    fn chart<'a>(height_um: &'a [f64], columns: usize, side_um: [f64; 2]) -> SurfaceMapChart<'a> {
-        SurfaceMapChart { title: "t", height_um, columns, side_um, scale_um: [-1.0, 1.0], section_y_um: 1.0 }
+    fn chart<'a>(values: &'a [f64], columns: usize, side_um: [f64; 2]) -> SurfaceMapChart<'a> {
+        let (unit, scale) = ("um", [-1.0, 1.0]);
+        SurfaceMapChart { title: "t", values, unit, columns, side_um, scale, section_y_um: Some(1.0) }
     }
 
     #[test]

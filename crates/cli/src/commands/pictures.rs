@@ -1,12 +1,12 @@
 //! Pictures of results: from simulations and reports to what the charts draw.
 
-use slipgrid_springblock::{LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SolidModel, SurfaceOutcome};
 
 use super::optimize::DesignReport;
 use crate::CliError;
 use crate::charts::{
-    self, ChartError, Estimate, FrictionTraceChart, InterfacePressureChart, Series, TargetChart, TargetPoint, Trace,
-    friction_trace, interface_pressure,
+    self, ChartError, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SurfaceMapChart, TargetChart,
+    TargetPoint, Trace, friction_trace, interface_pressure,
 };
 use crate::output::Outputs;
 use crate::units::{LENGTH_UM, PRESSURE_MPA};
@@ -61,15 +61,16 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
             outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
         }
         if scene.dimensions() == 3 {
-            // A line along x says nothing of an interface that has two directions.
+            if let Some(map) = interface_map(scene, load, load_mpa)? {
+                outputs.add(format!("interface-{load_mpa}mpa.svg"), map);
+            }
             continue;
         }
         let pressures: Vec<Vec<[f64; 2]>> = surfaces
             .iter()
             .map(|(_, surface)| {
-                let point = |point: &slipgrid_springblock::InterfacePoint| {
-                    [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)]
-                };
+                let point =
+                    |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
                 finite(surface.interface.iter().map(point).collect())
             })
             .collect();
@@ -88,6 +89,66 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
         }
     }
     Ok(())
+}
+
+/// The pressure over the interface of a cell in space from above; `None` where it has none.
+fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result<Option<String>, CliError> {
+    let points = &load.surface.interface;
+    let [x, y] = columns(scene, points);
+    let mut values = vec![f64::NAN; x.count * y.count];
+    for point in points {
+        if let Some(value) = values.get_mut(x.number(point.x_m) * y.count + y.number(point.y_m)) {
+            *value = PRESSURE_MPA.from_si(point.pressure_pa);
+        }
+    }
+    if values.iter().all(|value| !value.is_finite()) {
+        return Ok(None);
+    }
+    let extreme = |of: fn(f64, f64) -> f64| values.iter().copied().filter(|value| value.is_finite()).fold(0.0, of);
+    let scale = [extreme(f64::min), extreme(f64::max)];
+    let angle_deg = scene.pattern.map_or(0.0, |pattern| pattern.texture().sliding_angle_deg());
+    let sliding =
+        if angle_deg == 0.0 { "sliding along x".to_owned() } else { format!("sliding at {angle_deg} deg to x") };
+    let title = format!("Contact pressure at {load_mpa} MPa, {sliding}; cavities grey");
+    let map = charts::surface_map(&SurfaceMapChart {
+        title: title.strip_suffix("; cavities grey").filter(|_| scene.pattern.is_none()).unwrap_or(&title),
+        values: &values,
+        unit: "MPa",
+        columns: y.count,
+        side_um: [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m)),
+        scale,
+        section_y_um: None,
+    })?;
+    Ok(Some(map))
+}
+
+/// Columns of blocks side by side from 0.
+#[derive(Clone, Copy)]
+struct Columns {
+    spacing_m: f64,
+    count: usize,
+}
+
+impl Columns {
+    /// The column around a place.
+    fn number(&self, place_m: f64) -> usize {
+        // Centres of blocks are positive; numbers beyond the last are as good as any.
+        ((place_m / self.spacing_m) as usize).min(self.count - 1)
+    }
+}
+
+/// Columns along x and y of the cell that `points` belong to.
+fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
+    let reach = |place: fn(&InterfacePoint) -> f64| points.iter().map(place).fold(0.0, f64::max);
+    let block_m = scene.layer.block_m;
+    let filled = |reach_m: f64, spacing_m: f64| Columns { spacing_m, count: (reach_m / spacing_m) as usize + 1 };
+    let reach = [reach(|point| point.x_m), reach(|point| point.y_m)];
+    let Some(pattern) = scene.pattern else { return reach.map(|reach_m| filled(reach_m, block_m)) };
+    let (cell_m, cells) = (pattern.cell_m(), SolidModel::new(scene).columns(&pattern));
+    // Whole numbers, at least 1.
+    let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
+    // A groove is as long as its run took it to be.
+    [divided(0), if pattern.length_m().is_none() { filled(reach[1], block_m) } else { divided(1) }]
 }
 
 /// Target, prediction and confirmation against pressure.

@@ -71,6 +71,7 @@ struct SearchFile {
     seed: Option<u64>,
     max_evaluations: Option<Spanned<u64>>,
     max_seconds: Option<Number>,
+    table: Option<bool>,
     from_rest: Option<bool>,
     robust: Option<Spanned<bool>>,
     dimensions: Option<Spanned<u64>>,
@@ -116,6 +117,8 @@ pub struct Design {
     pub max_evaluations: usize,
     /// Seconds that searches may take, confirming runs not counted; no limit when absent.
     pub max_seconds: Option<f64>,
+    /// Every design of a lattice is computed, too.
+    pub table: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
     /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
@@ -209,6 +212,7 @@ impl Design {
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
+            table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
             robust: read_robust(&document, &file)?,
             dimensions,

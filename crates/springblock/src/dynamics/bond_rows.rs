@@ -150,7 +150,7 @@ impl<const EXACT: bool> WithSimd for Evaluate<'_, EXACT> {
             for from in (0..nx).step_by(CHUNK) {
                 let to = (from + CHUNK).min(nx);
                 let (t_x, t_y) = (&mut kind_x[..to - from], &mut kind_y[..to - from]);
-                for kind in 0..KINDS.len() {
+                for (kind, stiffness) in stiffness.iter().enumerate() {
                     // Columns whose springs end within the row, how far away, and the one whose spring goes around.
                     let (first, last, shift, seam) = match (kind, inside) {
                         (0, _) => (from, to.min(nx - 1), 1, Some([nx - 1, 0])),
@@ -158,7 +158,7 @@ impl<const EXACT: bool> WithSimd for Evaluate<'_, EXACT> {
                         (3, true) => (from.max(1), to, -1, Some([0, nx - 1])),
                         _ => (from, to, 0, None),
                     };
-                    let k = &stiffness[kind][own.clone()];
+                    let k = &stiffness[own.clone()];
                     let ends = if kind == 0 { [u_x, u_y] } else { upper };
                     let seam = seam.filter(|[column, _]| (from..to).contains(column));
                     let spans = [
@@ -208,8 +208,8 @@ impl<const EXACT: bool> WithSimd for Pull<'_, EXACT> {
         let a = [&u[0][top..], &u[1][top..]];
         let b = [&bulk[0][..], &bulk[1][..]];
         let mut sums = [0.0; LANES];
-        for kind in 1..KINDS.len() {
-            let k = &stiffness[kind][top..];
+        for (kind, stiffness) in stiffness.iter().enumerate().skip(1) {
+            let k = &stiffness[top..];
             match kind {
                 1 => forces_of::<EXACT>(1, k, a, b, [&mut *t_x, &mut *t_y]),
                 2 => forces_of::<EXACT>(2, k, a, b, [&mut *t_x, &mut *t_y]),

@@ -238,7 +238,6 @@ mod tests {
         scene.run.fidelity = Fidelity::Steady;
         let steady = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
         let (ratio, expected) = (load.ratio.unwrap(), steady.ratio.unwrap());
-        println!("{ratio} {expected} {:?} {:?}", load.surface.mu_dynamic, flat.mu_dynamic);
         assert!((ratio - expected).abs() < 0.006, "{ratio} {expected}");
         assert_eq!(load.ratio_discretization_error, steady.ratio_discretization_error);
         // Micro-stick-slip lies above steady sliding.
@@ -257,7 +256,6 @@ mod tests {
             scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
             let load = simulate(&scene, &Unwatched).unwrap().loads[0].clone();
             assert_eq!(load.surface.status, Status::Converged);
-            println!("{:?} {:?} {:?}", load.surface.mu_dynamic, load.ratio, load.surface.mu_static);
             assert!((load.ratio.unwrap() - 1.0).abs() < 2e-3, "{:?}", load.ratio);
             assert!((load.surface.mu_dynamic.unwrap() - 0.27).abs() < 5e-4);
         }

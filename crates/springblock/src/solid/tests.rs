@@ -252,8 +252,8 @@ fn the_prototype_ratios_are_met() {
     assert!((groove - 0.8269).abs() < 0.001, "{groove}");
 }
 
-/// At one areal density, 6.76 %, and one width the published squares lie between grooves across the sliding direction
-/// and along it, all within two thousandths: what counts is how much land there is.
+/// At one areal density, 6.76 %, and one width the published squares and grooves across and along the sliding direction
+/// lower friction alike to a thousandth: what counts is how much land there is. Blocks of 5 um raise all three by 0.0005.
 #[test]
 fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
     // 130 / 1920 = 6.77 %, (130 / 500)^2 = 6.76 %.
@@ -264,10 +264,10 @@ fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
     let along = Pattern::new(texture, 130e-6, 1790e-6, 20e-6).unwrap();
     let load = SolidLoad { direction: along.sliding_direction(), ..load(2.6, Some(&law)) };
     let along = model(&along, 10.0, 200.0).solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6));
-    for (name, found, stated) in [("across", across, 0.9610), ("squares", squares, 0.9616), ("along", along, 0.9625)] {
-        assert!((found - stated).abs() < 2e-4, "{name}: {found}");
+    for (name, found, stated) in [("across", across, 0.9607), ("along", along, 0.9609), ("squares", squares, 0.9616)] {
+        assert!((found - stated).abs() < 1e-4, "{name}: {found}");
     }
-    assert!(across < squares && squares < along);
+    assert!(across < along && along < squares);
 }
 
 #[test]

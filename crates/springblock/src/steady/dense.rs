@@ -80,9 +80,9 @@ fn subtract_rows(target: &mut [f64], factors: &[f64], rows: &[f64], width: usize
             target[at] -= (f0 * r0[at] + f1 * r1[at]) + (f2 * r2[at] + f3 * r3[at]);
         }
     }
-    for number in whole..factors.len() {
+    for (number, factor) in factors.iter().enumerate().skip(whole) {
         for (target, value) in target.iter_mut().zip(row(number)) {
-            *target -= factors[number] * value;
+            *target -= factor * value;
         }
     }
 }
@@ -97,7 +97,7 @@ mod tests {
             let width = order + right;
             // Vanishing pivots on the diagonal ask for exchanges.
             let entry = |r: usize, c: usize| {
-                if r == c && r % 3 == 0 && order > 1 { 0.0 } else { ((r * 31 + c * 17) as f64).sin() + 0.1 }
+                if r == c && r.is_multiple_of(3) && order > 1 { 0.0 } else { ((r * 31 + c * 17) as f64).sin() + 0.1 }
             };
             let matrix: Vec<f64> = (0..order * width).map(|at| entry(at / width, at % width)).collect();
             let mut solved = matrix.clone();

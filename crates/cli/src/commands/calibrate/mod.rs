@@ -231,6 +231,7 @@ fn calibrate(
         input.area_law.clone_from(&fit.details.area_law);
         facts.origin = Some("fit");
         facts.curve = fit.details.area_curve.clone();
+        facts.notes.clear(); // what was said of having no law
     }
     let discrepancy = match discrepancy_of {
         Some(measured) => discrepancy::discrepancy(measured, &input, &facts.curve)?,

@@ -1,8 +1,10 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
 mod covariances;
+mod explanation;
 mod files;
 mod limited;
+mod material;
 mod model;
 mod report;
 mod robust_search;
@@ -11,6 +13,7 @@ mod robustness_report;
 mod sensitivity;
 mod study;
 mod subject;
+mod table;
 mod target_report;
 mod trade_offs;
 
@@ -31,19 +34,17 @@ use slipgrid_springblock::{
 
 pub use report::{DesignReport, StoredDesign};
 
-use super::calibrate::Purpose;
 use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
-use crate::formats::calibration::Calibration;
-use crate::formats::design::{Design, MaterialInput};
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::formats::design::Design;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json};
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
+use explanation::ExplanationReport;
 use files::DesignScene;
 use limited::Limited;
 use model::SteadyCell;
@@ -64,16 +65,20 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
-    let (material, uncertainty) = match &design.material {
-        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
-        MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
-    };
+    let (material, uncertainty) = material::of_design(&design, console)?;
     let (loads, outside) = design.loads(&material)?;
+    let with_table = args.table || design.table;
+    if with_table {
+        table::check(&design)?;
+    }
     timings.material = started.elapsed().as_secs_f64();
 
     let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
+    let mut outputs = Outputs::default();
+    found.explain(&design, console, &mut timings)?;
+    let compared = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
@@ -90,7 +95,6 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
     let exporting = Instant::now();
     let material_report = MaterialReport::from(&material.provenance);
-    let mut outputs = Outputs::default();
     let scene = DesignScene {
         name: &design.name,
         material: &material,
@@ -120,7 +124,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     timings.export = exporting.elapsed().as_secs_f64();
 
     let comparing = Instant::now();
-    let compared = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
+    let weighed = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
     timings.trade_offs = comparing.elapsed().as_secs_f64();
 
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
@@ -149,8 +153,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         violations: best.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
-        trade_offs: compared,
+        trade_offs: weighed,
         reachable: found.reachable.clone(),
+        explanation: found.explanation.clone(),
+        table: compared,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
@@ -181,20 +187,6 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     })
 }
 
-/// The material of the calibration file at `path`, as far as `design` needs it.
-fn calibrated(
-    path: &Path,
-    design: &Design,
-    console: &mut Console<'_>,
-) -> Result<(Material, MaterialUncertainty), CliError> {
-    let calibration = Calibration::read(path)?;
-    // A pressure or condition that was not measured is refused before anything is computed.
-    design.loads(&super::calibrate::provisional(&calibration)?)?;
-    let errors = design.tolerances.is_some();
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
-    super::calibrate::material(path, &calibration, &purpose, console)
-}
-
 /// out/NAME for designs/NAME.toml.
 fn default_folder(design: &Path) -> PathBuf {
     PathBuf::from("out").join(design.file_stem().unwrap_or_else(|| "design".as_ref()))
@@ -217,6 +209,7 @@ struct Rounds {
     predicted: Option<Simulation>,
     confirmed: Option<Simulation>,
     alternatives: Vec<Pattern>,
+    explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
     /// How the best design was chosen, where samples decided.
     choice: Option<RobustChoice>,
@@ -307,6 +300,7 @@ impl Rounds {
             predicted: None,
             confirmed: None,
             alternatives: Vec::new(),
+            explanation: None,
             reachable: Vec::new(),
             choice: None,
         })

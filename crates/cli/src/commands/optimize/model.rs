@@ -1,14 +1,16 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
-use super::limited::Limited;
-use super::study::{Answer, Study};
 use slipgrid_material::{AreaLaw, LocalFriction};
-use slipgrid_optimize::{DesignSpace, ForwardModel, ModelFailure, Response};
+use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Fidelity, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation,
     SolidModel, Status, Unwatched, simulate,
 };
+
+use super::limited::Limited;
+use super::study::{Answer, Study};
+use crate::formats::design::Design;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
@@ -219,6 +221,18 @@ impl SteadyCell {
     pub fn confirmed(&self, simulation: &Simulation) -> Vec<Option<f64>> {
         let value = |load: &LoadOutcome| if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
         simulation.loads.iter().map(value).collect()
+    }
+
+    /// `candidate` by the model as it stands: confirming runs may have corrected it since.
+    #[must_use]
+    pub fn judged(&self, design: &Design, candidate: &Candidate) -> Candidate {
+        let Ok(response) = self.respond(&candidate.design) else { return candidate.clone() };
+        Candidate {
+            design: candidate.design,
+            misfit: design.target.misfit(&response.value),
+            violations: design.constraints.violations(&candidate.design, &response),
+            response,
+        }
     }
 
     /// What `solver`, made of `scene`, says of `design`, corrected.

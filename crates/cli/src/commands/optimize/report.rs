@@ -6,8 +6,10 @@ use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
+use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
+use super::table::TableReport;
 use super::target_report::{GoalReport, TargetReport};
 use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
@@ -62,6 +64,10 @@ pub struct DesignReport {
     pub trade_offs: Option<TradeOffsReport>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
+    /// Which limits and bounds keep designs from a target out of reach; null otherwise.
+    pub explanation: Option<ExplanationReport>,
+    /// Every design of a lattice beside the one found; null unless asked for.
+    pub table: Option<TableReport>,
     /// Other designs that the search's model found to meet the target.
     pub alternatives: Vec<PatternReport>,
     /// Designs that the search's model, or its guide, was asked of.
@@ -140,6 +146,10 @@ pub struct Timings {
     pub flat: f64,
     /// Searching.
     pub search: f64,
+    /// Finding out why the target is out of reach.
+    pub explain: f64,
+    /// The table of designs, where asked for.
+    pub table: f64,
     /// Confirming.
     pub confirm: f64,
     /// Slopes and tolerances at the design.
@@ -233,6 +243,12 @@ impl DesignReport {
                     range.pressure_mpa, range.lowest, range.highest
                 );
             }
+        }
+        for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
+            text += &format!("  why: {reason}\n");
+        }
+        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
+            text += &format!("  {line}\n");
         }
         for broken in &self.violations {
             text += &format!("! {broken}\n");

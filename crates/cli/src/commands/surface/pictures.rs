@@ -35,11 +35,12 @@ pub fn add(
         "map.svg",
         charts::surface_map(&SurfaceMapChart {
             title: &titled("Altitude"),
-            height_um: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
+            values: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
+            unit: "um",
             columns: drawn.cols(),
             side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
-            scale_um: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
-            section_y_um: um((column as f64 + 0.5) * map.dy_m()),
+            scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
+            section_y_um: Some(um((column as f64 + 0.5) * map.dy_m())),
         })?,
     );
 

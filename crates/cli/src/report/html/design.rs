@@ -22,6 +22,7 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
     pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
     uncertainty::trade_offs(&mut page, result, outputs);
+    why(&mut page, result);
     search(&mut page, result);
     material(&mut page, result, outputs);
     model(&mut page, result);
@@ -249,7 +250,83 @@ fn search(page: &mut Page, result: &Value) {
         &["width in µm", "spacing in µm", "depth in µm", "share in %"],
         &alternatives,
     );
+    table(page, result);
     history(page, result);
+}
+
+/// Which limits and bounds keep designs from the target, where it is out of reach.
+fn why(page: &mut Page, result: &Value) {
+    let explanation = &result["explanation"];
+    if !explanation.is_object() {
+        return;
+    }
+    page.heading(2, "Why the target is out of reach");
+    let rows: Vec<Vec<String>> = each(explanation, "binding")
+        .iter()
+        .map(|relief| {
+            let nearest = &relief["nearest"];
+            let suffices = relief["suffices"] == true;
+            vec![
+                text(relief, "what").to_owned(),
+                plain(&relief["limit"]),
+                if suffices { plain(&relief["relaxed"]) } else { number(&relief["relaxed"], 3) },
+                text(relief, "unit").to_owned(),
+                if suffices {
+                    "met".to_owned()
+                } else {
+                    format!("missed by {} tolerances", number(&nearest["misfit"], 2))
+                },
+                lengths(&nearest["design"]),
+            ]
+        })
+        .collect();
+    page.table(
+        "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
+        &["limit or bound", "now", "relaxed to", "unit", "target", "design (width / spacing / depth in µm)"],
+        &rows,
+    );
+    if rows.is_empty() {
+        page.paragraph("", "No single limit or bound is the reason: relaxing each alone brings no design nearer.");
+    }
+    let together = &explanation["together"];
+    if together.is_object() {
+        page.paragraph(
+            "",
+            &format!(
+                "With all of them relaxed together the nearest design, {} µm, misses by {} tolerances.",
+                lengths(&together["design"]),
+                number(&together["misfit"], 2)
+            ),
+        );
+    }
+}
+
+/// Width, spacing and depth of a design.
+fn lengths(design: &Value) -> String {
+    ["width_um", "spacing_um", "depth_um"].map(|key| plain(&design[key])).join(" / ")
+}
+
+/// What a table of designs says of the one found.
+fn table(page: &mut Page, result: &Value) {
+    let table = &result["table"];
+    if !table.is_object() {
+        return;
+    }
+    let verdict = if table["confirms_search"] == true { "None is better than" } else { "One is better than" };
+    page.paragraph(
+        "",
+        &format!(
+            "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict} \
+             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the root-mean-square misfit in \
+             tolerances, or the goal in per cent.",
+            plain(&table["designs"]),
+            plain(&table["feasible"]),
+            plain(&table["meeting"]),
+            number(&table["found_cost"], 3),
+            lengths(&table["best"]["design"]),
+            number(&table["best"]["cost"], 3),
+        ),
+    );
 }
 
 /// The best so far against evaluations, where the result holds it: whatever numbers an entry has.

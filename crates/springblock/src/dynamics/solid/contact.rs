@@ -193,9 +193,9 @@ impl<'a> ContactLayer<'a> {
             piece
         });
         self.holding -= usize::from(block.has_slipped && !had_slipped);
-        for c in 0..2 {
-            self.velocity[c][place] = v[c];
-            self.friction[c][place] = block.friction[c];
+        for (component, (v, friction)) in v.into_iter().zip(block.friction).enumerate() {
+            self.velocity[component][place] = v;
+            self.friction[component][place] = friction;
         }
         // The sum of normal forces counts compressive blocks only.
         self.normal[place] = block.normal.max(0.0);

@@ -1,0 +1,270 @@
+//! Every design of a lattice, so that nobody need believe the search: whole blocks wide and apart, whole bursts deep.
+
+use rayon::prelude::*;
+use serde::Serialize;
+use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
+use slipgrid_pattern::Pattern;
+
+use super::Rounds;
+use super::model::SteadyCell;
+use super::report::Timings;
+use crate::formats::design::Design;
+use crate::formats::target::quantity_name;
+use crate::output::Outputs;
+use crate::progress::Progress;
+use crate::report::simulation::PatternReport;
+use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use crate::{CliError, Console};
+
+/// Step of the depth where no burst gives one, in metres.
+const DEPTH_STEP_M: f64 = 2e-6;
+/// Most designs of a table.
+const MOST_NODES: usize = 1_000_000;
+/// Bounds that are whole steps but for rounding belong to the table.
+const WHOLE: f64 = 1e-6;
+/// A design of the table counts as better where its cost is lower by more: what a search takes for comfortable.
+const BETTER: f64 = slipgrid_optimize::COMFORTABLE_RMS;
+
+/// A table, and what it says of the design found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableReport {
+    /// Designs of the table.
+    pub designs: usize,
+    /// Those that could not be computed.
+    pub failed: usize,
+    /// Those that respect every limit.
+    pub feasible: usize,
+    /// Those that meet the target, too; with a goal, that do what is demanded.
+    pub meeting: usize,
+    /// The best of the table.
+    pub best: NodeReport,
+    /// The best of those within a step of the design found, in each direction; null where there is none.
+    pub neighbour: Option<NodeReport>,
+    /// What the search minimizes, of the design found: root-mean-square misfit in tolerances, or the goal in per cent.
+    pub found_cost: f64,
+    /// No design of the table is better than the one found.
+    pub confirms_search: bool,
+}
+
+/// A design of the table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NodeReport {
+    /// The design.
+    pub design: PatternReport,
+    /// What the search minimizes.
+    pub cost: f64,
+    /// Largest distance from the target, in tolerances.
+    pub misfit: f64,
+    /// It respects every limit.
+    pub feasible: bool,
+}
+
+impl From<&Candidate> for NodeReport {
+    fn from(candidate: &Candidate) -> Self {
+        Self {
+            design: (&candidate.design).into(),
+            cost: candidate.misfit.cost,
+            misfit: candidate.misfit.max,
+            feasible: candidate.violations.is_empty(),
+        }
+    }
+}
+
+/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres.
+fn lattice(design: &Design) -> (Vec<Pattern>, [f64; 3]) {
+    let (space, limits) = (&design.space, &design.constraints.limits);
+    let block_m = design.layer.block_m;
+    let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
+    let axis = |[lower_m, upper_m]: [f64; 2], step_m: f64| -> Vec<f64> {
+        if lower_m == upper_m {
+            return vec![lower_m];
+        }
+        // Bounds are at most a metre: the casts are exact.
+        let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
+        (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect()
+    };
+    let [widths, spacings, depths] =
+        [axis(space.width_m(), steps_m[0]), axis(space.spacing_m(), steps_m[1]), axis(space.depth_m(), steps_m[2])];
+    let makeable = |pattern: &Pattern| limits.violations(pattern).is_empty();
+    let patterns = widths
+        .iter()
+        .flat_map(|width_m| spacings.iter().map(move |spacing_m| (*width_m, *spacing_m)))
+        .flat_map(|(width_m, spacing_m)| depths.iter().map(move |depth_m| (width_m, spacing_m, *depth_m)))
+        .filter_map(|(width_m, spacing_m, depth_m)| Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok())
+        .filter(makeable)
+        .take(MOST_NODES + 1)
+        .collect();
+    (patterns, steps_m)
+}
+
+/// Refuses a table that cannot be made, before anything is computed.
+///
+/// # Errors
+/// [`CliError`] for models in space, and tables of too many designs or none.
+pub fn check(design: &Design) -> Result<(), CliError> {
+    if design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3 {
+        return Err(design.refuse("a table takes the vertical plane: in space it would take hours").into());
+    }
+    match lattice(design).0.len() {
+        0 => Err(design.refuse("no whole blocks and bursts lie within bounds and limits: the table is empty").into()),
+        nodes if nodes > MOST_NODES => {
+            Err(design.refuse(format!("the table has more than {MOST_NODES} designs: narrow the bounds")).into())
+        }
+        _ => Ok(()),
+    }
+}
+
+impl Rounds {
+    /// Compares the design found with every design of a lattice.
+    pub(super) fn compare(
+        &self,
+        design: &Design,
+        console: &Console<'_>,
+        timings: &mut Timings,
+        outputs: &mut Outputs,
+    ) -> Result<Option<TableReport>, CliError> {
+        let Some(best) = &self.best else { return Ok(None) };
+        let best = self.model.judged(design, best);
+        let bar = Progress::start("table", console.quiet);
+        let compared = table(design, &self.model, &best, &bar, outputs);
+        timings.table = bar.finish();
+        compared.map(Some)
+    }
+}
+
+/// Asks `model` of every design of the lattice, adds table.csv, and compares with `found`.
+///
+/// # Errors
+/// [`CliError::Other`] where the model is broken, or can compute no design of the table.
+pub fn table(
+    design: &Design,
+    model: &SteadyCell,
+    found: &Candidate,
+    progress: &Progress,
+    outputs: &mut Outputs,
+) -> Result<TableReport, CliError> {
+    let (patterns, steps_m) = lattice(design);
+    let share = 1.0 / patterns.len() as f64;
+    let answers: Vec<Result<Candidate, ModelFailure>> = patterns
+        .par_iter()
+        .map(|pattern| {
+            let response = model.respond(pattern);
+            slipgrid_springblock::Monitor::advance(progress, share);
+            response.map(|response| Candidate {
+                design: *pattern,
+                misfit: design.target.misfit(&response.value),
+                violations: design.constraints.violations(pattern, &response),
+                response,
+            })
+        })
+        .collect();
+    if let Some(Err(ModelFailure::Broken { reason })) =
+        answers.iter().find(|answer| matches!(answer, Err(ModelFailure::Broken { .. })))
+    {
+        return Err(CliError::Other(reason.clone()));
+    }
+    outputs.add("table.csv", csv(design, &patterns, &answers));
+    let nodes: Vec<&Candidate> = answers.iter().filter_map(|answer| answer.as_ref().ok()).collect();
+    let best = |nodes: &mut dyn Iterator<Item = &Candidate>| {
+        nodes.fold(None, |best: Option<Candidate>, node| match best {
+            Some(best) if !node.is_better_than(&best) => Some(best),
+            _ => Some(node.clone()),
+        })
+    };
+    let Some(leader) = best(&mut nodes.iter().copied()) else {
+        return Err(CliError::Other("no design of the table can be computed".to_owned()));
+    };
+    let lengths = |pattern: &Pattern| [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+    let is_near = |node: &&&Candidate| {
+        let (left, right) = (lengths(&node.design), lengths(&found.design));
+        (0..3).all(|axis| (left[axis] - right[axis]).abs() <= steps_m[axis] * (1.0 + WHOLE))
+    };
+    let neighbour = best(&mut nodes.iter().filter(is_near).copied());
+    let feasible = nodes.iter().filter(|node| node.violations.is_empty()).count();
+    let beats = leader.is_better_than(found) && leader.misfit.cost < found.misfit.cost - BETTER;
+    Ok(TableReport {
+        designs: patterns.len(),
+        failed: patterns.len() - nodes.len(),
+        feasible,
+        meeting: nodes.iter().filter(|node| node.meets_target()).count(),
+        best: (&leader).into(),
+        neighbour: neighbour.as_ref().map(NodeReport::from),
+        found_cost: found.misfit.cost,
+        confirms_search: !beats,
+    })
+}
+
+/// One row a design.
+fn csv(design: &Design, patterns: &[Pattern], answers: &[Result<Candidate, ModelFailure>]) -> String {
+    let quantity = quantity_name(design.target.quantity());
+    let mut text = "width_um,spacing_um,depth_um".to_owned();
+    for point in design.target.points() {
+        text += &format!(",{quantity}_at_{}_mpa", PRESSURE_MPA.from_si(point.pressure_pa));
+    }
+    for limit in &design.constraints.quantities {
+        let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
+        text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
+    }
+    text += ",misfit,cost,feasible\n";
+    for (pattern, answer) in patterns.iter().zip(answers) {
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        text += &format!("{},{},{}", um(pattern.width_m()), um(pattern.spacing_m()), um(pattern.depth_m()));
+        match answer {
+            Ok(node) => {
+                for value in &node.response.value {
+                    text += &format!(",{value:.6}");
+                }
+                for (limit, value) in design.constraints.quantities.iter().zip(&node.response.limited) {
+                    text += &format!(",{}", tidy(value / limit.unit_si));
+                }
+                let feasible = node.violations.is_empty();
+                text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.cost);
+            }
+            Err(_) => {
+                let columns = design.target.points().len() + design.constraints.quantities.len() + 2;
+                text += &format!("{},false\n", ",".repeat(columns));
+            }
+        }
+    }
+    text
+}
+
+impl TableReport {
+    /// What the table says, one line each.
+    #[must_use]
+    pub fn lines(&self, seconds: f64) -> Vec<String> {
+        let at = |node: &NodeReport| {
+            let design = &node.design;
+            format!("{} / {} / {} um", design.width_um, design.spacing_um, design.depth_um)
+        };
+        let mut lines = vec![format!(
+            "table of {} designs in {seconds:.1} s: {} respect every limit, {} of them do what is demanded, {} could not be computed",
+            self.designs, self.feasible, self.meeting, self.failed
+        )];
+        let gain = self.found_cost - self.best.cost;
+        lines.push(if self.confirms_search {
+            format!(
+                "none is better than the design found ({:.3}) by more than {BETTER}: the best is {} ({:.3})",
+                self.found_cost,
+                at(&self.best),
+                self.best.cost
+            )
+        } else {
+            format!(
+                "{} is better than the design found by {gain:.3} ({:.3}, not {:.3})",
+                at(&self.best),
+                self.best.cost,
+                self.found_cost
+            )
+        });
+        if let Some(neighbour) = &self.neighbour {
+            lines.push(format!(
+                "of those within a step of it the best is {} ({:.3}{})",
+                at(neighbour),
+                neighbour.cost,
+                if neighbour.feasible { "" } else { ", beyond a limit" }
+            ));
+        }
+        lines
+    }
+}
