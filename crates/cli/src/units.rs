@@ -76,6 +76,10 @@ impl fmt::Display for Quantity {
 
 /// Lengths of patterns and layers: up to 10 m, where a metre was meant to be a micrometre.
 pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 0.0, true, 1e7);
+/// Standard deviations of lengths.
+pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_least();
+/// Correlations.
+pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, false, 1.0);
 /// Lengths of specimens.
 pub const LENGTH_MM: Quantity = Quantity::new(Scale::Over(1e3), "mm", 0.0, true, 1e4);
 /// Nominal pressures: diamond yields at 100 GPa.

@@ -33,6 +33,7 @@ mod area_law;
 mod elastic;
 mod error;
 mod friction;
+mod modulus;
 
 pub use area_law::{AreaLaw, Piece, THRESHOLD_PRESSURE_PA};
 pub use elastic::Elastic;

@@ -17,6 +17,10 @@
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
+//! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
+//! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
+//! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
+//! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a
@@ -65,14 +69,20 @@ mod guided;
 mod ledger;
 mod linear_steps;
 mod model;
+mod normal;
 mod outcome;
 mod polish;
+mod propagation;
 mod relaxation;
+mod robust;
 mod search;
+mod sensitivity;
 mod sequence;
 mod space;
 mod summary;
 mod target;
+mod trade_offs;
+mod uncertainty;
 
 pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
@@ -80,10 +90,15 @@ pub use guidance::Guidance;
 pub use guided::search_guided;
 pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
+pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
 pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
+pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search};
+pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
+pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, trade_offs};
+pub use uncertainty::{Tolerances, Uncertainty};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and
 /// descending further would only spend evaluations: 0.0002 of a ratio at a tolerance of 0.01.

@@ -156,6 +156,26 @@ impl Axis {
         }
     }
 
+    /// Number of grid values.
+    fn values(&self) -> u64 {
+        match *self {
+            Self::Fixed(_) => 1,
+            Self::Free { first, last, .. } => last - first + 1,
+        }
+    }
+
+    /// The share of the one of `count` grid values that is the `step`-th: evenly spread in t, and each value once
+    /// where `count` is all of them.
+    fn spread(&self, step: u64, count: u64) -> f64 {
+        match *self {
+            Self::Free { first, step: grid_step, .. } if count == self.values() => {
+                self.share(grid_step.at(first + step))
+            }
+            _ if count > 1 => step as f64 / (count - 1) as f64,
+            _ => 0.5,
+        }
+    }
+
     /// The share t of a length; 0 where the axis is fixed.
     fn share(&self, value_m: f64) -> f64 {
         match *self {
@@ -222,6 +242,16 @@ impl Grid {
     /// First and last whole number of bursts, where the depth is free and counted in bursts.
     pub(crate) const fn bursts(&self) -> Option<[u64; 2]> {
         self.bursts
+    }
+
+    /// Number of grid values of an axis.
+    pub(crate) fn values(&self, axis: usize) -> u64 {
+        self.axes[axis].values()
+    }
+
+    /// The share of the `step`-th of `count` values of an axis, evenly spread.
+    pub(crate) fn spread(&self, axis: usize, step: u64, count: u64) -> f64 {
+        self.axes[axis].spread(step, count)
     }
 
     /// Bursts that make `design`.

@@ -281,6 +281,11 @@ impl Target {
         Some(self.demands.iter().zip(residual).map(weighted).collect())
     }
 
+    /// The same asked of `times` responses, one after the other.
+    pub(crate) fn repeated(&self, times: usize) -> Self {
+        Self { demands: self.demands.repeat(times), ..self.clone() }
+    }
+
     /// Misfit of `values`, one per point; further values are ignored.
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {

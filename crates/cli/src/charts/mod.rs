@@ -8,6 +8,7 @@
 //! | [`area_law`] | real contact area and the factor f against pressure |
 //! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
+//! | [`trade_offs`] | designs by two or three goals, with those that no other beats |
 //! | [`tribometer`] | repeats of a test against time, with what was read from them |
 //! | [`surface_map`] | a surface from above, heights as colours |
 //! | [`height_histogram`] | how often heights occur, and the bearing curve |
@@ -31,6 +32,7 @@ mod residuals;
 mod section;
 mod surface_map;
 mod target;
+mod trade_offs;
 mod tribometer;
 mod work_precision;
 
@@ -43,6 +45,7 @@ pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
 pub use surface_map::{SurfaceMapChart, surface_map};
 pub use target::{TargetChart, TargetPoint, target};
+pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 

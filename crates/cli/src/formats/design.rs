@@ -14,9 +14,12 @@ use super::document::Document;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
+use super::material_uncertainty::{MaterialUncertainty, read_uncertainty};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
+use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
+use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
 use super::values::{Number, NumberList, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
@@ -45,6 +48,8 @@ struct DesignFile {
     sample: Spanned<SampleFile>,
     #[serde(default)]
     search: SearchFile,
+    tolerances: Option<TolerancesFile>,
+    trade_offs: Option<Spanned<TradeOffsFile>>,
 }
 
 /// Grooves across the sliding direction, where a design names nothing else.
@@ -68,6 +73,7 @@ struct SearchFile {
     max_seconds: Option<Number>,
     table: Option<bool>,
     from_rest: Option<bool>,
+    robust: Option<Spanned<bool>>,
     dimensions: Option<Spanned<u64>>,
 }
 
@@ -115,8 +121,16 @@ pub struct Design {
     pub table: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
+    /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
+    pub robust: bool,
     /// Dimensions of the model, 2 or 3; what the texture needs when absent.
     pub dimensions: Option<u8>,
+    /// How samples scatter about the design; nothing is said of it when absent.
+    pub tolerances: Option<TolerancesInput>,
+    /// By what designs are compared beside the search; nothing when absent.
+    pub trade_offs: Option<TradeOffsInput>,
+    /// Errors of a material that is given; a calibration finds its own.
+    pub uncertainty: MaterialUncertainty,
     document: Document,
     condition_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
@@ -163,7 +177,8 @@ impl Design {
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
-        let material = read_material_input(&document, &file.material)?;
+        let humidity = condition.map(|condition| condition.humidity);
+        let (material, uncertainty) = read_material_input(&document, &file.material, humidity)?;
         if let MaterialInput::Given(material) = &material {
             read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, material)?;
         }
@@ -175,6 +190,13 @@ impl Design {
                 )?
             }
         };
+        let given = Given {
+            laser: &laser,
+            target: &target,
+            texture: space.texture(),
+            has_tolerances: file.tolerances.is_some(),
+        };
+        let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
         let design = Self {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
@@ -192,7 +214,11 @@ impl Design {
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
             table: file.search.table.unwrap_or(false),
             from_rest: file.search.from_rest.unwrap_or(false),
+            robust: read_robust(&document, &file)?,
             dimensions,
+            tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
+            trade_offs,
+            uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             document,
@@ -224,6 +250,15 @@ impl Design {
     #[must_use]
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
         Diagnostic::file(self.document.path(), reason)
+    }
+}
+
+fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {
+    match &file.search.robust {
+        Some(robust) if *robust.get_ref() && file.tolerances.is_none() => Err(document
+            .refuse(robust.span(), "needs to know how samples scatter")
+            .expected("a table [tolerances] with width_std_um, spacing_std_um or depth_std_um")),
+        robust => Ok(robust.as_ref().is_some_and(|robust| *robust.get_ref())),
     }
 }
 
@@ -308,18 +343,21 @@ fn read_limits(
 fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
-) -> Result<MaterialInput, Diagnostic> {
+    humidity: Option<f64>,
+) -> Result<(MaterialInput, MaterialUncertainty), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
-            read_material(document, table, &material.span()).map(|read| MaterialInput::Given(Box::new(read)))
+            let read = read_material(document, table, &material.span())?;
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(document, table, humidity)?))
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
-            if Document::read(&path)?.has_key("measurements") {
-                Ok(MaterialInput::Calibration(path))
-            } else {
-                read_file(&path).map(|read| MaterialInput::Given(Box::new(read)))
+            let named = Document::read(&path)?;
+            if named.has_key("measurements") {
+                return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
+            let read = read_file(&path)?;
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(&named, &named.parse()?, humidity)?))
         }
     }
 }

@@ -128,16 +128,21 @@ pub fn read_limited(
 
 /// Refuses a limit on a time that cannot be estimated.
 fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), Diagnostic> {
-    let given = [
-        ("laser.spot_um", laser.spot_um),
-        ("laser.repetition_hz", laser.repetition_hz),
-        ("limits.depth_per_burst_um or laser.ablation", laser.depth_per_burst_um),
-    ];
-    let missing: Vec<&str> = given.into_iter().filter_map(|(key, value)| value.is_none().then_some(key)).collect();
+    let missing = missing_for_time(laser);
     if missing.is_empty() {
         return Ok(());
     }
     Err(document
         .refuse(limit.span(), "limits a time that cannot be estimated")
         .expected(format!("{} beside it", missing.join(", "))))
+}
+
+/// Keys without which the time under the laser cannot be estimated.
+pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
+    let given = [
+        ("laser.spot_um", laser.spot_um),
+        ("laser.repetition_hz", laser.repetition_hz),
+        ("limits.depth_per_burst_um or laser.ablation", laser.depth_per_burst_um),
+    ];
+    given.into_iter().filter_map(|(key, value)| value.is_none().then_some(key)).collect()
 }

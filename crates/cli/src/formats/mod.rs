@@ -7,14 +7,17 @@ pub mod document;
 pub mod laser;
 pub mod limits;
 pub mod material;
+pub mod material_uncertainty;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
 pub mod surface;
 pub mod target;
+pub mod tolerances;
 pub mod trace_columns;
 pub mod trace_file;
 pub mod traces;
+pub mod trade_offs;
 pub mod values;
 
 pub use document::Document;

@@ -24,6 +24,18 @@ const LOG_MODULUS_STEP: f64 = 0.02;
 /// Ratios at one humidity from which it has an estimate of its own.
 const FEWEST_AT_HUMIDITY: usize = 3;
 
+/// `calibration` with the patterned measurements that an estimate for `humidity` rests on: those at it, or all where
+/// they are too few.
+#[must_use]
+pub fn narrowed(calibration: &Calibration, humidity: Option<f64>) -> Calibration {
+    let mut narrowed = calibration.clone();
+    narrowed.patterned.retain(|measured| humidity == Some(measured.humidity));
+    if narrowed.patterned.len() < FEWEST_AT_HUMIDITY {
+        narrowed.patterned.clone_from(&calibration.patterned);
+    }
+    narrowed
+}
+
 /// One condition measured on both kinds of sample.
 #[derive(Clone, Copy, Debug)]
 struct Row {

@@ -26,6 +26,7 @@ use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material::read_material;
+use crate::formats::material_uncertainty::{MaterialUncertainty, read_uncertainty};
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::surface::Surface;
@@ -75,6 +76,8 @@ pub struct Purpose {
     pub layer: Layer,
     /// Seed of its local coefficients.
     pub seed: u64,
+    /// The model's error on patterned samples is wanted too.
+    pub errors: bool,
 }
 
 /// Coefficients fitted at one measurement, or for all of them.
@@ -134,7 +137,8 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         check_folder(folder)?;
     }
     let calibration = Calibration::read(&args.calibration)?;
-    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), true, console)?;
+    let calibrated =
+        calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), Some(&calibration), console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
     }
@@ -171,27 +175,34 @@ pub fn provisional(calibration: &Calibration) -> Result<Material, CliError> {
     })
 }
 
-/// The material of a calibration, fitted as far as `purpose` needs it.
+/// The material of a calibration, fitted as far as `purpose` needs it, and with `purpose.errors` what is known of its
+/// errors.
 pub fn material(
     path: &Path,
     calibration: &Calibration,
     purpose: &Purpose,
     console: &mut Console<'_>,
-) -> Result<Material, CliError> {
+) -> Result<(Material, MaterialUncertainty), CliError> {
     let mut needed = calibration.clone();
     if let (Coefficients::PerCondition, Some(condition)) = (calibration.coefficients, &purpose.condition) {
         needed.flat.retain(|measured| {
             condition.matches(&Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity })
         });
     }
-    Ok(calibrate(path, &needed, (purpose.layer, purpose.seed), false, console)?.material)
+    let humidity = purpose.condition.map(|condition| condition.humidity);
+    // Patterned samples at any speed tell of the model's error.
+    let judged = purpose.errors.then(|| discrepancy::narrowed(calibration, humidity));
+    let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), judged.as_ref(), console)?;
+    let document = Document::new(path, calibrated.file);
+    let errors = read_uncertainty(&document, &document.parse()?, humidity)?;
+    Ok((calibrated.material, errors))
 }
 
 fn calibrate(
     path: &Path,
     calibration: &Calibration,
     (layer, seed): (Layer, u64),
-    with_discrepancy: bool,
+    discrepancy_of: Option<&Calibration>,
     console: &mut Console<'_>,
 ) -> Result<Calibrated, CliError> {
     let mut facts = surface_facts(calibration, console)?;
@@ -222,8 +233,10 @@ fn calibrate(
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
-    let discrepancy =
-        if with_discrepancy { discrepancy::discrepancy(calibration, &input, &facts.curve)? } else { None };
+    let discrepancy = match discrepancy_of {
+        Some(measured) => discrepancy::discrepancy(measured, &input, &facts.curve)?,
+        None => None,
+    };
     let file = write::material_toml(calibration, &input, &facts, &fit, discrepancy.as_ref())?;
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());

@@ -5,10 +5,15 @@ mod files;
 mod limited;
 mod model;
 mod report;
+mod robust_search;
+mod robustness;
+mod robustness_report;
+mod sensitivity;
 mod study;
 mod subject;
 mod table;
 mod target_report;
+mod trade_offs;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -33,6 +38,7 @@ use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::calibration::Calibration;
 use crate::formats::design::{Design, MaterialInput};
+use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
@@ -44,8 +50,9 @@ use files::DesignScene;
 use limited::Limited;
 use model::SteadyCell;
 use report::{MisfitReport, ReachableReport, Timings, patterns};
+use robust_search::RobustChoice;
 use study::Study;
-use target_report::GoalReport;
+use target_report::{GoalReport, TargetReport};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -59,8 +66,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
-    let material = match &design.material {
-        MaterialInput::Given(material) => material.as_ref().clone(),
+    let (material, uncertainty) = match &design.material {
+        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
         MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
     };
     let (loads, outside) = design.loads(&material)?;
@@ -75,14 +82,22 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
     found.explain(&design, console, &mut timings)?;
-    let compared = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
+    let table = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
     };
 
-    let exporting = Instant::now();
     let pattern = best.design;
+    let probing = Instant::now();
+    let target: TargetReport = (&design.target).into();
+    let slopes =
+        sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
+    let spread = robustness::of_design(&design, &uncertainty, &about)?;
+    timings.uncertainty = probing.elapsed().as_secs_f64();
+
+    let exporting = Instant::now();
     let material_report = MaterialReport::from(&material.provenance);
     let scene = DesignScene {
         name: &design.name,
@@ -112,6 +127,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     pictures::simulation(&confirming, confirmed, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
+    let comparing = Instant::now();
+    let traded = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
+    timings.trade_offs = comparing.elapsed().as_secs_f64();
+
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_solid = found.model.is_solid();
     let sectioned = Some(&pattern).filter(|_| !is_solid);
@@ -129,16 +148,19 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
         fidelity: found.confirming.fidelity.name(),
         extent: found.confirming.extent.name(),
-        target: (&design.target).into(),
+        target,
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, sectioned, &outside),
         goal: GoalReport::new(&design.target, &best.response.value, found.confirmed_values().as_deref()),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
+        sensitivities: slopes,
+        robustness: spread,
+        trade_offs: traded,
         reachable: found.reachable.clone(),
         explanation: found.explanation.clone(),
-        table: compared,
+        table,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
@@ -170,11 +192,16 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 }
 
 /// The material of the calibration file at `path`, as far as `design` needs it.
-fn calibrated(path: &Path, design: &Design, console: &mut Console<'_>) -> Result<Material, CliError> {
+fn calibrated(
+    path: &Path,
+    design: &Design,
+    console: &mut Console<'_>,
+) -> Result<(Material, MaterialUncertainty), CliError> {
     let calibration = Calibration::read(path)?;
     // A pressure or condition that was not measured is refused before anything is computed.
     design.loads(&super::calibrate::provisional(&calibration)?)?;
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed };
+    let errors = design.tolerances.is_some();
+    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
     super::calibrate::material(path, &calibration, &purpose, console)
 }
 
@@ -202,6 +229,8 @@ struct Rounds {
     alternatives: Vec<Pattern>,
     explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
+    /// How the best design was chosen, where samples decided.
+    choice: Option<RobustChoice>,
 }
 
 /// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
@@ -291,6 +320,7 @@ impl Rounds {
             alternatives: Vec::new(),
             explanation: None,
             reachable: Vec::new(),
+            choice: None,
         })
     }
 
@@ -409,14 +439,16 @@ impl Rounds {
                 search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &progress)
             }
         };
+        let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
         timings.search += bar.finish();
-        let outcome = outcome.map_err(|error| match error {
+        let (outcome, choice) = outcome.map_err(|error| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
                 CliError::Other(error.to_string())
             }
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
+        self.choice = choice;
         self.out_of_time = out_of_time.into_inner();
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {

@@ -1,5 +1,6 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
+use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -143,6 +144,63 @@ impl SteadyCell {
         simulate(&self.scene(design), &Unwatched)
     }
 
+    /// Ratios of `design` where mu_d at each load is larger by `relative_friction` and the area law is another.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn ratios_where(
+        &self,
+        design: &Pattern,
+        relative_friction: &[f64],
+        area_law: Option<AreaLaw>,
+    ) -> Result<Vec<f64>, ModelFailure> {
+        let mut scene = Scene { area_law, ..self.scene.clone() };
+        for (load, by) in scene.loads.iter_mut().zip(relative_friction) {
+            let known = &load.friction;
+            let [static_mean, dynamic_mean] = [known.static_mean(), known.dynamic_mean()].map(|mean| mean * (1.0 + by));
+            load.friction = LocalFriction::new(static_mean, dynamic_mean, known.relative_std())
+                .map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        }
+        let solver = Solver::new(&scene, if self.is_solid() { 3 } else { 2 });
+        Ok(open(Self::answer(&scene, &solver, design)?)?.ratio)
+    }
+
+    /// What the model alone says of `design`: not corrected, not kept.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
+        open(Self::answer(&self.scene, &self.solver, design)?)
+    }
+
+    /// The same material and loads in the vertical plane, without limits.
+    #[must_use]
+    pub fn in_plane(&self) -> Self {
+        let mut scene = self.scene.clone();
+        scene.run.dimensions = Some(2);
+        Self {
+            solver: Solver::new(&scene, 2),
+            guide: None,
+            flat_mu: self.flat_mu.clone(),
+            correction: vec![0.0; scene.loads.len()],
+            limited: Limited::default(),
+            study: Study::default(),
+            scene,
+        }
+    }
+
+    /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself.
+    #[must_use]
+    pub fn flat_mu(&self) -> Option<&[f64]> {
+        self.flat_mu.as_deref()
+    }
+
+    /// The area law that designs are solved with.
+    #[must_use]
+    pub const fn area_law(&self) -> Option<&AreaLaw> {
+        self.scene.area_law.as_ref()
+    }
+
     /// Takes the difference between `confirmed` and what the search took for `predicted` as the
     /// model's error at every design, and returns the largest change of it. Pressures where either is
     /// absent keep their correction.
@@ -215,6 +273,14 @@ impl SteadyCell {
     }
 }
 
+/// The answer of a design whose cavities stay open.
+fn open(answer: Answer) -> Result<Answer, ModelFailure> {
+    if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
+        return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+    }
+    Ok(answer)
+}
+
 impl ForwardModel for SteadyCell {
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
         self.ask(&self.scene, &self.solver, design)
@@ -224,7 +290,7 @@ impl ForwardModel for SteadyCell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_material::Elastic;
     use slipgrid_pattern::Planform;
     use slipgrid_springblock::{Layer, Load};
 

@@ -7,8 +7,11 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
 use super::explanation::ExplanationReport;
+use super::robustness_report::{MEANING, RobustnessReport};
+use super::sensitivity::SensitivityReport;
 use super::table::TableReport;
 use super::target_report::{GoalReport, TargetReport};
+use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
@@ -53,6 +56,12 @@ pub struct DesignReport {
     pub misfit: MisfitReport,
     /// Constraints that the best design breaks.
     pub violations: Vec<String>,
+    /// How the target's quantity moves with the dimensions; null where designs beside it have no response.
+    pub sensitivities: Option<SensitivityReport>,
+    /// What samples made after the design do; null where the design file has no tolerances.
+    pub robustness: Option<RobustnessReport>,
+    /// The designs that no other beats in every goal; null where the design file names no goals.
+    pub trade_offs: Option<TradeOffsReport>,
     /// Lowest and highest value among the designs tried that respect every constraint.
     pub reachable: Vec<ReachableReport>,
     /// Which limits and bounds keep designs from a target out of reach; null otherwise.
@@ -143,6 +152,10 @@ pub struct Timings {
     pub table: f64,
     /// Confirming.
     pub confirm: f64,
+    /// Slopes and tolerances at the design.
+    pub uncertainty: f64,
+    /// Comparing designs by the goals of `[trade_offs]`.
+    pub trade_offs: f64,
     /// Drawing and tabulating.
     pub export: f64,
 }
@@ -214,6 +227,15 @@ impl DesignReport {
                 fixed(self.misfit.confirmed, 2),
             );
         }
+        if let Some(sensitivities) = &self.sensitivities {
+            text += &format!("\n{}\n", sensitivities.text());
+        }
+        if let Some(robustness) = &self.robustness {
+            text += &format!("{}\n", robustness.text());
+        }
+        if let Some(trade_offs) = &self.trade_offs {
+            text += &format!("{}\n", trade_offs.text());
+        }
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
@@ -237,10 +259,13 @@ impl DesignReport {
         for note in &self.model {
             text += &format!("- {note}\n");
         }
+        if self.robustness.is_some() {
+            text += &format!("- {MEANING}\n");
+        }
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, trade-offs {:.1} s, export {:.1} s\n",
             self.evaluations,
             if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
@@ -248,6 +273,8 @@ impl DesignReport {
             timings.flat,
             timings.search,
             timings.confirm,
+            timings.uncertainty,
+            timings.trade_offs,
             timings.export
         );
         text

@@ -5,6 +5,7 @@ use slipgrid_export::NOT_MODELLED;
 
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
+use super::uncertainty;
 use crate::output::Outputs;
 
 /// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
@@ -15,10 +16,13 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     verdict(&mut page, result);
     dimensions(&mut page, result);
     target(&mut page, result, outputs);
+    uncertainty::robustness(&mut page, result);
+    uncertainty::sensitivities(&mut page, result);
     pattern(&mut page, result, outputs);
     pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
     pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
     why(&mut page, result);
+    uncertainty::trade_offs(&mut page, result, outputs);
     search(&mut page, result);
     material(&mut page, result, outputs);
     model(&mut page, result);

@@ -11,6 +11,7 @@
 mod design;
 mod page;
 mod section;
+mod uncertainty;
 mod validation;
 
 pub use design::design;

@@ -15,6 +15,15 @@ fn result() -> serde_json::Value {
             {"pressure_mpa": 2.6, "ratio": 0.8355, "ratio_stderr": 0.0008, "mu_dynamic": 0.23, "cavity_closed": true, "status": "converged"}
         ],
         "misfit": {"predicted": 0.84, "confirmed": null},
+        "sensitivities": {"quantity": "ratio", "step_um": {"width": 5.0, "spacing": 5.0, "depth": null}, "by_pressure": [
+            {"pressure_mpa": 0.65, "per_um": {"width": -3.5e-4, "spacing": 1.2e-4, "depth": null},
+             "error_per_um": {"width": 2e-6, "spacing": 0.0, "depth": null}}]},
+        "robustness": {"method": "sampled", "meaning": "of a mean",
+            "inputs": [{"name": "width", "std": [8.0], "unit": "um", "basis": "b"}],
+            "samples": {"draws": 1000, "failed": 3, "redrawn": 0, "probability": 0.62, "probability_stderr": 0.015, "by_pressure": [
+                {"pressure_mpa": 0.65, "ratio": {"band_95": [0.94, 0.98]}, "mu": {"mean": 0.24, "band_95": [0.23, 0.25]}}]},
+            "parts": [{"of": [{"input": "width", "std": 0.01}]}],
+            "with_discrepancy": {"probability": 0.1, "probability_stderr": 0.01, "factor": [0.85], "by_pressure": []}},
         "history": [{"evaluation": 1, "misfit": 3.0}, {"evaluation": 9, "misfit": 0.5}],
         "material": {"name": "m", "source": "s", "synthetic_surface": true, "notes": ["n"]},
         "model": ["two dimensions"], "laser": {"spot_um": 23.0}, "evaluations": 9, "rounds": 1, "seed": 1
@@ -64,6 +73,10 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "0.9700 ± 0.0100",
         "0.9616 ± 0.0012",
         "0.8355 ± 0.0008",
+        "-3.50 ± 0.02",
+        "62.0 ± 1.5 % of samples",
+        "width 0.0100",
+        "0.9400 to 0.9800",
         "synthetic surface",
         "At 2.6 MPa cavities close",
         "name = &quot;x &lt; y&quot;",

@@ -1,0 +1,161 @@
+use plotters::style::RGBColor;
+
+use super::canvas::{GREY, INK, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::plot::{Axis, Plot};
+use super::{ChartError, check};
+
+/// Designs by two or three goals, each the less the better.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TradeOffsChart<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Titles of the goals with their units: two, or three.
+    pub titles: &'a [&'a str],
+    /// Designs that no other one dominates.
+    pub front: &'a [&'a [f64]],
+    /// Other designs; may be empty.
+    pub others: &'a [&'a [f64]],
+    /// The chosen design.
+    pub chosen: Option<&'a [f64]>,
+    /// A value of the first goal that matters, with a word for what lies left of it.
+    pub limit: Option<(f64, &'a str)>,
+}
+
+/// Height of a panel with its axis, and of title and legend.
+const PANEL_HEIGHT: f64 = 400.0;
+const HEADING: f64 = 76.0;
+/// Half the size of a design that is not on the front, and of one that is.
+const SMALL: f64 = 1.4;
+const LARGE: f64 = 2.6;
+/// Most designs drawn beside the front: more hide each other.
+const MOST_OTHERS: usize = 4000;
+/// Greatest over least value from which an axis is logarithmic.
+const WIDE: f64 = 20.0;
+
+/// Draws the first goal against each of the others, one panel below the other.
+///
+/// # Errors
+/// [`ChartError`] if there is no design, goals differ in number or a value is not finite.
+pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
+    let all = || chart.front.iter().chain(chart.others).copied().chain(chart.chosen);
+    check(chart.title, all().flatten())?;
+    if let Some(odd) = all().find(|goals| goals.len() != chart.titles.len()) {
+        let (left, right) = (chart.titles.len(), odd.len());
+        return Err(ChartError::LengthMismatch { title: chart.title.to_owned(), left, right });
+    }
+    let Some((first, rest)) = chart.titles.split_first().filter(|(_, rest)| !rest.is_empty()) else {
+        return Err(ChartError::Empty { title: chart.title.to_owned() });
+    };
+    let scales: Vec<Scale> = (0..chart.titles.len()).map(|goal| Scale::of(all().map(|goals| goals[goal]))).collect();
+    let spans =
+        all().map(|goals| goals[0]).fold(f64::INFINITY, f64::min)..=all().map(|goals| goals[0]).fold(0.0, f64::max);
+    let [blue, vermilion, ..] = PALETTE;
+    let mut legend = vec![(Swatch::Mark(Mark::Square, blue), "beaten by none in every goal")];
+    if !chart.others.is_empty() {
+        legend.push((Swatch::Mark(Mark::Circle, PALE), "other designs"));
+    }
+    if chart.chosen.is_some() {
+        legend.push((Swatch::Mark(Mark::Diamond, vermilion), "chosen"));
+    }
+    picture(HEADING + PANEL_HEIGHT * rest.len() as f64, |canvas| {
+        let top = canvas.heading(chart.title, &legend)?;
+        for (panel, title) in rest.iter().enumerate() {
+            let goal = panel + 1;
+            let top = top + PANEL_HEIGHT * panel as f64;
+            let place = |goals: &[f64]| [scales[0].at(goals[0]), scales[goal].at(goals[goal])];
+            let axis = |title: &str, goal: usize| scales[goal].axis(title, all().map(|goals| goals[goal]));
+            let frame = [LEFT, top, WIDTH - RIGHT, top + PANEL_HEIGHT - 68.0];
+            let plot = Plot::new(canvas, frame, axis(first, 0), axis(title, goal))?;
+            if let Some((value, word)) = chart.limit.filter(|(value, _)| value.is_finite() && spans.contains(value)) {
+                plot.vertical(scales[0].at(value), word)?;
+            }
+            let dot = |goals: &[f64], half: f64, color: RGBColor| {
+                let [x, y] = plot.at(place(goals));
+                canvas.rectangle([[x - half, y - half], [x + half, y + half]], color, 1.0)
+            };
+            let every = chart.others.len().div_ceil(MOST_OTHERS).max(1);
+            for goals in chart.others.iter().step_by(every) {
+                dot(goals, SMALL, PALE)?;
+            }
+            for goals in chart.front {
+                dot(goals, LARGE, blue)?;
+            }
+            if let Some(goals) = chart.chosen {
+                plot.mark(Mark::Diamond, place(goals), None, 0.0, vermilion)?;
+                plot.mark(Mark::Ring, place(goals), None, 0.0, INK)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Lighter than the axes: designs in the background.
+const PALE: RGBColor = RGBColor(GREY.0 + 80, GREY.1 + 80, GREY.2 + 80);
+
+/// How a goal is drawn.
+#[derive(Clone, Copy)]
+enum Scale {
+    Linear,
+    Logarithmic,
+}
+
+impl Scale {
+    /// Logarithmic where values are positive and span more than a decade.
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let [low, high] = values.fold([f64::INFINITY, 0.0_f64], |[low, high], v| [low.min(v), high.max(v)]);
+        if low > 0.0 && high > WIDE * low { Self::Logarithmic } else { Self::Linear }
+    }
+
+    fn at(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Logarithmic => value.log10(),
+        }
+    }
+
+    fn axis(self, title: &str, values: impl Iterator<Item = f64>) -> Axis {
+        match self {
+            Self::Linear => Axis::around(title, values),
+            Self::Logarithmic => Axis::logarithmic(title, values.map(f64::log10)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_design_of_the_front_and_the_chosen_one_are_drawn() {
+        let front: Vec<&[f64]> = vec![&[0.1, 300.0, 5.0], &[1.0, 30.0, 6.0], &[10.0, 3.0, 4.0]];
+        let others: Vec<&[f64]> = vec![&[5.0, 400.0, 9.0]];
+        let chart = TradeOffsChart {
+            title: "What for what",
+            titles: &["misfit (tolerances)", "time (s)", "pressure (MPa)"],
+            front: &front,
+            others: &others,
+            chosen: Some(&[1.0, 30.0, 6.0]),
+            limit: Some((1.0, "right of it missed")),
+        };
+        let svg = trade_offs(&chart).unwrap();
+        // In each of two panels four dots and a diamond, and the legend's square, circle and diamond.
+        assert_eq!(svg.matches("<rect").count(), 1 + 2 * 4);
+        for text in [
+            "beaten by none in every goal",
+            "chosen",
+            "misfit (tolerances)",
+            "time (s)",
+            "pressure (MPa)",
+            "right of it missed",
+        ] {
+            assert!(svg.contains(&format!("\n{text}\n")), "{text}");
+        }
+        let uneven: Vec<&[f64]> = vec![&[0.1]];
+        assert!(matches!(
+            trade_offs(&TradeOffsChart { front: &uneven, ..chart }),
+            Err(ChartError::LengthMismatch { .. })
+        ));
+        let none = TradeOffsChart { front: &[], others: &[], chosen: None, ..chart };
+        assert!(matches!(trade_offs(&none), Err(ChartError::Empty { .. })));
+    }
+}

@@ -1,0 +1,41 @@
+//! `[search] robust = true`: of the designs that meet the target, the one whose samples miss it least.
+
+use std::ops::ControlFlow;
+
+use slipgrid_optimize::{
+    ForwardModel, RobustOutcome, SearchError, SearchOptions, SearchOutcome, SearchProgress, search_robust,
+};
+use slipgrid_pattern::Pattern;
+
+use super::model::SteadyCell;
+use crate::formats::design::Design;
+
+/// What the last search for a robust design said.
+#[derive(Clone, Debug)]
+pub struct RobustChoice {
+    /// The design that was best on paper.
+    pub nominal: Pattern,
+    /// What was found.
+    pub found: RobustOutcome,
+}
+
+/// Replaces the best design of `outcome` by the robust one, where the design asks for that.
+///
+/// # Errors
+/// As [`search_robust`].
+pub fn choose(
+    design: &Design,
+    model: &SteadyCell,
+    options: &SearchOptions,
+    outcome: SearchOutcome,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<(SearchOutcome, Option<RobustChoice>), SearchError> {
+    let Some(tolerances) = design.tolerances.filter(|_| design.robust) else { return Ok((outcome, None)) };
+    let guide = model.guide();
+    let guide = guide.as_ref().map(|(guide, _)| guide as &dyn ForwardModel);
+    let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
+    let found =
+        search_robust(target, space, constraints, options, &tolerances.tolerances, model, guide, &outcome, progress)?;
+    let choice = RobustChoice { nominal: outcome.best.design, found: found.clone() };
+    Ok((SearchOutcome { best: found.best, ..outcome }, Some(choice)))
+}

@@ -1,0 +1,409 @@
+//! What tolerances of manufacture and errors of the calibration make of a design's friction.
+
+use slipgrid_calibrate::Discrepancy;
+use slipgrid_optimize::{
+    Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
+    propagate,
+};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Load, Simulation};
+
+use super::model::SteadyCell;
+use super::robust_search::RobustChoice;
+use super::robustness_report::{
+    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PartsReport, PressureParts, PressureReport,
+    RobustnessReport, ScatterReport, SpreadReport, distribution,
+};
+use crate::CliError;
+use crate::formats::design::Design;
+use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::formats::tolerances::TolerancesInput;
+use crate::report::simulation::PatternReport;
+use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+
+/// Draws from the first-order model, which cost nothing.
+const LINEAR_DRAWS: usize = 20_000;
+/// Width, spacing, depth: the inputs before the model's parameters.
+const DIMENSIONS: usize = 3;
+
+/// A confirmed design.
+pub struct About<'a> {
+    /// The model of the search.
+    pub model: &'a SteadyCell,
+    /// The design.
+    pub pattern: &'a Pattern,
+    /// Its confirming run: friction is taken to lie about it.
+    pub confirmed: &'a Simulation,
+    /// How it was chosen, where samples decided.
+    pub choice: Option<&'a RobustChoice>,
+}
+
+/// What is propagated through which design.
+struct Request<'a> {
+    about: &'a About<'a>,
+    target: &'a Target,
+    /// Target values are ratios to the flat surface.
+    is_ratio: bool,
+    /// How samples scatter.
+    tolerances: &'a TolerancesInput,
+    /// How well the material is known.
+    material: &'a MaterialUncertainty,
+    /// Relative covariance of the loads' coefficients; `None` where it is not known.
+    friction_covariance: Option<Vec<Vec<f64>>>,
+    /// Seed of the draws.
+    seed: u64,
+}
+
+/// What tolerances and the errors of `material` make of the friction of `design`; `None` where the design file has no
+/// tolerances, or the confirming run has no friction at some pressure.
+///
+/// # Errors
+/// [`CliError::Other`] where no draw can be computed.
+pub fn of_design(
+    design: &Design,
+    material: &MaterialUncertainty,
+    about: &About<'_>,
+) -> Result<Option<RobustnessReport>, CliError> {
+    let Some(tolerances) = &design.tolerances else { return Ok(None) };
+    report(&Request {
+        about,
+        target: &design.target,
+        is_ratio: design.target.quantity() == Quantity::Ratio,
+        tolerances,
+        material,
+        friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+        seed: design.seed,
+    })
+}
+
+/// The model about a confirmed design, with the parameters that are not known exactly.
+struct AboutDesign<'a> {
+    model: &'a SteadyCell,
+    loads: Vec<Load>,
+    is_ratio: bool,
+    /// Confirmed less steady ratio.
+    offset: Vec<f64>,
+    /// Friction of the flat sample in the confirming run.
+    flat_mu: Vec<f64>,
+    parameters: Parameters,
+    discrepancy: Option<&'a Discrepancy>,
+}
+
+/// Of the parameters, row by row.
+type Covariance = Vec<Vec<f64>>;
+
+/// Places of the parameters among the deviations; absent where one is not uncertain.
+#[derive(Clone, Debug, Default)]
+struct Parameters {
+    /// First of the relative errors of flat friction, one per load.
+    friction: Option<usize>,
+    /// The logarithm of Young's modulus.
+    modulus: Option<usize>,
+    /// The area law's factors, in standard errors.
+    law: Option<usize>,
+    /// First of the logarithmic errors of the discrepancy, one per load.
+    discrepancy: Option<usize>,
+    count: usize,
+}
+
+/// Propagates the uncertainties of `request`; `None` where the confirming run has no friction at some pressure.
+fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
+    let failed = |failure: ModelFailure| CliError::Other(format!("tolerances: {failure}"));
+    let Some((about, covariance)) = AboutDesign::new(request).map_err(failed)? else { return Ok(None) };
+    let tolerances = &request.tolerances.tolerances;
+    let refused = |error: SearchError| CliError::Other(format!("tolerances: {error}"));
+    let uncertainty = Uncertainty::new(tolerances, &covariance).map_err(refused)?;
+    let made = Uncertainty::new(tolerances, &vec![vec![0.0; covariance.len()]; covariance.len()]).map_err(refused)?;
+    let first_order = Linearization::new(&about, request.about.pattern, &uncertainty).map_err(failed)?;
+    let is_linear = request.about.model.is_solid();
+    let (sampled, draws): (&dyn UncertainModel, usize) =
+        if is_linear { (&first_order, LINEAR_DRAWS) } else { (&about, request.tolerances.draws) };
+    let drawn = |of: &Uncertainty| propagate(sampled, request.about.pattern, of, draws, request.seed).map_err(failed);
+    let is_known = about.parameters.count > 0;
+    let samples = drawn(&made)?;
+    let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
+    let count = about.loads.len();
+    Ok(Some(RobustnessReport {
+        meaning: MEANING,
+        method: if is_linear { "linearized" } else { "sampled" },
+        inputs: inputs(request, &about, &uncertainty),
+        samples: scatter(request, &about, &samples),
+        with_material: all.as_ref().map(|all| scatter(request, &about, all)),
+        with_discrepancy: about.discrepancy.zip(all.as_ref()).map(|(found, all)| {
+            let spreads = all.spreads();
+            let within = all.probability(|values| is_met(request, &values[2 * count..]));
+            CorrectedReport {
+                factor: about.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
+                probability: is_asked(request).then(|| tidy(within.share)),
+                probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
+                by_pressure: (0..count)
+                    .map(|load| pair(&spreads[2 * count..], request.is_ratio, load, count))
+                    .collect(),
+            }
+        }),
+        parts: parts(&about, &uncertainty, &first_order),
+        optimum: request.about.choice.map(|choice| {
+            // In space a draw costs a tenth of a second.
+            let nominal = (!is_linear)
+                .then(|| propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok())
+                .flatten();
+            OptimumReport {
+                nominal: PatternReport::from(&choice.nominal),
+                nominal_expected_rms: choice.found.nominal_expected.map(|misfit| tidy(misfit.rms)),
+                expected_rms: tidy(choice.found.expected.rms),
+                nominal_probability: nominal
+                    .map(|drawn| tidy(drawn.probability(|values| is_met(request, values)).share)),
+                evaluations: choice.found.evaluations,
+            }
+        }),
+    }))
+}
+
+impl<'a> AboutDesign<'a> {
+    /// The model about the design, and the covariance of its parameters.
+    fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
+        let confirmed: Option<Vec<(f64, f64)>> = request
+            .about
+            .confirmed
+            .loads
+            .iter()
+            .map(|load| Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?)))
+            .collect();
+        let Some(confirmed) = confirmed else { return Ok(None) };
+        let model = request.about.model;
+        let loads = model.scene(request.about.pattern).loads;
+        let count = loads.len();
+        let steady = model.ratios_where(request.about.pattern, &vec![0.0; count], model.area_law().cloned())?;
+        let mut parameters = Parameters::default();
+        let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
+        let mut add = |block: Vec<Vec<f64>>| {
+            let place = parameters.count;
+            parameters.count += block.len();
+            blocks.push(block);
+            Some(place)
+        };
+        let friction = request.friction_covariance.clone().and_then(&mut add);
+        let material = request.material;
+        let modulus_std = material.modulus_relative_std.filter(|std| *std > 0.0 && !material.law_is_fitted);
+        // ln(1 + x) of a relative standard deviation x is x to first order.
+        let modulus = modulus_std.filter(|_| model.area_law().is_some()).and_then(|std| add(vec![vec![std * std]]));
+        let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
+        let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
+        let discrepancy = material.discrepancy.as_ref();
+        let errors = discrepancy.and_then(|found| add(log_covariance(found, &loads)));
+        let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
+        let mut first = 0;
+        for block in &blocks {
+            for (row, entries) in block.iter().enumerate() {
+                covariance[first + row][first..first + block.len()].copy_from_slice(entries);
+            }
+            first += block.len();
+        }
+        parameters = Parameters { friction, modulus, law, discrepancy: errors, ..parameters };
+        let about = Self {
+            model,
+            is_ratio: request.is_ratio,
+            offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
+            flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
+            loads,
+            parameters,
+            discrepancy,
+        };
+        Ok(Some((about, covariance)))
+    }
+
+    /// Ratio and friction at each load, one after the other or the other way round as the target has it.
+    fn ordered(&self, ratio: &[f64], relative_friction: &[f64]) -> Vec<f64> {
+        let mu = ratio.iter().zip(&self.flat_mu).zip(relative_friction).map(|((r, flat), by)| r * flat * (1.0 + by));
+        if self.is_ratio {
+            ratio.iter().copied().chain(mu).collect()
+        } else {
+            mu.chain(ratio.iter().copied()).collect()
+        }
+    }
+}
+
+/// Covariance of the logarithmic errors of corrected ratios at `loads`, at a given Young's modulus: of the fitted
+/// coefficients and of the scatter between conditions, widened for the few of them as Student's t is.
+fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Vec<Vec<f64>> {
+    let rows: Vec<Vec<f64>> = loads.iter().map(|load| row(found, load.pressure_pa)).collect();
+    // The interval's reach over the normal one's.
+    let interval = found.correct(found.reference_pressure_pa, 1.0, 0.0);
+    let widened = (interval.interval[1] / interval.ratio).ln() / (1.959_964 * interval.log_std);
+    let widened = if widened.is_finite() { widened * widened } else { 1.0 };
+    let shared = |left: &[f64], right: &[f64]| {
+        let of_fit: f64 = found
+            .covariance
+            .iter()
+            .zip(left)
+            .map(|(line, l)| l * line.iter().zip(right).map(|(entry, r)| entry * r).sum::<f64>())
+            .sum();
+        widened * of_fit
+    };
+    let own = |i: usize, j: usize| if i == j { widened * found.scatter * found.scatter } else { 0.0 };
+    (0..rows.len()).map(|i| (0..rows.len()).map(|j| shared(&rows[i], &rows[j]) + own(i, j)).collect()).collect()
+}
+
+/// 1 and, where the discrepancy is linear in pressure, (P - P0) / P0.
+fn row(found: &Discrepancy, pressure_pa: f64) -> Vec<f64> {
+    let share = (pressure_pa - found.reference_pressure_pa) / found.reference_pressure_pa;
+    [1.0, share].into_iter().take(found.coefficients.len()).collect()
+}
+
+impl UncertainModel for AboutDesign<'_> {
+    fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let count = self.loads.len();
+        let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
+        let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
+        let log_modulus = at(self.parameters.modulus, 0);
+        let known = self.model.area_law();
+        let mut law = known.cloned();
+        let is_moved = log_modulus != 0.0 || at(self.parameters.law, 0) != 0.0;
+        if let Some(own) = law.as_mut().filter(|_| is_moved) {
+            let trial = |error: slipgrid_material::MaterialError| ModelFailure::Trial { reason: error.to_string() };
+            *own = own.with_factors_off_by(at(self.parameters.law, 0)).at_modulus(log_modulus.exp()).map_err(trial)?;
+        }
+        // The flat sample was measured: mu_d = mu_flat / f(P), whatever the law says.
+        let relative: Vec<f64> = (0..count)
+            .map(|load| {
+                let pressure_pa = self.loads[load].pressure_pa;
+                let factor = |law: Option<&slipgrid_material::AreaLaw>| law.map_or(1.0, |law| law.factor(pressure_pa));
+                (1.0 + flat[load]) * factor(known) / factor(law.as_ref()) - 1.0
+            })
+            .collect();
+        let steady = self.model.ratios_where(design, &relative, law)?;
+        let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
+        let mut values = self.ordered(&ratio, &flat);
+        if let Some(found) = self.discrepancy {
+            let corrected: Vec<f64> = (0..count)
+                .map(|load| {
+                    let pressure_pa = self.loads[load].pressure_pa;
+                    // A stiffer surface would have left the fit less to correct.
+                    let of_fit: f64 =
+                        row(found, pressure_pa).iter().zip(&found.modulus_sensitivity).map(|(x, g)| x * g).sum();
+                    let log = at(self.parameters.discrepancy, load) - of_fit * log_modulus;
+                    ratio[load] * found.factor(pressure_pa) * log.exp()
+                })
+                .collect();
+            values.extend(self.ordered(&corrected, &flat));
+        }
+        Ok(values)
+    }
+}
+
+fn is_met(request: &Request<'_>, values: &[f64]) -> bool {
+    request.target.misfit(&values[..request.target.points().len()]).is_met()
+}
+
+/// Whether anything is demanded that a sample could miss.
+fn is_asked(request: &Request<'_>) -> bool {
+    request.target.has_demands()
+}
+
+fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) -> ScatterReport {
+    let count = about.loads.len();
+    let spreads = found.spreads();
+    let within = found.probability(|values| is_met(request, values));
+    ScatterReport {
+        draws: found.draws(),
+        failed: found.failed,
+        redrawn: found.redrawn,
+        probability: is_asked(request).then(|| tidy(within.share)),
+        probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
+        by_pressure: (0..count)
+            .map(|load| PressureReport {
+                pressure_mpa: PRESSURE_MPA.from_si(about.loads[load].pressure_pa),
+                spread: pair(&spreads, request.is_ratio, load, count),
+            })
+            .collect(),
+    }
+}
+
+/// Ratio and friction at one load.
+fn pair(spreads: &[Spread], is_ratio: bool, load: usize, count: usize) -> SpreadReport {
+    let (first, second) = (distribution(&spreads[load]), distribution(&spreads[count + load]));
+    let (ratio, mu) = if is_ratio { (first, second) } else { (second, first) };
+    SpreadReport { ratio, mu }
+}
+
+/// What each input alone makes of the target's quantity at each load, to first order.
+fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linearization) -> Vec<PressureParts> {
+    let count = about.loads.len();
+    let parameter = |place: Option<usize>, of: usize| place.map(|place| DIMENSIONS + place..DIMENSIONS + place + of);
+    let groups = [
+        ("width", Some(0..1)),
+        ("spacing", Some(1..2)),
+        ("depth", Some(2..3)),
+        ("flat friction", parameter(about.parameters.friction, count)),
+        ("Young's modulus", parameter(about.parameters.modulus, 1)),
+        ("area law", parameter(about.parameters.law, 1)),
+    ];
+    let known: Vec<(&str, Vec<f64>)> = groups
+        .into_iter()
+        .filter_map(|(name, range)| {
+            let range = range.filter(|range| range.clone().any(|input| uncertainty.std(input) > 0.0))?;
+            Some((name, first_order.std_of(uncertainty, &|input| range.contains(&input))))
+        })
+        .collect();
+    let all = first_order.std(uncertainty);
+    (0..count)
+        .map(|load| PressureParts {
+            pressure_mpa: PRESSURE_MPA.from_si(about.loads[load].pressure_pa),
+            std: tidy(all[load]),
+            of: known
+                .iter()
+                .map(|(name, std)| PartsReport { input: (*name).to_owned(), std: tidy(std[load]) })
+                .collect(),
+        })
+        .collect()
+}
+
+/// What scatters, in words and numbers.
+fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertainty) -> Vec<InputReport> {
+    let mut inputs: Vec<InputReport> = Vec::new();
+    for (axis, name) in ["width", "spacing", "depth"].into_iter().enumerate() {
+        let std_um = LENGTH_UM.from_si(uncertainty.std(axis));
+        if std_um > 0.0 {
+            inputs.push(InputReport {
+                name: name.to_owned(),
+                std: vec![std_um],
+                unit: "um",
+                basis: "of a sample's mean, by the design file".to_owned(),
+            });
+        }
+    }
+    let percent = |std: f64| tidy(100.0 * std);
+    if let Some(first) = about.parameters.friction {
+        inputs.push(InputReport {
+            name: "flat friction at each load".to_owned(),
+            std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            unit: "%",
+            basis: "standard errors of the fitted coefficients".to_owned(),
+        });
+    }
+    if let Some(place) = about.parameters.modulus {
+        inputs.push(InputReport {
+            name: "Young's modulus".to_owned(),
+            std: vec![percent(uncertainty.std(DIMENSIONS + place))],
+            unit: "%",
+            basis: "moves the area law along the pressure, flat friction being measured".to_owned(),
+        });
+    }
+    if about.parameters.law.is_some() {
+        inputs.push(InputReport {
+            name: "factors of the area law".to_owned(),
+            std: vec![1.0],
+            unit: "standard errors",
+            basis: "windows of the altitude map, all factors off to the same side".to_owned(),
+        });
+    }
+    if let (Some(first), Some(found)) = (about.parameters.discrepancy, request.material.discrepancy.as_ref()) {
+        inputs.push(InputReport {
+            name: format!("{ON_PATTERNED}, at each load"),
+            std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            unit: "%",
+            basis: format!("{} degrees of freedom; only in the numbers corrected by it", found.degrees_of_freedom),
+        });
+    }
+    inputs
+}

@@ -1,0 +1,263 @@
+//! The spread of a design's friction, as JSON and as text.
+
+use serde::Serialize;
+use slipgrid_optimize::Spread;
+
+use crate::report::Table;
+use crate::report::simulation::PatternReport;
+use crate::report::table::fixed;
+use crate::units::tidy;
+
+/// What `_std_um` means.
+pub const MEANING: &str = "Standard deviations of the dimensions are those of a sample's mean: samples differ by so much, \
+                           and how the cavities of one sample scatter about its mean is averaged away by friction";
+
+/// How the input begins that corrected numbers alone have.
+pub const ON_PATTERNED: &str = "model on patterned samples";
+
+/// What samples made after a design do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RobustnessReport {
+    /// What the standard deviations are of.
+    pub meaning: &'static str,
+    /// `sampled`: the steady model at every draw; `linearized`: its first-order form.
+    pub method: &'static str,
+    /// What scatters, independently but where something else is said.
+    pub inputs: Vec<InputReport>,
+    /// Tolerances alone: how samples of the material as calibrated differ from one another.
+    pub samples: ScatterReport,
+    /// What is not known of the material as well, which all samples share: how far the prediction holds. Null where
+    /// nothing is known of the material's errors.
+    pub with_material: Option<ScatterReport>,
+    /// The same, were the model as far off as on the calibration's patterned samples; null where there are none.
+    pub with_discrepancy: Option<CorrectedReport>,
+    /// Parts of the scatter to first order, one per pressure.
+    pub parts: Vec<PressureParts>,
+    /// How the design was chosen, where it was searched for being robust.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub optimum: Option<OptimumReport>,
+}
+
+/// Draws and what came of them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScatterReport {
+    /// Draws.
+    pub draws: usize,
+    /// Draws that the model could not compute: counted as outside the tolerance.
+    pub failed: usize,
+    /// Draws with a dimension that was not positive: drawn again.
+    pub redrawn: usize,
+    /// Share of what is accepted at all pressures; null where the target has a goal alone.
+    pub probability: Option<f64>,
+    /// Its binomial standard error.
+    pub probability_stderr: Option<f64>,
+    /// One per pressure.
+    pub by_pressure: Vec<PressureReport>,
+}
+
+/// Something that scatters.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InputReport {
+    /// What.
+    pub name: String,
+    /// Standard deviation; one, or one per pressure.
+    pub std: Vec<f64>,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Where it comes from, what it is taken to do.
+    pub basis: String,
+}
+
+/// The spread at one pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressureReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Ratio and friction coefficient.
+    #[serde(flatten)]
+    pub spread: SpreadReport,
+}
+
+/// Parts of the scatter at one pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressureParts {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Standard deviation of the target's quantity to first order.
+    pub std: f64,
+    /// The same of each input alone.
+    pub of: Vec<PartsReport>,
+}
+
+/// What one input alone would do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartsReport {
+    /// The input.
+    pub input: String,
+    /// Standard deviation of the target's quantity.
+    pub std: f64,
+}
+
+/// Ratio and friction coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpreadReport {
+    /// Patterned over flat.
+    pub ratio: Distribution,
+    /// Dynamic friction coefficient.
+    pub mu: Distribution,
+}
+
+/// How a number scatters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Distribution {
+    /// Mean.
+    pub mean: f64,
+    /// Standard error of the mean, from the number of draws.
+    pub mean_stderr: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// Ends of the band that holds 95 % of samples.
+    pub band_95: [f64; 2],
+}
+
+/// Numbers times measured over modelled ratio of patterned samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CorrectedReport {
+    /// Measured over modelled ratio, by pressure.
+    pub factor: Vec<f64>,
+    /// Share of samples of what is accepted at all pressures; null where the target has a goal alone.
+    pub probability: Option<f64>,
+    /// Its binomial standard error.
+    pub probability_stderr: Option<f64>,
+    /// One per pressure.
+    pub by_pressure: Vec<SpreadReport>,
+}
+
+/// The robust optimum beside the nominal one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OptimumReport {
+    /// The design that misses the target least, were it made exactly.
+    pub nominal: PatternReport,
+    /// Root-mean-square misfit over made samples, in tolerances: of that design; null where a
+    /// sample of it cannot be computed.
+    pub nominal_expected_rms: Option<f64>,
+    /// Of the design chosen.
+    pub expected_rms: f64,
+    /// Share of samples of the nominal design within the tolerance at all pressures, drawn alike; null where it could
+    /// not be computed.
+    pub nominal_probability: Option<f64>,
+    /// Designs that the search for it was asked of.
+    pub evaluations: usize,
+}
+
+/// A spread as it is reported.
+pub fn distribution(spread: &Spread) -> Distribution {
+    Distribution {
+        mean: tidy(spread.mean),
+        mean_stderr: tidy(spread.mean_stderr),
+        std: tidy(spread.std),
+        band_95: spread.band.map(tidy),
+    }
+}
+
+impl RobustnessReport {
+    /// The spread as a table with a verdict.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let shown = self.with_material.as_ref().unwrap_or(&self.samples);
+        let mut table = Table::new(["P MPa", "95 % of samples", "and material", "mu", "95 % of mu", "mostly by"]);
+        let band = |found: &Distribution| format!("{:.4}-{:.4}", found.band_95[0], found.band_95[1]);
+        for ((samples, all), parts) in self.samples.by_pressure.iter().zip(&shown.by_pressure).zip(&self.parts) {
+            let largest = parts.of.iter().max_by(|a, b| a.std.total_cmp(&b.std));
+            table.row([
+                samples.pressure_mpa.to_string(),
+                band(&samples.spread.ratio),
+                if self.with_material.is_some() { band(&all.spread.ratio) } else { "-".to_owned() },
+                fixed(Some(all.spread.mu.mean), 4),
+                band(&all.spread.mu),
+                largest.map_or_else(String::new, |part| part.input.clone()),
+            ]);
+        }
+        let names = |is_length: bool| {
+            let named = self.inputs.iter().filter(|input| (input.unit == "um") == is_length);
+            let named = named.filter(|input| !input.name.starts_with(ON_PATTERNED));
+            named.map(InputReport::words).collect::<Vec<_>>().join(", ")
+        };
+        let mut text = format!("  ratio of samples made with {}\n", names(true));
+        text += &format!(
+            "{table}  within the tolerance at all pressures: {}\n",
+            self.samples.words("of samples", self.how())
+        );
+        if let Some(material) = &self.with_material {
+            text +=
+                &format!("  with what is not known of the material ({}): {}\n", names(false), material.words("", ""));
+        }
+        if let Some(corrected) = &self.with_discrepancy {
+            text += &format!(
+                "  were the model as far off as on the calibration's patterned samples (ratios times {}): {}\n",
+                list(&corrected.factor),
+                percent(corrected.probability, corrected.probability_stderr),
+            );
+        }
+        if let Some(optimum) = &self.optimum {
+            text += &optimum.words();
+        }
+        text
+    }
+
+    fn how(&self) -> &'static str {
+        if self.method == "sampled" { "draws of the steady model" } else { "draws of the steady model to first order" }
+    }
+}
+
+fn percent(share: Option<f64>, stderr: Option<f64>) -> String {
+    let [share, stderr] = [share, stderr].map(|number| fixed(number.map(|number| 100.0 * number), 1));
+    format!("{share} +- {stderr} %")
+}
+
+impl InputReport {
+    fn words(&self) -> String {
+        if self.unit == "um" {
+            return format!("{} +- {} um", self.name, self.std[0]);
+        }
+        self.name.clone()
+    }
+}
+
+impl ScatterReport {
+    /// The share in words, of what and by what.
+    fn words(&self, of: &str, by: &str) -> String {
+        let mut words = percent(self.probability, self.probability_stderr);
+        if !of.is_empty() {
+            words += &format!(" {of} ({} {by})", self.draws);
+        }
+        if self.failed > 0 {
+            words += &format!("; {} draws could not be computed and count as outside", self.failed);
+        }
+        if self.redrawn > 0 {
+            words += &format!("; {} without a positive dimension were drawn again", self.redrawn);
+        }
+        words
+    }
+}
+
+impl OptimumReport {
+    fn words(&self) -> String {
+        let nominal = &self.nominal;
+        let share = self
+            .nominal_probability
+            .map_or_else(String::new, |share| format!(", {:.1} % of its samples within the tolerance", 100.0 * share));
+        format!(
+            "  chosen for its samples: expected misfit {:.2} tolerances; the best design on paper, {} / {} / {} um, has {}{share}\n",
+            self.expected_rms,
+            nominal.width_um,
+            nominal.spacing_um,
+            nominal.depth_um,
+            fixed(self.nominal_expected_rms, 2),
+        )
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|value| fixed(Some(*value), 3)).collect::<Vec<_>>().join(", ")
+}

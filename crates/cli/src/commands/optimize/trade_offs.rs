@@ -1,0 +1,284 @@
+//! What can be had for what: the designs of which none is better than another by every goal of `[trade_offs]`.
+
+use serde::Serialize;
+use slipgrid_export::laser_time_s;
+use slipgrid_optimize::{
+    Linearization, ModelFailure, Response, SearchError, Target, TradeOff, TradeOffOptions, TradeOffs, Uncertainty,
+    trade_offs,
+};
+use slipgrid_pattern::Pattern;
+
+use super::limited::Limited;
+use super::model::SteadyCell;
+use super::study::Answer;
+use crate::CliError;
+use crate::charts::{TradeOffsChart, trade_offs as draw};
+use crate::formats::design::Design;
+use crate::formats::trade_offs::{TradeOffGoal, TradeOffsInput};
+use crate::output::Outputs;
+use crate::report::simulation::PatternReport;
+use crate::units::{PRESSURE_MPA, tidy};
+
+/// Designs of the front that a report lists; the table beside it has all.
+const LISTED: usize = 12;
+
+/// The trade-offs as result.json holds them.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TradeOffsReport {
+    /// Columns of trade-offs.csv that designs were compared by.
+    pub goals: Vec<&'static str>,
+    /// The same in words.
+    pub words: Vec<&'static str>,
+    /// Designs compared.
+    pub designs: usize,
+    /// Designs left out: not computable, or beyond a limit.
+    pub left_out: usize,
+    /// Designs that no other one dominates.
+    pub front: usize,
+    /// What the chosen design does by each goal; null where it cannot be compared.
+    pub chosen: Option<Vec<f64>>,
+    /// Whether none of the others is at least as good by every goal and better by one.
+    pub chosen_is_on_front: bool,
+    /// Some of the front, from one end by the first goal to the other.
+    pub listed: Vec<ListedDesign>,
+    /// By what model.
+    pub model: String,
+}
+
+/// A design of the front.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ListedDesign {
+    /// The design.
+    pub design: PatternReport,
+    /// By each goal.
+    pub goals: Vec<f64>,
+}
+
+/// Designs by their vertical section, calibrated at the chosen one.
+struct Plane {
+    cell: SteadyCell,
+    /// The flat sample's friction at each load, or 1 for ratios.
+    scale: Vec<f64>,
+    /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
+    lowering: Vec<f64>,
+    /// Added to values after that.
+    offset: Vec<f64>,
+}
+
+impl Plane {
+    fn new(model: &SteadyCell, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
+        let cell = model.in_plane();
+        let scale = model.flat_mu().map_or_else(|| vec![1.0; value.len()], <[f64]>::to_vec);
+        let mut plane = Self { cell, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
+        let (own, _) = plane.answer(chosen)?;
+        for (load, (value, own)) in value.iter().zip(&own).enumerate() {
+            let scale = plane.scale[load];
+            // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
+            let factor = (1.0 - value / scale) / (1.0 - own / scale);
+            if model.is_solid() && factor.is_finite() && factor > 0.0 {
+                plane.lowering[load] = factor;
+            } else {
+                plane.offset[load] = value - own;
+            }
+        }
+        Ok(plane)
+    }
+
+    /// The target's quantity at each load, and what it was made of.
+    fn answer(&self, design: &Pattern) -> Result<(Vec<f64>, Answer), ModelFailure> {
+        let answer = self.cell.steady(&design.as_groove())?;
+        let value: Vec<f64> = answer
+            .ratio
+            .iter()
+            .enumerate()
+            .map(|(load, ratio)| {
+                let ratio = 1.0 - self.lowering[load] * (1.0 - design.strip_estimate(*ratio));
+                ratio * self.scale[load] + self.offset[load]
+            })
+            .collect();
+        Ok((value, answer))
+    }
+}
+
+/// Compares the designs of `design` by its goals, the chosen one among them, and adds a table and a picture. `value` is
+/// what the search's model says of `chosen`. `None` where nothing is to be compared.
+///
+/// # Errors
+/// [`CliError`] where no design can be compared, or the picture cannot be drawn.
+pub fn report(
+    design: &Design,
+    model: &SteadyCell,
+    chosen: &Pattern,
+    value: &[f64],
+    outputs: &mut Outputs,
+) -> Result<Option<TradeOffsReport>, CliError> {
+    let Some(input) = &design.trade_offs else { return Ok(None) };
+    let failed = |reason: String| CliError::Other(format!("trade-offs: {reason}"));
+    let plane = Plane::new(model, chosen, value).map_err(|failure| failed(failure.to_string()))?;
+    let spread = input.goals.contains(&TradeOffGoal::Spread);
+    let tolerances = design.tolerances.filter(|_| spread).map(|input| input.tolerances);
+    let uncertainty = tolerances
+        .map(|tolerances| Uncertainty::new(&tolerances, &[]))
+        .transpose()
+        .map_err(|error| failed(error.to_string()))?;
+    let limited = Limited::of(design);
+    let goals = |at: &Pattern| goals(design, input, &plane, &limited, uncertainty.as_ref(), at);
+    let options = TradeOffOptions { lattice: input.designs, ..TradeOffOptions::default() };
+    let found = trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals)
+        .map_err(|error: SearchError| failed(error.to_string()))?;
+    outputs.add("trade-offs.csv", csv(input, &found, chosen));
+    let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
+    let chosen_goals = own.map(|known| known.goals.clone());
+    let titles: Vec<&str> = input.goals.iter().map(|goal| goal.words()).collect();
+    outputs.add(
+        "trade-offs.svg",
+        draw(&TradeOffsChart {
+            title: &format!("{}: what can be had for what", design.name),
+            titles: &titles,
+            front: &points(&found.front),
+            others: &points(&found.dominated),
+            chosen: chosen_goals.as_deref(),
+            limit: Some((1.0, "missed beyond")).filter(|_| input.goals[0] == TradeOffGoal::Misfit),
+        })?,
+    );
+    Ok(Some(TradeOffsReport {
+        goals: input.goals.iter().map(|goal| goal.column()).collect(),
+        words: titles,
+        designs: found.front.len() + found.dominated.len(),
+        left_out: found.left_out,
+        front: found.front.len(),
+        chosen: chosen_goals.map(|goals| goals.into_iter().map(tidy).collect()),
+        chosen_is_on_front: found.front.iter().any(|known| known.design == *chosen),
+        listed: listed(&found.front),
+        model: if model.is_solid() {
+            "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
+             the model in space at the chosen design; peak pressures are those of the section"
+                .to_owned()
+        } else {
+            "steady cells in the vertical plane".to_owned()
+        },
+    }))
+}
+
+/// What a design does by each goal.
+fn goals(
+    design: &Design,
+    input: &TradeOffsInput,
+    plane: &Plane,
+    limited: &Limited,
+    uncertainty: Option<&Uncertainty>,
+    at: &Pattern,
+) -> Result<Vec<f64>, ModelFailure> {
+    let (value, answer) = plane.answer(at)?;
+    let limited = limited.values(at, &answer)?;
+    let response = Response { value, limited };
+    if let Some(broken) = design.constraints.violations(at, &response).first() {
+        return Err(ModelFailure::Trial { reason: broken.to_string() });
+    }
+    input
+        .goals
+        .iter()
+        .map(|goal| match goal {
+            TradeOffGoal::Misfit => Ok(design.target.misfit(&response.value).max),
+            TradeOffGoal::LaserTime => laser_time(design, at),
+            TradeOffGoal::PeakPressure => Ok(PRESSURE_MPA.from_si(answer.peak_pressure_pa())),
+            TradeOffGoal::Spread => match uncertainty {
+                Some(uncertainty) => spread(&design.target, plane, uncertainty, at),
+                None => Err(ModelFailure::Broken { reason: "there are no tolerances".to_owned() }),
+            },
+        })
+        .collect()
+}
+
+/// Time under the laser for the specimen, in seconds.
+fn laser_time(design: &Design, at: &Pattern) -> Result<f64, ModelFailure> {
+    let trial = |reason: String| ModelFailure::Trial { reason };
+    let layout = design.outline.layout(*at).map_err(|error| trial(error.to_string()))?;
+    laser_time_s(&layout, &design.laser).ok_or_else(|| trial("the laser's time is not known".to_owned()))
+}
+
+/// Root mean square over pressures of the standard deviation over samples, to first order, in tolerances.
+fn spread(target: &Target, plane: &Plane, uncertainty: &Uncertainty, at: &Pattern) -> Result<f64, ModelFailure> {
+    let model = |made: &Pattern, _: &[f64]| plane.answer(made).map(|(value, _)| value);
+    let std = Linearization::new(&model, at, uncertainty)?.std(uncertainty);
+    let mean_square = std.iter().map(|std| (std / target.tolerance()).powi(2)).sum::<f64>() / std.len() as f64;
+    Ok(mean_square.sqrt())
+}
+
+fn points(designs: &[TradeOff]) -> Vec<&[f64]> {
+    designs.iter().map(|known| &known.goals[..]).collect()
+}
+
+/// Some of the front, evenly by place, both ends among them.
+fn listed(front: &[TradeOff]) -> Vec<ListedDesign> {
+    let most = LISTED.min(front.len());
+    let place = |step: usize| if most > 1 { step * (front.len() - 1) / (most - 1) } else { 0 };
+    (0..most)
+        .map(|step| &front[place(step)])
+        .map(|known| ListedDesign {
+            design: PatternReport::from(&known.design),
+            goals: known.goals.iter().copied().map(tidy).collect(),
+        })
+        .collect()
+}
+
+/// The front as a table, the chosen design with it and marked.
+fn csv(input: &TradeOffsInput, found: &TradeOffs, chosen: &Pattern) -> String {
+    let columns: Vec<&str> = input.goals.iter().map(|goal| goal.column()).collect();
+    let mut text = format!("width_um,spacing_um,depth_um,areal_density,{},on_front,chosen\n", columns.join(","));
+    let own = found.dominated.iter().filter(|known| known.design == *chosen).map(|known| (known, false));
+    for (known, is_on_front) in found.front.iter().map(|known| (known, true)).chain(own) {
+        let design = PatternReport::from(&known.design);
+        let goals: Vec<String> = known.goals.iter().map(|goal| rounded(*goal)).collect();
+        text += &format!(
+            "{},{},{},{},{},{},{}\n",
+            design.width_um,
+            design.spacing_um,
+            design.depth_um,
+            rounded(design.areal_density),
+            goals.join(","),
+            u8::from(is_on_front),
+            u8::from(known.design == *chosen),
+        );
+    }
+    text
+}
+
+/// Six significant digits.
+fn rounded(value: f64) -> String {
+    format!("{value:.5e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
+}
+
+impl TradeOffsReport {
+    /// A line or two for people.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let numbers = |goals: &[f64]| {
+            let told = self.goals.iter().zip(goals).map(|(name, goal)| format!("{name} {}", rounded(*goal)));
+            told.collect::<Vec<_>>().join(", ")
+        };
+        let mut text = format!(
+            "  trade-offs: of {} designs {} are not beaten by another in every goal (trade-offs.csv, trade-offs.svg)\n",
+            self.designs, self.front
+        );
+        let ends = [self.listed.first(), self.listed.last()].into_iter().flatten();
+        for (end, name) in ends.zip(["least by the first goal", "most by the first goal"]) {
+            let design = &end.design;
+            text += &format!(
+                "    {name}: {} / {} / {} um: {}\n",
+                design.width_um,
+                design.spacing_um,
+                design.depth_um,
+                numbers(&end.goals)
+            );
+        }
+        if let Some(chosen) = &self.chosen {
+            text += &format!(
+                "    chosen{}: {}\n",
+                if self.chosen_is_on_front { "" } else { ", beaten by others in these goals" },
+                numbers(chosen)
+            );
+        }
+        text
+    }
+}

@@ -1,0 +1,190 @@
+//! What a material file says of its own errors.
+
+use slipgrid_calibrate::Discrepancy;
+use slipgrid_material::Condition;
+use toml::Spanned;
+
+use super::discrepancy::read_discrepancy;
+use super::document::Document;
+use super::material::{ConditionTable, FrictionFile, MaterialFile};
+use super::values::{NumberList, Numbers, for_each, increasing};
+use crate::diagnostic::Diagnostic;
+use crate::units::{FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S};
+
+/// Errors of a material's numbers, as far as its file has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialUncertainty {
+    /// Fitted dynamic coefficients with their standard errors; empty where a file gives none.
+    friction: Vec<FrictionError>,
+    /// Standard deviation of Young's modulus over itself.
+    pub modulus_relative_std: Option<f64>,
+    /// The area law's scale was fitted to friction: the modulus does not move it.
+    pub law_is_fitted: bool,
+    /// Measured over modelled ratio on patterned samples, for the condition asked for.
+    pub discrepancy: Option<Discrepancy>,
+}
+
+/// A fitted coefficient.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FrictionError {
+    /// `None` where it holds for any.
+    pressure_pa: Option<f64>,
+    condition: Option<Condition>,
+    dynamic_mean: f64,
+    std_error: f64,
+}
+
+/// Reads what `file`, in `document`, says of its errors; the discrepancy for `humidity` where that has one of its own.
+///
+/// # Errors
+/// [`Diagnostic`] for anything refused in it.
+pub fn read_uncertainty(
+    document: &Document,
+    file: &MaterialFile,
+    humidity: Option<f64>,
+) -> Result<MaterialUncertainty, Diagnostic> {
+    let modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
+    let modulus_std_pa = document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
+    let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
+    let discrepancy = file.discrepancy.as_ref().map(|table| read_discrepancy(document, table, humidity)).transpose()?;
+    Ok(MaterialUncertainty {
+        friction: friction_errors(document, file.friction.get_ref())?,
+        modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
+        law_is_fitted: origin == Some("fit"),
+        discrepancy,
+    })
+}
+
+fn friction_errors(document: &Document, file: &FrictionFile) -> Result<Vec<FrictionError>, Diagnostic> {
+    let mut errors = Vec::new();
+    for table in &file.conditions {
+        let ConditionTable { speed_mm_s, humidity_pct, pressure_mpa, dynamic_mean, dynamic_std_error, .. } =
+            table.get_ref();
+        let condition = Condition {
+            speed_m_s: document.number(speed_mm_s, SPEED_MM_S)?,
+            humidity: document.number(humidity_pct, HUMIDITY_PCT)?,
+        };
+        let Some(std_error) = dynamic_std_error else { continue };
+        errors.extend(rows(document, Some(pressure_mpa), dynamic_mean, std_error, Some(condition))?);
+    }
+    if let (Some(dynamic_mean), Some(std_error)) = (&file.dynamic_mean, &file.dynamic_std_error) {
+        errors.extend(rows(document, file.pressure_mpa.as_ref(), dynamic_mean, std_error, None)?);
+    }
+    Ok(errors)
+}
+
+fn rows(
+    document: &Document,
+    pressures: Option<&NumberList>,
+    dynamic_mean: &Spanned<Numbers>,
+    std_error: &Spanned<Numbers>,
+    condition: Option<Condition>,
+) -> Result<Vec<FrictionError>, Diagnostic> {
+    let pressures_pa = pressures.map(|list| increasing(document, list, PRESSURE_MPA)).transpose()?;
+    let count = pressures_pa.as_ref().map_or(1, Vec::len);
+    let means = for_each(document, dynamic_mean, FRICTION, count, "pressure")?;
+    let errors = for_each(document, std_error, FRICTION_STD, count, "pressure")?;
+    let row = |place: usize| FrictionError {
+        pressure_pa: pressures_pa.as_ref().map(|list| list[place]),
+        condition,
+        dynamic_mean: means[place],
+        std_error: errors[place],
+    };
+    Ok((0..count).map(row).collect())
+}
+
+impl MaterialUncertainty {
+    /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,
+    /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
+    /// file has no standard errors for the condition.
+    #[must_use]
+    pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
+        let is_meant = |row: &&FrictionError| match (&row.condition, condition) {
+            (None, _) => true,
+            (Some(own), Some(wanted)) => own.matches(wanted),
+            (Some(_), None) => false,
+        };
+        let known: Vec<&FrictionError> = self.friction.iter().filter(is_meant).collect();
+        let weights: Option<Vec<Vec<f64>>> = pressures_pa.iter().map(|&at_pa| weights(&known, at_pa)).collect();
+        let weights = weights?;
+        let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.dynamic_mean).sum::<f64>();
+        // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
+        let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
+            let shared: f64 =
+                left.iter().zip(right).zip(&known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
+            shared / (mean(left) * mean(right))
+        };
+        Some(weights.iter().map(|left| weights.iter().map(|right| covariance(left, right)).collect()).collect())
+    }
+}
+
+/// The share of each of `known` in the coefficient at a pressure: linear between measurements, the nearest beyond.
+fn weights(known: &[&FrictionError], at_pa: f64) -> Option<Vec<f64>> {
+    let mut weights = vec![0.0; known.len()];
+    let pressure = |place: usize| known[place].pressure_pa;
+    let mut order: Vec<usize> = (0..known.len()).collect();
+    order.sort_by(|&a, &b| pressure(a).unwrap_or(0.0).total_cmp(&pressure(b).unwrap_or(0.0)));
+    let (&first, &last) = (order.first()?, order.last()?);
+    let (Some(first_pa), Some(last_pa)) = (pressure(first), pressure(last)) else {
+        weights[first] = 1.0;
+        return Some(weights);
+    };
+    if at_pa <= first_pa || at_pa >= last_pa {
+        weights[if at_pa <= first_pa { first } else { last }] = 1.0;
+        return Some(weights);
+    }
+    let next = order.partition_point(|&place| pressure(place).is_some_and(|own_pa| own_pa <= at_pa));
+    let (low, high) = (order[next - 1], order[next]);
+    let (low_pa, high_pa) = (pressure(low)?, pressure(high)?);
+    let t = (at_pa - low_pa) / (high_pa - low_pa);
+    (weights[low], weights[high]) = (1.0 - t, t);
+    Some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(friction: &str, more: &str) -> MaterialUncertainty {
+        let text = format!(
+            "youngs_modulus_gpa = 0.4\nyoungs_modulus_std_gpa = 0.1\ndensity_g_cm3 = 0.9\n[friction]\n{friction}\n{more}"
+        );
+        let document = Document::new("m.toml", text);
+        read_uncertainty(&document, &document.parse().unwrap(), Some(0.15)).unwrap()
+    }
+
+    #[test]
+    fn one_pair_is_off_alike_at_every_load() {
+        let known = read("static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005", "");
+        let covariance = known.friction_covariance(&[1e6, 2e6], None).unwrap();
+        assert!(covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15), "{covariance:?}");
+        assert_eq!((known.modulus_relative_std, known.law_is_fitted), (Some(0.25), false));
+        assert_eq!(known.discrepancy, None);
+        let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
+        assert_eq!(silent.friction_covariance(&[1e6], None), None);
+    }
+
+    #[test]
+    fn between_measurements_errors_are_shared() {
+        let known = read(
+            "relative_std = 0.05\n[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\npressure_mpa = [1.0, 2.0]\n\
+             static_mean = 0.3\ndynamic_mean = [0.2, 0.3]\ndynamic_std_error = [0.004, 0.003]",
+            "[area_law]\norigin = \"fit\"\npressure_mpa = [0.7, 2.6]\nfactor = [1.0, 0.9]",
+        );
+        assert!(known.law_is_fitted);
+        let condition = Condition { speed_m_s: 2e-3, humidity: 0.15 };
+        // mu(1.5) = 0.25 with half of each error; mu(0.5) and mu(3) are the ends'.
+        let covariance = known.friction_covariance(&[0.5e6, 1.5e6, 3e6], Some(&condition)).unwrap();
+        let expected = [
+            [4e-4, 0.5 * 1.6e-5 / 0.05, 0.0],
+            [0.5 * 1.6e-5 / 0.05, 0.25 * (1.6e-5 + 9e-6) / 0.0625, 0.5 * 9e-6 / 0.075],
+            [0.0, 0.5 * 9e-6 / 0.075, 1e-4],
+        ];
+        for (row, expected) in covariance.iter().zip(expected) {
+            for (entry, expected) in row.iter().zip(expected) {
+                assert!((entry - expected).abs() < 1e-12, "{covariance:?}");
+            }
+        }
+        assert_eq!(known.friction_covariance(&[1e6], Some(&Condition { humidity: 0.8, ..condition })), None);
+    }
+}

@@ -1,0 +1,184 @@
+//! How far a design's numbers move with its dimensions.
+
+use serde_json::Value;
+
+use super::page::{Page, each, number, plain, text, texts};
+use crate::output::Outputs;
+
+/// Slopes at the design, where the result holds them.
+pub(super) fn sensitivities(page: &mut Page, result: &Value) {
+    let found = &result["sensitivities"];
+    let rows: Vec<Vec<String>> = each(found, "by_pressure")
+        .iter()
+        .map(|row| {
+            let cell = |axis: &str| match (row["per_um"][axis].as_f64(), row["error_per_um"][axis].as_f64()) {
+                (Some(value), Some(error)) => format!("{:.2} ± {:.2}", 1e4 * value, 1e4 * error),
+                _ => "-".to_owned(),
+            };
+            vec![plain(&row["pressure_mpa"]), cell("width"), cell("spacing"), cell("depth")]
+        })
+        .collect();
+    if rows.is_empty() {
+        return;
+    }
+    page.heading(2, "What a micrometre changes");
+    let step = |axis: &str| plain(&found["step_um"][axis]);
+    page.table(
+        &format!(
+            "Change of {} in units of 0.0001 where one dimension grows by 1 µm and the others stay, by the steady model: central \
+             differences over {}, {} and {} µm each way. After ± the distance to differences over twice that.",
+            text(found, "quantity"),
+            step("width"),
+            step("spacing"),
+            step("depth"),
+        ),
+        &["P in MPa", "width", "spacing", "depth"],
+        &rows,
+    );
+}
+
+/// What samples made after the design do, where the result says it.
+pub(super) fn robustness(page: &mut Page, result: &Value) {
+    let found = &result["robustness"];
+    if !found.is_object() {
+        return;
+    }
+    page.heading(2, "What samples will do");
+    let percent = |share: &Value, error: &Value| match (share.as_f64(), error.as_f64()) {
+        (Some(share), Some(error)) => format!("{:.1} ± {:.1} %", 100.0 * share, 100.0 * error),
+        _ => "-".to_owned(),
+    };
+    let how = match text(found, "method") {
+        "sampled" => "draws of the steady model about the confirming run",
+        _ => "draws of the steady model to first order about the confirming run",
+    };
+    let (samples, material, corrected) = (&found["samples"], &found["with_material"], &found["with_discrepancy"]);
+    let within = |of: &Value| percent(&of["probability"], &of["probability_stderr"]);
+    page.paragraph(
+        "",
+        &format!(
+            "Within the tolerance at all pressures: {} of samples of the material as calibrated, by {} {how} ({} could not be \
+             computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
+            within(samples),
+            plain(&samples["draws"]),
+            plain(&samples["failed"]),
+            plain(&samples["redrawn"]),
+        ),
+    );
+    if material.is_object() {
+        page.paragraph(
+            "",
+            &format!("{} with what is not known of the material as well, which all samples share.", within(material)),
+        );
+    }
+    if corrected.is_object() {
+        page.paragraph(
+            "",
+            &format!(
+                "{} if the model is also as far off as on the calibration's patterned samples, which holds for patterns like theirs.",
+                within(corrected),
+            ),
+        );
+    }
+    let band = |spread: &Value| match spread["band_95"].as_array() {
+        Some(ends) if ends.len() == 2 => format!("{} to {}", number(&ends[0], 4), number(&ends[1], 4)),
+        _ => "-".to_owned(),
+    };
+    let shown = if material.is_object() { material } else { samples };
+    let rows: Vec<Vec<String>> = each(samples, "by_pressure")
+        .iter()
+        .enumerate()
+        .map(|(row, at)| {
+            let all = &shown["by_pressure"][row];
+            let parts: Vec<String> = each(&found["parts"][row], "of")
+                .iter()
+                .map(|part| format!("{} {}", text(part, "input"), number(&part["std"], 4)))
+                .collect();
+            vec![
+                plain(&at["pressure_mpa"]),
+                band(&at["ratio"]),
+                band(&all["ratio"]),
+                band(&corrected["by_pressure"][row]["ratio"]),
+                number(&all["mu"]["mean"], 4),
+                band(&all["mu"]),
+                parts.join(", "),
+            ]
+        })
+        .collect();
+    page.table(
+        "Bands hold 95 % of samples. Parts are the standard deviations of the target's quantity that each input alone would cause.",
+        &["P in MPa", "ratio: samples", "with material", "and model", "mu", "mu: with material", "parts"],
+        &rows,
+    );
+    let inputs: Vec<Vec<String>> = each(found, "inputs")
+        .iter()
+        .map(|input| {
+            let std: Vec<String> = each(input, "std").iter().map(|std| number(std, 2)).collect();
+            vec![
+                text(input, "name").to_owned(),
+                std.join(", "),
+                text(input, "unit").to_owned(),
+                text(input, "basis").to_owned(),
+            ]
+        })
+        .collect();
+    page.table("What scatters: standard deviations.", &["input", "std", "unit", "basis"], &inputs);
+    page.paragraph("", &format!("{}.", text(found, "meaning")));
+    let optimum = &found["optimum"];
+    if optimum.is_object() {
+        let nominal = &optimum["nominal"];
+        page.paragraph(
+            "",
+            &format!(
+                "Chosen for made samples: expected misfit {} tolerances (root mean square). The nearest design on paper, {} / {} / {} µm \
+                 (width, spacing, depth), has {}.",
+                number(&optimum["expected_rms"], 2),
+                plain(&nominal["width_um"]),
+                plain(&nominal["spacing_um"]),
+                plain(&nominal["depth_um"]),
+                number(&optimum["nominal_expected_rms"], 2),
+            ),
+        );
+    }
+}
+
+/// Designs that no other beats in every goal, where the result holds them.
+pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
+    let found = &result["trade_offs"];
+    if !found.is_object() {
+        return;
+    }
+    page.heading(2, "What can be had for what");
+    if let Some(svg) = outputs.text("trade-offs.svg") {
+        page.picture(
+            &svg,
+            "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
+        );
+    }
+    let chosen = if found["chosen_is_on_front"] == true {
+        "The chosen design is one of them."
+    } else {
+        "The chosen design is not one of them: the search asks for the target alone."
+    };
+    page.paragraph(
+        "",
+        &format!(
+            "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
+            plain(&found["designs"]),
+            plain(&found["front"]),
+            plain(&found["left_out"]),
+            text(found, "model"),
+        ),
+    );
+    let words = texts(found, "words");
+    let header: Vec<&str> =
+        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(words.iter().map(String::as_str)).collect();
+    let rows: Vec<Vec<String>> = each(found, "listed")
+        .iter()
+        .map(|listed| {
+            let lengths = ["width_um", "spacing_um", "depth_um"].map(|key| plain(&listed["design"][key]));
+            lengths.into_iter().chain(each(listed, "goals").iter().map(|goal| number(goal, 2))).collect()
+        })
+        .collect();
+    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
+}

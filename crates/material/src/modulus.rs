@@ -1,0 +1,111 @@
+//! An area law where Young's modulus, or its own factors, are other than was taken.
+
+use crate::{AreaLaw, MaterialError};
+
+/// A first interval narrower than this share of its pressure is a step, and says nothing of how the area bends.
+const STEP: f64 = 1e-2;
+
+impl AreaLaw {
+    /// The law of the same surface where Young's modulus is larger by `factor`, with the same threshold P0: contact
+    /// area depends on P / E alone, A(P; c E) = A(P / c; E), so that
+    ///
+    /// f(P; c E) = [A(P / c) / A(P0 / c)] / [P / P0] = g(P / c) / g(P0 / c),   g(P) = A(P) / P.
+    ///
+    /// g is f above the threshold; below it, of which a law knows nothing, it goes on straight from the first two
+    /// tabulated pressures. A law that begins with a step is moved along P by c as it is.
+    ///
+    /// # Errors
+    /// [`MaterialError::OutOfRange`] unless `factor` is positive and finite.
+    pub fn at_modulus(&self, factor: f64) -> Result<Self, MaterialError> {
+        if !(factor.is_finite() && factor > 0.0) {
+            let (quantity, expected) = ("factor on Young's modulus", "a positive number");
+            return Err(MaterialError::OutOfRange { quantity, value: factor, expected });
+        }
+        let (p, f) = (self.pressures_pa(), self.factors());
+        let moved = |pressure_pa: &f64| pressure_pa * factor;
+        let is_step = p.len() > 1 && p[1] < p[0] * (1.0 + STEP);
+        if is_step || p.len() < 2 {
+            return Self::new(p.iter().map(moved).collect(), f.to_vec());
+        }
+        let threshold_pa = p[0];
+        let g = |pressure_pa: f64| {
+            if pressure_pa < threshold_pa {
+                f[0] + (f[1] - f[0]) / (p[1] - p[0]) * (pressure_pa - threshold_pa)
+            } else {
+                self.factor(pressure_pa)
+            }
+        };
+        let at_threshold = g(threshold_pa / factor);
+        let (mut pressure_pa, mut factors) = (vec![threshold_pa], vec![1.0]);
+        for (tabulated_pa, own) in p.iter().zip(f) {
+            // A tabulated pressure that comes to lie on the threshold but for rounding is the threshold.
+            if moved(tabulated_pa) > threshold_pa * (1.0 + 1e-9) {
+                pressure_pa.push(moved(tabulated_pa));
+                factors.push(own / at_threshold);
+            }
+        }
+        Self::new(pressure_pa, factors)
+    }
+
+    /// The law with `deviates` standard errors added to every factor at once, none below 0; itself where they are not
+    /// known. That all are off to the same side is the least favourable they can be.
+    #[must_use]
+    pub fn with_factors_off_by(&self, deviates: f64) -> Self {
+        let Some(std) = self.factor_std() else { return self.clone() };
+        let factors = self.factors().iter().zip(std).map(|(f, std)| (f + deviates * std).max(0.0)).collect();
+        // The pressures are those of a law already, and factors that are not negative make one of them.
+        Self::new(self.pressures_pa().to_vec(), factors).unwrap_or_else(|_| self.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A = 1 - exp(-P / 4 MPa E0 / E): concave, with A / P falling from the start.
+    fn area(pressure_pa: f64, modulus: f64) -> f64 {
+        1.0 - (-pressure_pa / (4e6 * modulus)).exp()
+    }
+
+    fn law(modulus: f64) -> AreaLaw {
+        let pressure_pa: Vec<f64> = (1..400).map(|i| 0.05e6 * f64::from(i)).collect();
+        let area: Vec<f64> = pressure_pa.iter().map(|&p| area(p, modulus)).collect();
+        AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
+    }
+
+    #[test]
+    fn the_law_of_a_stiffer_surface_is_that_of_its_own_area_curve() {
+        let known = law(1.0);
+        for factor in [0.6, 0.8, 1.0, 1.25, 1.6] {
+            let moved = known.at_modulus(factor).unwrap();
+            let exact = law(factor);
+            for i in 1..200 {
+                let p = 0.05e6 * f64::from(i);
+                let off = (moved.factor(p) - exact.factor(p)).abs();
+                // Straight on below the threshold: exact above it, and by the curvature of A / P for a stiffer one.
+                let most = if factor <= 1.0 { 3e-5 } else { 1.5e-3 };
+                assert!(off < most, "{factor} {p}: {off}");
+            }
+        }
+        assert_eq!(known.at_modulus(1.0).unwrap(), known);
+        assert!(matches!(known.at_modulus(0.0), Err(MaterialError::OutOfRange { .. })));
+    }
+
+    #[test]
+    fn a_law_with_a_step_moves_along_the_pressure() {
+        let stepped = AreaLaw::new(vec![0.7e6, 2.6e6], vec![0.8, 0.5]).unwrap();
+        let moved = stepped.at_modulus(1.3).unwrap();
+        for p in [0.5e6, 0.9e6, 1.7e6, 4e6] {
+            assert!((moved.factor(1.3 * p) - stepped.factor(p)).abs() < 1e-9, "{p}");
+        }
+    }
+
+    #[test]
+    fn factors_move_by_their_standard_errors() {
+        let law = AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap();
+        assert_eq!(law.with_factors_off_by(2.0), law);
+        let known = law.with_factor_std(vec![0.0, 0.02]).unwrap();
+        assert!((known.with_factors_off_by(-2.0).factor(2.6e6) - 0.86).abs() < 1e-12);
+        assert_eq!(known.with_factors_off_by(-100.0).factor(2.6e6), 0.0);
+    }
+}

@@ -1,0 +1,168 @@
+//! What is not known exactly of a design and of the model's parameters.
+
+use crate::SearchError;
+use crate::sensitivity::AXES;
+
+/// A pivot below this share of the largest variance is zero: inputs that depend on one another.
+const VANISHING: f64 = 1e-12;
+
+/// Standard deviations of the dimensions that are made, about those that are designed: normal, of the mean over a
+/// whole sample. How the cavities of one sample scatter about its mean is no part of it: friction averages over
+/// them, and their scatter enters through the curvature of friction alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tolerances {
+    /// Of width, spacing and depth, in metres.
+    pub std_m: [f64; AXES],
+    /// Correlation of width and spacing: -1 where the pitch is exact.
+    pub width_spacing_correlation: f64,
+}
+
+/// The joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertainty {
+    covariance: Vec<Vec<f64>>,
+    /// Lower triangle L with L L' = covariance.
+    factor: Vec<Vec<f64>>,
+}
+
+impl Uncertainty {
+    /// Of `tolerances` and, independently of them, parameters with `parameter_covariance`.
+    ///
+    /// # Errors
+    /// [`SearchError::OutOfRange`] for a negative or infinite standard deviation, a correlation beyond -1 to 1, or a
+    /// matrix that is no covariance.
+    pub fn new(tolerances: &Tolerances, parameter_covariance: &[Vec<f64>]) -> Result<Self, SearchError> {
+        for value in tolerances.std_m {
+            if !(value.is_finite() && value >= 0.0) {
+                let (quantity, expected) = ("standard deviation of a dimension", "a number that is not negative");
+                return Err(SearchError::OutOfRange { quantity, value, expected });
+            }
+        }
+        let correlation = tolerances.width_spacing_correlation;
+        if !(-1.0..=1.0).contains(&correlation) {
+            let quantity = "correlation of width and spacing";
+            return Err(SearchError::OutOfRange { quantity, value: correlation, expected: "a number from -1 to 1" });
+        }
+        let count = parameter_covariance.len();
+        if let Some(row) = parameter_covariance.iter().find(|row| row.len() != count) {
+            let (quantity, expected) = ("entries in a row of the covariance", "a square matrix");
+            return Err(SearchError::OutOfRange { quantity, value: row.len() as f64, expected });
+        }
+        let mut covariance = vec![vec![0.0; AXES + count]; AXES + count];
+        for (axis, std_m) in tolerances.std_m.iter().enumerate() {
+            covariance[axis][axis] = std_m * std_m;
+        }
+        let shared = correlation * tolerances.std_m[0] * tolerances.std_m[1];
+        (covariance[0][1], covariance[1][0]) = (shared, shared);
+        for (row, entries) in parameter_covariance.iter().enumerate() {
+            covariance[AXES + row][AXES..].copy_from_slice(entries);
+        }
+        let factor = factorized(&covariance)?;
+        Ok(Self { covariance, factor })
+    }
+
+    /// Dimensions and parameters together.
+    #[must_use]
+    pub fn inputs(&self) -> usize {
+        self.covariance.len()
+    }
+
+    /// Standard deviation of one input: width, spacing, depth in metres, then the parameters.
+    #[must_use]
+    pub fn std(&self, input: usize) -> f64 {
+        self.covariance[input][input].sqrt()
+    }
+
+    pub(crate) fn covariance(&self) -> &[Vec<f64>] {
+        &self.covariance
+    }
+
+    /// L z: deviations of the inputs from independent standard normal `z`.
+    pub(crate) fn deviations(&self, z: &[f64]) -> Vec<f64> {
+        self.factor.iter().map(|row| row.iter().zip(z).map(|(l, z)| l * z).sum()).collect()
+    }
+}
+
+/// Cholesky's factor of a covariance that may be singular. Inputs of different units are compared by their own
+/// variances.
+fn factorized(covariance: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, SearchError> {
+    const QUANTITY: &str = "entry of the covariance";
+    const EXPECTED: &str = "a symmetric matrix without negative variances in any direction";
+    let n = covariance.len();
+    let refused = |value: f64| SearchError::OutOfRange { quantity: QUANTITY, value, expected: EXPECTED };
+    let mut factor = vec![vec![0.0; n]; n];
+    for j in 0..n {
+        let own = covariance[j][j];
+        if !own.is_finite() || own < 0.0 {
+            return Err(refused(own));
+        }
+        let pivot = own - factor[j][..j].iter().map(|l| l * l).sum::<f64>();
+        if pivot < -VANISHING.sqrt() * own {
+            return Err(refused(pivot));
+        }
+        let is_free = pivot > VANISHING * own;
+        factor[j][j] = if is_free { pivot.sqrt() } else { 0.0 };
+        for i in j + 1..n {
+            let size = (own * covariance[i][i]).sqrt();
+            let entry = covariance[i][j];
+            if !entry.is_finite() || (entry - covariance[j][i]).abs() > 1e-9 * size {
+                return Err(refused(entry));
+            }
+            let left = entry - (0..j).map(|k| factor[i][k] * factor[j][k]).sum::<f64>();
+            if is_free {
+                factor[i][j] = left / factor[j][j];
+            } else if left.abs() > VANISHING.sqrt() * size {
+                // A variable without variance of its own that still varies with another.
+                return Err(refused(entry));
+            }
+        }
+    }
+    Ok(factor)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tolerances(std_um: [f64; AXES], width_spacing_correlation: f64) -> Tolerances {
+        Tolerances { std_m: std_um.map(|std_um| std_um * 1e-6), width_spacing_correlation }
+    }
+
+    #[test]
+    fn the_factor_gives_the_covariance_back_singular_or_not() {
+        for (correlation, parameters) in [
+            (0.0, vec![]),
+            (-1.0, vec![vec![4e-4]]),
+            (0.5, vec![vec![1e-4, 1e-4, 0.0], vec![1e-4, 1e-4, 0.0], vec![0.0, 0.0, 0.0]]),
+            (1.0, vec![vec![4.0, 1.2], vec![1.2, 1.0]]),
+        ] {
+            let known = Uncertainty::new(&tolerances([8.0, 13.0, 1.3], correlation), &parameters).unwrap();
+            assert_eq!(known.inputs(), 3 + parameters.len());
+            for i in 0..known.inputs() {
+                for j in 0..known.inputs() {
+                    let product: f64 = (0..known.inputs()).map(|k| known.factor[i][k] * known.factor[j][k]).sum();
+                    let size = known.std(i) * known.std(j);
+                    assert!((product - known.covariance[i][j]).abs() <= 1e-9 * size, "{i} {j}");
+                }
+            }
+        }
+        let exact_pitch = Uncertainty::new(&tolerances([8.0, 8.0, 0.0], -1.0), &[]).unwrap();
+        let moved = exact_pitch.deviations(&[1.3, 0.4, 2.0]);
+        assert!((moved[0] + moved[1]).abs() < 1e-15 && moved[2] == 0.0);
+    }
+
+    #[test]
+    fn what_is_no_covariance_is_refused() {
+        let new = |std_um, correlation, parameters: &[Vec<f64>]| {
+            Uncertainty::new(&tolerances(std_um, correlation), parameters)
+        };
+        let refused = |found| matches!(found, Err(SearchError::OutOfRange { .. }));
+        assert!(refused(new([-1.0, 0.0, 0.0], 0.0, &[])));
+        assert!(refused(new([f64::NAN, 0.0, 0.0], 0.0, &[])));
+        assert!(refused(new([1.0; 3], 1.5, &[])));
+        assert!(refused(new([1.0; 3], 0.0, &[vec![1.0, 2.0]])));
+        assert!(refused(new([1.0; 3], 0.0, &[vec![1.0, 2.0], vec![2.0, 1.0]])), "indefinite");
+        assert!(refused(new([1.0; 3], 0.0, &[vec![1.0, 0.5], vec![0.2, 1.0]])), "not symmetric");
+        assert!(refused(new([1.0; 3], 0.0, &[vec![0.0, 0.5], vec![0.5, 1.0]])), "no variance, yet correlated");
+    }
+}
