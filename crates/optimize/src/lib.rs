@@ -16,11 +16,11 @@
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
+//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
 //! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
-//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`SearchError`] | why there was nothing to search |
 //!
 //! The search goes from the whole to the detail. It evaluates the corners of the bounds and a

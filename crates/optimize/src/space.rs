@@ -268,6 +268,15 @@ impl Grid {
         self
     }
 
+    /// The same grid with a free `axis` fixed at its lower or upper end.
+    pub(crate) fn at_end(mut self, axis: usize, is_upper: bool) -> Self {
+        self.axes[axis] = Axis::Fixed(self.axes[axis].at(if is_upper { 1.0 } else { 0.0 }));
+        if axis == 2 {
+            self.bursts = None;
+        }
+        self
+    }
+
     /// The design nearest to the shares `t`, one per axis; shares of fixed axes are ignored.
     pub(crate) fn design(&self, t: &[f64; MOST_DIMENSIONS]) -> Option<Pattern> {
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis].at(t[axis]));

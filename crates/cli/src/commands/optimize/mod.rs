@@ -78,7 +78,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
     found.explain(&design, console, &mut timings)?;
-    let compared = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
+    let table = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
@@ -124,7 +124,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     timings.export = exporting.elapsed().as_secs_f64();
 
     let comparing = Instant::now();
-    let weighed = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
+    let traded = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
     timings.trade_offs = comparing.elapsed().as_secs_f64();
 
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
@@ -153,10 +153,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         violations: best.violations.iter().map(ToString::to_string).collect(),
         sensitivities: slopes,
         robustness: spread,
-        trade_offs: weighed,
+        trade_offs: traded,
         reachable: found.reachable.clone(),
         explanation: found.explanation.clone(),
-        table: compared,
+        table,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,

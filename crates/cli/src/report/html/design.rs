@@ -21,8 +21,8 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     pattern(&mut page, result, outputs);
     pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
     pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
-    uncertainty::trade_offs(&mut page, result, outputs);
     why(&mut page, result);
+    uncertainty::trade_offs(&mut page, result, outputs);
     search(&mut page, result);
     material(&mut page, result, outputs);
     model(&mut page, result);
