@@ -62,6 +62,8 @@ const NEXT_BURSTS: usize = 3;
 /// Target points up to which every one has its extremes sought; beyond, the lowest and highest
 /// pressure and the one missed most.
 const EVERY_EXTREME: usize = 4;
+/// Steps of the grid tried at the end of a search for a goal.
+const MOST_GRID_STEPS: usize = 20;
 /// Share of the remaining evaluations that a stage before the last may spend.
 const STAGE_SHARE: f64 = 0.6;
 
@@ -234,6 +236,29 @@ impl Search<'_> {
         if !self.is_comfortable() {
             let descents = std::mem::take(&mut self.unfinished);
             self.run(descents, Stage::Polishing, self.remaining())?;
+        }
+        if self.has_goal() && !self.is_comfortable() && self.unfinished.is_empty() {
+            self.step_to_the_limits()?;
+        }
+        Ok(())
+    }
+
+    /// Steps of the grid from the best design while they gain: descents keep a little away from constraints.
+    fn step_to_the_limits(&mut self) -> Result<(), Interruption> {
+        for _ in 0..MOST_GRID_STEPS {
+            let Some(best) = self.ledger.best().map(|best| best.design) else { break };
+            let mut unknown = self.grid.neighbours(&best);
+            unknown.retain(|neighbour| !self.ledger.knows(neighbour));
+            if unknown.len() > self.remaining() {
+                return Err(Interruption::Budget);
+            }
+            let evaluator = &self.evaluator;
+            let records: Vec<_> =
+                unknown.par_iter().map(|neighbour| evaluator.evaluate(neighbour, Stage::Polishing)).collect();
+            self.ledger.absorb(records.into_iter().collect::<Result<_, _>>()?);
+            if self.ledger.best().is_some_and(|found| found.design == best) {
+                break;
+            }
         }
         Ok(())
     }
