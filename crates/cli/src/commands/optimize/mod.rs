@@ -48,7 +48,7 @@ use explanation::ExplanationReport;
 use files::DesignScene;
 use limited::Limited;
 use model::SteadyCell;
-use report::{MisfitReport, ReachableReport, Timings, patterns};
+use report::{ImprovementReport, MisfitReport, ReachableReport, Timings, patterns};
 use robust_search::RobustChoice;
 use study::Study;
 use target_report::{GoalReport, TargetReport};
@@ -163,6 +163,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         out_of_time: found.out_of_time,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
+        history: found.history.clone(),
         model,
         material: material_report,
         specimen: (&design.outline).into(),
@@ -211,6 +212,7 @@ struct Rounds {
     alternatives: Vec<Pattern>,
     explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
+    history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     choice: Option<RobustChoice>,
 }
@@ -302,6 +304,7 @@ impl Rounds {
             alternatives: Vec::new(),
             explanation: None,
             reachable: Vec::new(),
+            history: Vec::new(),
             choice: None,
         })
     }
@@ -430,6 +433,12 @@ impl Rounds {
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
+        self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
+            round: self.rounds,
+            evaluation: point.evaluation,
+            misfit: point.misfit.max,
+            feasible: point.feasible,
+        }));
         self.choice = choice;
         self.out_of_time = out_of_time.into_inner();
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
