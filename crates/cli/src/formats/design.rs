@@ -99,6 +99,8 @@ pub struct Design {
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
+    /// The search aims with the material's discrepancy.
+    pub discrepancy: bool,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
     /// What the constraints' quantities are, in their order.
@@ -134,6 +136,7 @@ pub struct Design {
     document: Document,
     condition_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
+    discrepancy_place: std::ops::Range<usize>,
 }
 
 impl Design {
@@ -197,12 +200,14 @@ impl Design {
             has_tolerances: file.tolerances.is_some(),
         };
         let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
+        let discrepancy = file.target.get_ref().discrepancy.as_ref();
         let design = Self {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
             condition,
             target,
             space,
+            discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
             constraints: Constraints { limits, quantities },
             measures,
             laser,
@@ -221,10 +226,16 @@ impl Design {
             uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
+            discrepancy_place: discrepancy.map_or(0..0, Spanned::span),
             document,
         };
         if let MaterialInput::Given(material) = &design.material {
             design.loads(material)?;
+            if design.discrepancy && design.uncertainty.discrepancy.is_none() {
+                return Err(
+                    design.refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks")
+                );
+            }
         }
         Ok(design)
     }
@@ -244,6 +255,15 @@ impl Design {
     #[must_use]
     pub fn pressures_pa(&self) -> Vec<f64> {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
+    }
+
+    /// Refuses to aim with the discrepancy.
+    #[must_use]
+    pub fn refuse_discrepancy(&self, reason: &str) -> Diagnostic {
+        self.document.refuse(self.discrepancy_place.clone(), reason).expected(
+            "a calibration whose [measurements] or [traces] have patterned samples with a [pattern], or the material file \
+             that `slipgrid calibrate` writes of it",
+        )
     }
 
     /// Refuses the design as a whole, for reasons that only a solver or the search finds.

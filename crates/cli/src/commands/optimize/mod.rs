@@ -1,6 +1,8 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod aim;
 mod covariances;
+mod errors;
 mod explanation;
 mod files;
 mod limited;
@@ -74,6 +76,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     timings.material = started.elapsed().as_secs_f64();
 
     let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
+    found.model.aim_with(aim::factors(&design, &uncertainty, &loads));
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
@@ -91,6 +94,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
     let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
     let spread = robustness::of_design(&design, &uncertainty, &about)?;
+    let value = &best.response.value;
+    let errors = errors::of_design(&design, &uncertainty, &about, value, found.confirming.draws)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -148,6 +153,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, sectioned, &outside),
+        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, value, &loads, confirmed),
+        errors,
         goal: GoalReport::new(&design.target, &best.response.value, found.confirmed_values().as_deref()),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
