@@ -207,3 +207,53 @@ fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked()
     assert!((share / (0.01 * 0.5_f64.sqrt()) - 1.0).abs() < 0.1, "{share}");
     assert!(part(&at["ratio"], "discrepancy") > 0.0 && part(&at["ratio"], "Young's modulus") > 0.0);
 }
+
+#[test]
+fn a_target_holds_at_every_condition_named() {
+    let rows = |speed: f64, of: f64| {
+        let (at_rest, sliding) = (0.30 * of, 0.27 * of);
+        format!(
+            "[[material.friction.conditions]]\nspeed_mm_s = {speed}\nhumidity_pct = 15.0\npressure_mpa = [2.6]\n\
+             static_mean = {at_rest}\ndynamic_mean = {sliding}\n"
+        )
+    };
+    let both = format!("{}{}", rows(2.0, 1.0), rows(8.0, 1.2));
+    let named = |tolerance: f64, also_at: &str| {
+        design(&format!("value = 0.17\ntolerance = {tolerance}"), "")
+            .replace("\"ratio\"", "\"mu_dynamic\"")
+            .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{both}"))
+            .replace("[material]\n", &format!("{also_at}[material]\n"))
+    };
+    let condition = "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
+    let also = |speed: f64| format!("{condition}also_at = [{{ speed_mm_s = {speed}, humidity_pct = 15.0 }}]\n");
+    let place = Place::with(&[
+        ("a.toml", &named(0.015, &also(4.0))),
+        ("narrow.toml", &named(0.005, &also(4.0))),
+        ("outside.toml", &named(0.015, &also(9.0))),
+        ("alone.toml", &named(0.015, "also_at = [{ speed_mm_s = 4.0, humidity_pct = 15.0 }]\n")),
+    ]);
+    for (file, says) in [
+        ("narrow.toml", "no design is accepted at all"),
+        ("outside.toml", "no coefficients for 9 mm/s at 15 % humidity, which is not between measured ones"),
+        ("alone.toml", "without the condition that is designed for"),
+    ] {
+        let message = place.refuse(&["optimize", file]);
+        assert!(message.contains(says), "{message}");
+    }
+
+    let told = place.succeed(&["optimize", "a.toml"]);
+    assert!(told.contains("4 mm/s, 15 %: ratio"), "{told}");
+    let found = result(&place, "out/a");
+    // Half way from 2 to 8 mm/s friction is 1.1 times that at 2: [0.155, 0.185] there is up to 0.185 / 1.1 here.
+    let target = &found["target"];
+    assert!((number(&target["lowest"][0]) - 0.155).abs() < 1e-9, "{target}");
+    assert!((number(&target["highest"][0]) - 0.185 / 1.1).abs() < 1e-9, "{target}");
+    let (conditions, confirmed) = (&found["conditions"], &found["confirmed"][0]);
+    assert_eq!((&conditions["held"], &conditions["asked"]["value"][0]), (&Value::from(true), &Value::from(0.17)));
+    let (at, mu) = (&conditions["at"][0], number(&confirmed["mu_dynamic"]));
+    assert!((0.155..=0.185 / 1.1).contains(&mu) && number(&at["misfit"]) <= 1.0, "{mu} {at}");
+    let there = &at["by_pressure"][0];
+    assert!((number(&there["mu"]) / (1.1 * mu) - 1.0).abs() < 0.01, "{mu} {there}");
+    assert!((number(&there["ratio"]) - number(&confirmed["ratio"])).abs() < 0.005, "{there}");
+    assert!(fs::read_to_string(place.path("out/a/report.html")).unwrap().contains("at further conditions"));
+}

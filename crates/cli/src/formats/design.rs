@@ -36,6 +36,7 @@ struct DesignFile {
     name: Option<String>,
     material: Spanned<PathOr<MaterialFile>>,
     condition: Option<Spanned<ConditionFile>>,
+    also_at: Option<Spanned<Vec<ConditionFile>>>,
     target: Spanned<TargetFile>,
     bounds: Spanned<BoundsFile>,
     #[serde(default = "plain_texture")]
@@ -95,6 +96,8 @@ pub struct Design {
     pub material: MaterialInput,
     /// Selects coefficients per condition.
     pub condition: Option<Condition>,
+    /// Further conditions at which the target must hold.
+    pub also_at: Vec<Condition>,
     /// The wanted friction.
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
@@ -135,6 +138,7 @@ pub struct Design {
     pub uncertainty: MaterialUncertainty,
     document: Document,
     condition_place: std::ops::Range<usize>,
+    also_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
     discrepancy_place: std::ops::Range<usize>,
 }
@@ -205,6 +209,7 @@ impl Design {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
             condition,
+            also_at: read_also_at(&document, &file)?,
             target,
             space,
             discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
@@ -225,6 +230,7 @@ impl Design {
             trade_offs,
             uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
+            also_place: file.also_at.as_ref().map_or(0..0, Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             discrepancy_place: discrepancy.map_or(0..0, Spanned::span),
             document,
@@ -247,8 +253,24 @@ impl Design {
     /// pressures if one exceeds its modulus.
     pub fn loads(&self, material: &Material) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
         read_pressures(&self.document, &self.target_pressures, PRESSURE_MPA, material)?;
+        for condition in &self.also_at {
+            self.loads_at(material, condition)?;
+        }
         super::scene::loads(&material.friction, &self.pressures_pa(), self.condition.as_ref())
             .map_err(|error| self.document.refuse(self.condition_place.clone(), error.to_string()))
+    }
+
+    /// The same at a further condition.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the further conditions if `material` has no coefficients for this one.
+    pub fn loads_at(
+        &self,
+        material: &Material,
+        condition: &Condition,
+    ) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
+        super::scene::loads(&material.friction, &self.pressures_pa(), Some(condition))
+            .map_err(|error| self.document.refuse(self.also_place.clone(), error.to_string()))
     }
 
     /// Nominal pressures of the target, in pascals.
@@ -271,6 +293,16 @@ impl Design {
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
         Diagnostic::file(self.document.path(), reason)
     }
+}
+
+fn read_also_at(document: &Document, file: &DesignFile) -> Result<Vec<Condition>, Diagnostic> {
+    let Some(also_at) = &file.also_at else { return Ok(Vec::new()) };
+    if file.condition.is_none() {
+        return Err(document
+            .refuse(also_at.span(), "stands without the condition that is designed for")
+            .expected("condition = { speed_mm_s = ..., humidity_pct = ... } beside it"));
+    }
+    also_at.get_ref().iter().map(|condition| read_condition(document, condition)).collect()
 }
 
 fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {

@@ -19,7 +19,9 @@ pub fn of_design(design: &Design, console: &mut Console<'_>) -> Result<(Material
         MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
         MaterialInput::Calibration(path) => calibrated(path, design, console)?,
     };
-    material.provenance.notes.extend(material.friction.interpolation(design.condition.as_ref()));
+    let conditions = design.condition.iter().chain(&design.also_at);
+    let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
+    material.provenance.notes.extend(interpolated);
     Ok((material, uncertainty))
 }
 
@@ -37,7 +39,13 @@ fn calibrated(
         return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
     }
     let errors = design.tolerances.is_some() || design.discrepancy;
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
+    let purpose = Purpose {
+        condition: design.condition,
+        also_at: &design.also_at,
+        layer: design.layer,
+        seed: design.seed,
+        errors,
+    };
     let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
     if design.discrepancy && uncertainty.discrepancy.is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";

@@ -7,6 +7,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
+use super::conditions::ConditionsReport;
 use super::errors::{ErrorReport, ErrorsReport};
 use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
@@ -58,6 +59,8 @@ pub struct DesignReport {
     /// What patterned samples of the calibration say of the model's error, and what comes of it; null where none are
     /// known.
     pub discrepancy: Option<DiscrepancyReport>,
+    /// What the design does at further conditions; null where none are named.
+    pub conditions: Option<ConditionsReport>,
     /// What became of the goal; null without one.
     pub goal: Option<GoalReport>,
     /// Largest distance from the target in tolerances.
@@ -221,6 +224,9 @@ impl DesignReport {
         text += &format!("  {}\n", self.errors.meaning);
         if let Some(found) = &self.discrepancy {
             text += &found.text();
+        }
+        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
+            text += &format!("  {line}\n");
         }
         if let Some(goal) = &self.goal {
             text += &format!("\n  {}\n", goal.words());

@@ -133,6 +133,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     );
     uncertainty::errors(page, result);
     uncertainty::discrepancy(page, result);
+    uncertainty::conditions(page, result);
     let goal = &result["goal"];
     if goal.is_object() {
         let what = if goal["goal"] == "even" { "least" } else { text(goal, "goal") };
