@@ -61,6 +61,20 @@ fn a_synthetic_material_is_calibrated_from_raw_traces_in_one_command() {
     assert!((found - DISCREPANCY.ln()).abs() < 0.02, "{found}");
     assert_eq!(written["area_law"]["origin"].as_str(), Some("fit"));
 
+    // The design beside it aims with that: a target which the physics alone would miss.
+    let design = fs::read_to_string(folder().join("design.toml")).unwrap();
+    assert!(design.contains("material = \"calibration.toml\""));
+    fs::write(place.path().join("d.toml"), design.replace("\"calibration.toml\"", "\"m.toml\"")).unwrap();
+    let (design, results) = (place.path().join("d.toml"), place.path().join("results"));
+    let (code, out, err) = slipgrid(&["optimize", design.to_str().unwrap(), "-o", results.to_str().unwrap()]);
+    println!("{out}");
+    assert_eq!((code, err.as_str()), (0, ""));
+    let result: Value = serde_json::from_str(&fs::read_to_string(results.join("result.json")).unwrap()).unwrap();
+    let known = &result["discrepancy"];
+    assert_eq!((&known["used"], &known["other_planform"]), (&Value::from(true), &Value::Null));
+    assert!(number(&known["misfit"]["with_discrepancy"]) <= 1.0 && number(&known["misfit"]["physics"]) > 1.0);
+    assert_eq!(result["errors"]["unknown"].as_array().map(Vec::len), Some(0), "{}", result["errors"]);
+
     // The material is one that scenes take.
     let scene = place.path().join("scene.toml");
     let text = "material = \"m.toml\"\n[pattern]\nwidth_um = 100.0\nspacing_um = 300.0\ndepth_um = 20.0\n\

@@ -37,8 +37,10 @@ pub enum MaterialError {
         /// The later one.
         next: f64,
     },
-    /// No measurement was made at the condition asked for.
-    #[error("no coefficients for {speed_mm_s} mm/s at {humidity_pct} % humidity: the material has {available}")]
+    /// The condition asked for lies outside those measured.
+    #[error(
+        "no coefficients for {speed_mm_s} mm/s at {humidity_pct} % humidity, which is not between measured ones: the material has {available}"
+    )]
     UnknownCondition {
         /// Speed asked for, mm/s.
         speed_mm_s: f64,

@@ -1,4 +1,5 @@
 use crate::MaterialError;
+use crate::condition::{Condition, between, round};
 use crate::error::{not_negative, positive};
 
 /// Means and scatter of the local friction coefficients: each contact block draws
@@ -53,33 +54,6 @@ impl LocalFriction {
     }
 }
 
-/// Sliding speed and humidity: what else than pressure a measurement depends on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Condition {
-    /// Sliding speed, in m/s.
-    pub speed_m_s: f64,
-    /// Relative humidity, from 0 to 1.
-    pub humidity: f64,
-}
-
-impl Condition {
-    /// Two conditions are the same when both numbers agree to one part in a million.
-    #[must_use]
-    pub fn matches(&self, other: &Self) -> bool {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-        close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
-    }
-
-    fn in_words(&self) -> String {
-        format!("{} mm/s at {} %", round(self.speed_m_s * 1e3), round(self.humidity * 1e2))
-    }
-}
-
-/// Rounds away what unit conversion left behind, for messages.
-fn round(value: f64) -> f64 {
-    (value * 1e9).round() / 1e9
-}
-
 /// Local coefficients fitted at one condition and one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConditionFriction {
@@ -96,7 +70,8 @@ pub struct ConditionFriction {
 pub enum Friction {
     /// One pair of coefficients for all loads, speeds and humidities.
     Single(LocalFriction),
-    /// Coefficients per condition, linear in nominal pressure between measurements.
+    /// Coefficients per condition, linear in nominal pressure, in the logarithm of speed and in humidity between
+    /// measurements.
     PerCondition(Vec<ConditionFriction>),
 }
 
@@ -114,40 +89,71 @@ impl Friction {
     ///
     /// # Errors
     /// [`MaterialError::ConditionMissing`] or [`MaterialError::UnknownCondition`] where the
-    /// coefficients depend on the condition and it is absent or was not measured.
+    /// coefficients depend on the condition and it is absent or lies outside those measured.
     pub fn at(&self, pressure_pa: f64, condition: Option<&Condition>) -> Result<FrictionAt, MaterialError> {
         let table = match self {
             Self::Single(friction) => return Ok(FrictionAt { friction: *friction, outside_measured_range: false }),
             Self::PerCondition(table) => table,
         };
-        let mut rows: Vec<&ConditionFriction> = Vec::new();
-        for row in table {
-            match (&row.condition, condition) {
-                (None, _) => rows.push(row),
-                (Some(_), None) => return Err(condition_missing(table)),
-                (Some(measured), Some(wanted)) if measured.matches(wanted) => rows.push(row),
-                (Some(_), Some(_)) => {}
-            }
+        let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();
+        // Rows without a condition hold for any; they stand alone.
+        if measured.is_empty() {
+            let rows: Vec<&ConditionFriction> = table.iter().collect();
+            return at_pressure(&rows, pressure_pa).ok_or_else(|| unknown_condition(table, condition));
         }
-        rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
-        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
-            return Err(unknown_condition(table, condition));
-        };
-        // A pressure within a part in a million of an end counts as that end.
-        let margin_pa = 1e-6 * pressure_pa.abs();
-        if pressure_pa <= first.pressure_pa {
-            let outside = pressure_pa < first.pressure_pa - margin_pa;
-            return Ok(FrictionAt { friction: first.friction, outside_measured_range: outside });
+        let wanted = condition.ok_or_else(|| condition_missing(table))?;
+        let shares = between(&measured, wanted).ok_or_else(|| unknown_condition(table, condition))?;
+        let mut mixed: Option<FrictionAt> = None;
+        let mut total = 0.0;
+        for (own, share) in shares {
+            let is_own = |row: &&ConditionFriction| row.condition.is_none_or(|condition| condition.matches(&own));
+            let rows: Vec<&ConditionFriction> = table.iter().filter(is_own).collect();
+            let at = at_pressure(&rows, pressure_pa).ok_or_else(|| unknown_condition(table, condition))?;
+            total += share;
+            // (1 - t) a + t b with t = s_n / (s_1 + ... + s_n), one after the other: sum of s_i x_i
+            mixed = Some(mixed.map_or(at, |before| FrictionAt {
+                friction: before.friction.interpolate(&at.friction, share / total),
+                outside_measured_range: before.outside_measured_range || at.outside_measured_range,
+            }));
         }
-        if pressure_pa >= last.pressure_pa {
-            let outside = pressure_pa > last.pressure_pa + margin_pa;
-            return Ok(FrictionAt { friction: last.friction, outside_measured_range: outside });
-        }
-        let next = rows.partition_point(|row| row.pressure_pa <= pressure_pa);
-        let (low, high) = (rows[next - 1], rows[next]);
-        let t = (pressure_pa - low.pressure_pa) / (high.pressure_pa - low.pressure_pa);
-        Ok(FrictionAt { friction: low.friction.interpolate(&high.friction, t), outside_measured_range: false })
+        mixed.ok_or_else(|| unknown_condition(table, condition))
     }
+
+    /// What coefficients under `condition` are made of where it was not measured itself: measured conditions about it, in
+    /// words; `None` where nothing is interpolated.
+    #[must_use]
+    pub fn interpolation(&self, condition: Option<&Condition>) -> Option<String> {
+        let Self::PerCondition(table) = self else { return None };
+        let measured: Vec<Condition> = table.iter().filter_map(|row| row.condition).collect();
+        let shares = between(&measured, condition?).filter(|shares| shares.len() > 1)?;
+        let each = shares.iter().map(|(own, share)| format!("{} ({:.2})", own.in_words(), share));
+        Some(format!(
+            "coefficients at {} are interpolated, linear in the logarithm of speed and in humidity, between those measured at {}",
+            condition?.in_words(),
+            each.collect::<Vec<_>>().join(", ")
+        ))
+    }
+}
+
+/// Coefficients at a pressure from `rows` of one condition; `None` without any.
+fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<FrictionAt> {
+    let mut rows = rows.to_vec();
+    rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    let (first, last) = (rows.first()?, rows.last()?);
+    // A pressure within a part in a million of an end counts as that end.
+    let margin_pa = 1e-6 * pressure_pa.abs();
+    if pressure_pa <= first.pressure_pa {
+        let outside = pressure_pa < first.pressure_pa - margin_pa;
+        return Some(FrictionAt { friction: first.friction, outside_measured_range: outside });
+    }
+    if pressure_pa >= last.pressure_pa {
+        let outside = pressure_pa > last.pressure_pa + margin_pa;
+        return Some(FrictionAt { friction: last.friction, outside_measured_range: outside });
+    }
+    let next = rows.partition_point(|row| row.pressure_pa <= pressure_pa);
+    let (low, high) = (rows[next - 1], rows[next]);
+    let t = (pressure_pa - low.pressure_pa) / (high.pressure_pa - low.pressure_pa);
+    Some(FrictionAt { friction: low.friction.interpolate(&high.friction, t), outside_measured_range: false })
 }
 
 fn condition_missing(table: &[ConditionFriction]) -> MaterialError {
@@ -188,6 +194,27 @@ mod tests {
         assert!(!at(1.5e6).outside_measured_range && !at(2e6).outside_measured_range);
         assert!(at(2.1e6).outside_measured_range && at(2.1e6).friction.dynamic_mean() == 0.3);
         assert!(at(0.9e6).outside_measured_range && at(0.9e6).friction.dynamic_mean() == 0.2);
+    }
+
+    #[test]
+    fn between_conditions_coefficients_are_linear_in_the_logarithm_of_speed() {
+        let friction = Friction::PerCondition(vec![
+            row(1e6, 1.0, 0.2),
+            row(2e6, 1.0, 0.3),
+            row(1e6, 4.0, 0.3),
+            row(3e6, 4.0, 0.5),
+        ]);
+        let at = |speed_m_s, pressure_pa| friction.at(pressure_pa, Some(&Condition { speed_m_s, humidity: 0.15 }));
+        let middle = at(2e-3, 1.5e6).unwrap();
+        // Half of 0.25 and half of 0.35.
+        assert!((middle.friction.dynamic_mean() - 0.3).abs() < 1e-12 && !middle.outside_measured_range);
+        assert!((middle.friction.static_mean() - 0.33).abs() < 1e-12 && middle.friction.relative_std() == 0.05);
+        // A pressure beyond those of one of the two is outside.
+        assert!(at(2e-3, 2.5e6).unwrap().outside_measured_range && !at(4e-3, 2.5e6).unwrap().outside_measured_range);
+        assert!(at(0.9e-3, 1.5e6).is_err() && at(4.1e-3, 1.5e6).is_err());
+        let said = |speed_m_s| friction.interpolation(Some(&Condition { speed_m_s, humidity: 0.15 }));
+        assert!(said(2e-3).unwrap().contains("1 mm/s at 15 % (0.50), 4 mm/s at 15 % (0.50)"));
+        assert_eq!(said(4e-3), None);
     }
 
     #[test]

@@ -30,15 +30,17 @@
 //! ```
 
 mod area_law;
+mod condition;
 mod elastic;
 mod error;
 mod friction;
 mod modulus;
 
 pub use area_law::{AreaLaw, Piece, THRESHOLD_PRESSURE_PA};
+pub use condition::{Condition, between};
 pub use elastic::Elastic;
 pub use error::MaterialError;
-pub use friction::{Condition, ConditionFriction, Friction, FrictionAt, LocalFriction};
+pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};
 
 /// Where a material's values came from.
 #[derive(Clone, Debug, Default, PartialEq)]

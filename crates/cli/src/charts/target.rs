@@ -13,7 +13,7 @@ pub struct TargetChart<'a> {
     pub target: &'a [TargetPoint],
     /// Predicted: nominal pressure in MPa and value.
     pub predicted: &'a [[f64; 2]],
-    /// Confirmed: nominal pressure in MPa and value with its standard error.
+    /// Confirmed: nominal pressure in MPa and value with its standard deviation.
     pub confirmed: &'a [(f64, Estimate)],
     /// The flat surface in the same quantity: nominal pressure in MPa and value. May be empty.
     pub flat: &'a [[f64; 2]],
@@ -70,7 +70,7 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     }
     if !chart.confirmed.is_empty() {
         let bars = chart.confirmed.iter().any(|(_, estimate)| estimate.error.is_some());
-        let label = if bars { "confirmed ± standard error" } else { "confirmed" };
+        let label = if bars { "confirmed ± one standard deviation" } else { "confirmed" };
         legend.push((Swatch::Mark(Mark::Square, vermilion), label));
     }
     if !chart.flat.is_empty() {
@@ -151,7 +151,7 @@ mod tests {
         let confirmed = [(0.65, Estimate { value: 0.971, error: Some(0.002) })];
         let full = TargetChart { predicted: &[[0.65, 0.972]], confirmed: &confirmed, flat: &[[0.65, 1.0]], ..bare };
         let svg = target(&full).unwrap();
-        assert!(svg.contains("\npredicted\n") && svg.contains("\nconfirmed ± standard error\n"));
+        assert!(svg.contains("\npredicted\n") && svg.contains("\nconfirmed ± one standard deviation\n"));
         assert!(svg.contains("\nflat surface\n"));
         // One point of the target is drawn as well.
         assert!(target(&TargetChart { target: &TARGET[..1], ..full }).is_ok());

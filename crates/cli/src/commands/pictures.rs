@@ -176,10 +176,13 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
         wanted.pressure_mpa.iter().zip(&report.predicted_value).map(|(&pressure, &value)| [pressure, value]).collect();
     predicted.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut confirmed: Vec<(f64, Estimate)> = report
-        .confirmed
+        .target
+        .pressure_mpa
         .iter()
-        .filter_map(|load| {
-            Some((load.pressure_mpa, Estimate { value: report.value(load)?, error: report.stderr(load) }))
+        .enumerate()
+        .filter_map(|(row, &pressure_mpa)| {
+            let found = report.confirmed_at(row)?;
+            Some((pressure_mpa, Estimate { value: found.value?, error: found.std }))
         })
         .collect();
     confirmed.sort_by(|a, b| a.0.total_cmp(&b.0));

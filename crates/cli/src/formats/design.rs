@@ -36,6 +36,7 @@ struct DesignFile {
     name: Option<String>,
     material: Spanned<PathOr<MaterialFile>>,
     condition: Option<Spanned<ConditionFile>>,
+    also_at: Option<Spanned<Vec<ConditionFile>>>,
     target: Spanned<TargetFile>,
     bounds: Spanned<BoundsFile>,
     #[serde(default = "plain_texture")]
@@ -95,10 +96,14 @@ pub struct Design {
     pub material: MaterialInput,
     /// Selects coefficients per condition.
     pub condition: Option<Condition>,
+    /// Further conditions at which the target must hold.
+    pub also_at: Vec<Condition>,
     /// The wanted friction.
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
+    /// The search aims with the material's discrepancy.
+    pub discrepancy: bool,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
     /// What the constraints' quantities are, in their order.
@@ -133,7 +138,9 @@ pub struct Design {
     pub uncertainty: MaterialUncertainty,
     document: Document,
     condition_place: std::ops::Range<usize>,
+    also_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
+    discrepancy_place: std::ops::Range<usize>,
 }
 
 impl Design {
@@ -197,12 +204,15 @@ impl Design {
             has_tolerances: file.tolerances.is_some(),
         };
         let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
+        let discrepancy = file.target.get_ref().discrepancy.as_ref();
         let design = Self {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
             condition,
+            also_at: read_also_at(&document, &file)?,
             target,
             space,
+            discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
             constraints: Constraints { limits, quantities },
             measures,
             laser,
@@ -220,11 +230,18 @@ impl Design {
             trade_offs,
             uncertainty,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
+            also_place: file.also_at.as_ref().map_or(0..0, Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
+            discrepancy_place: discrepancy.map_or(0..0, Spanned::span),
             document,
         };
         if let MaterialInput::Given(material) = &design.material {
             design.loads(material)?;
+            if design.discrepancy && design.uncertainty.discrepancy.is_none() {
+                return Err(
+                    design.refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks")
+                );
+            }
         }
         Ok(design)
     }
@@ -236,8 +253,24 @@ impl Design {
     /// pressures if one exceeds its modulus.
     pub fn loads(&self, material: &Material) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
         read_pressures(&self.document, &self.target_pressures, PRESSURE_MPA, material)?;
+        for condition in &self.also_at {
+            self.loads_at(material, condition)?;
+        }
         super::scene::loads(&material.friction, &self.pressures_pa(), self.condition.as_ref())
             .map_err(|error| self.document.refuse(self.condition_place.clone(), error.to_string()))
+    }
+
+    /// The same at a further condition.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the further conditions if `material` has no coefficients for this one.
+    pub fn loads_at(
+        &self,
+        material: &Material,
+        condition: &Condition,
+    ) -> Result<(Vec<slipgrid_springblock::Load>, Vec<bool>), Diagnostic> {
+        super::scene::loads(&material.friction, &self.pressures_pa(), Some(condition))
+            .map_err(|error| self.document.refuse(self.also_place.clone(), error.to_string()))
     }
 
     /// Nominal pressures of the target, in pascals.
@@ -246,11 +279,30 @@ impl Design {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
 
+    /// Refuses to aim with the discrepancy.
+    #[must_use]
+    pub fn refuse_discrepancy(&self, reason: &str) -> Diagnostic {
+        self.document.refuse(self.discrepancy_place.clone(), reason).expected(
+            "a calibration whose [measurements] or [traces] have patterned samples with a [pattern], or the material file \
+             that `slipgrid calibrate` writes of it",
+        )
+    }
+
     /// Refuses the design as a whole, for reasons that only a solver or the search finds.
     #[must_use]
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
         Diagnostic::file(self.document.path(), reason)
     }
+}
+
+fn read_also_at(document: &Document, file: &DesignFile) -> Result<Vec<Condition>, Diagnostic> {
+    let Some(also_at) = &file.also_at else { return Ok(Vec::new()) };
+    if file.condition.is_none() {
+        return Err(document
+            .refuse(also_at.span(), "stands without the condition that is designed for")
+            .expected("condition = { speed_mm_s = ..., humidity_pct = ... } beside it"));
+    }
+    also_at.get_ref().iter().map(|condition| read_condition(document, condition)).collect()
 }
 
 fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {

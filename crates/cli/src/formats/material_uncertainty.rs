@@ -1,7 +1,7 @@
 //! What a material file says of its own errors.
 
 use slipgrid_calibrate::Discrepancy;
-use slipgrid_material::Condition;
+use slipgrid_material::{Condition, between};
 use toml::Spanned;
 
 use super::discrepancy::read_discrepancy;
@@ -24,6 +24,8 @@ pub struct MaterialUncertainty {
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, for the condition asked for.
     pub discrepancy: Option<Discrepancy>,
+    /// The patterned samples behind it, in words.
+    pub discrepancy_pattern: Option<String>,
 }
 
 /// A fitted coefficient.
@@ -55,6 +57,7 @@ pub fn read_uncertainty(
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancy,
+        discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
 }
 
@@ -118,14 +121,28 @@ impl MaterialUncertainty {
     /// file has no standard errors for the condition.
     #[must_use]
     pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
-        let is_meant = |row: &&FrictionError| match (&row.condition, condition) {
-            (None, _) => true,
-            (Some(own), Some(wanted)) => own.matches(wanted),
-            (Some(_), None) => false,
+        let measured: Vec<Condition> = self.friction.iter().filter_map(|row| row.condition).collect();
+        let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
+            vec![(None, 1.0)]
+        } else {
+            between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
         };
-        let known: Vec<&FrictionError> = self.friction.iter().filter(is_meant).collect();
-        let weights: Option<Vec<Vec<f64>>> = pressures_pa.iter().map(|&at_pa| weights(&known, at_pa)).collect();
-        let weights = weights?;
+        let is_of = |row: &&FrictionError, own: &Option<Condition>| match (&row.condition, own) {
+            (Some(condition), Some(own)) => condition.matches(own),
+            (condition, own) => condition.is_none() && own.is_none(),
+        };
+        let groups: Vec<(Vec<&FrictionError>, f64)> = shares
+            .iter()
+            .map(|(own, share)| (self.friction.iter().filter(|row| is_of(row, own)).collect(), *share))
+            .collect();
+        let known: Vec<&FrictionError> = groups.iter().flat_map(|(rows, _)| rows.iter().copied()).collect();
+        let at = |at_pa: f64| -> Option<Vec<f64>> {
+            let each = groups.iter().map(|(rows, share)| {
+                Some(weights(rows, at_pa)?.into_iter().map(|weight| share * weight).collect::<Vec<f64>>())
+            });
+            Some(each.collect::<Option<Vec<_>>>()?.concat())
+        };
+        let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
         let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.dynamic_mean).sum::<f64>();
         // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
         let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
@@ -222,5 +239,20 @@ mod tests {
             }
         }
         assert_eq!(known.friction_covariance(&[1e6], Some(&Condition { humidity: 0.8, ..condition })), None);
+    }
+
+    #[test]
+    fn between_conditions_errors_are_shared_too() {
+        let condition = |speed: f64, mean: f64, error: f64| {
+            format!(
+                "[[friction.conditions]]\nspeed_mm_s = {speed}\nhumidity_pct = 15.0\npressure_mpa = [1.0]\n\
+                 static_mean = 0.3\ndynamic_mean = {mean}\ndynamic_std_error = {error}\n"
+            )
+        };
+        let known = read(&format!("{}{}", condition(1.0, 0.2, 0.004), condition(4.0, 0.3, 0.003)), "");
+        let covariance =
+            known.friction_covariance(&[1e6], Some(&Condition { speed_m_s: 2e-3, humidity: 0.15 })).unwrap();
+        // Half of each: mean 0.25, variance (0.004^2 + 0.003^2) / 4.
+        assert!((covariance[0][0] - 0.25 * 2.5e-5 / 0.0625).abs() < 1e-12, "{covariance:?}");
     }
 }

@@ -165,8 +165,9 @@ impl SceneInput {
     /// # Errors
     /// [`Diagnostic`] for anything refused.
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
-        let material = read_referenced(&document, &file.material)?;
+        let mut material = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let layer = read_layer(&document, &file.sample)?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
         let run = read_run(&document, &file.run, overrides)?;

@@ -10,6 +10,7 @@ use std::path::Path;
 use slipgrid_contact::{ContactError, Status};
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
+    between,
 };
 use slipgrid_springblock::Layer;
 use slipgrid_topography::HeightMap;
@@ -69,9 +70,11 @@ pub struct CalibrationInput {
 
 /// The part of a calibration that a design needs, and how its sample is modelled.
 #[derive(Clone, Copy, Debug)]
-pub struct Purpose {
-    /// Only measurements at this speed and humidity are fitted where coefficients depend on them.
+pub struct Purpose<'a> {
+    /// Only measurements at this speed and humidity, or about it, are fitted where coefficients depend on them.
     pub condition: Option<Condition>,
+    /// Those at these conditions or about them, too.
+    pub also_at: &'a [Condition],
     /// The flat sample as modelled.
     pub layer: Layer,
     /// Seed of its local coefficients.
@@ -180,14 +183,16 @@ pub fn provisional(calibration: &Calibration) -> Result<Material, CliError> {
 pub fn material(
     path: &Path,
     calibration: &Calibration,
-    purpose: &Purpose,
+    purpose: &Purpose<'_>,
     console: &mut Console<'_>,
 ) -> Result<(Material, MaterialUncertainty), CliError> {
     let mut needed = calibration.clone();
     if let (Coefficients::PerCondition, Some(condition)) = (calibration.coefficients, &purpose.condition) {
-        needed.flat.retain(|measured| {
-            condition.matches(&Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity })
-        });
+        let of = |measured: &Measurement| Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity };
+        let measured: Vec<Condition> = calibration.flat.iter().map(of).collect();
+        let wanted = purpose.also_at.iter().chain([condition]);
+        let about: Vec<_> = wanted.filter_map(|condition| between(&measured, condition)).flatten().collect();
+        needed.flat.retain(|measured| about.iter().any(|(own, _)| own.matches(&of(measured))));
     }
     let humidity = purpose.condition.map(|condition| condition.humidity);
     // Patterned samples at any speed tell of the model's error.

@@ -5,7 +5,7 @@ use std::path::Path;
 use slipgrid_material::Material;
 
 use crate::commands::calibrate::{Purpose, material, provisional};
-use crate::formats::calibration::Calibration;
+use crate::formats::calibration::{Calibration, DiscrepancyForm};
 use crate::formats::design::{Design, MaterialInput};
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::{CliError, Console};
@@ -15,10 +15,14 @@ use crate::{CliError, Console};
 /// # Errors
 /// [`CliError`] for a calibration that is refused or fails.
 pub fn of_design(design: &Design, console: &mut Console<'_>) -> Result<(Material, MaterialUncertainty), CliError> {
-    match &design.material {
-        MaterialInput::Given(material) => Ok((material.as_ref().clone(), design.uncertainty.clone())),
-        MaterialInput::Calibration(path) => calibrated(path, design, console),
-    }
+    let (mut material, uncertainty) = match &design.material {
+        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
+        MaterialInput::Calibration(path) => calibrated(path, design, console)?,
+    };
+    let conditions = design.condition.iter().chain(&design.also_at);
+    let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
+    material.provenance.notes.extend(interpolated);
+    Ok((material, uncertainty))
 }
 
 /// The material of the calibration file at `path`, as far as `design` needs it.
@@ -30,7 +34,22 @@ fn calibrated(
     let calibration = Calibration::read(path)?;
     // A pressure or condition that was not measured is refused before anything is computed.
     design.loads(&provisional(&calibration)?)?;
-    let errors = design.tolerances.is_some();
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
-    material(path, &calibration, &purpose, console)
+    let has_patterned = calibration.pattern.is_some() && !calibration.patterned.is_empty();
+    if design.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
+        return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
+    }
+    let errors = design.tolerances.is_some() || design.discrepancy;
+    let purpose = Purpose {
+        condition: design.condition,
+        also_at: &design.also_at,
+        layer: design.layer,
+        seed: design.seed,
+        errors,
+    };
+    let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
+    if design.discrepancy && uncertainty.discrepancy.is_none() {
+        let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";
+        return Err(design.refuse_discrepancy(reason).into());
+    }
+    Ok((material, uncertainty))
 }

@@ -1,8 +1,12 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod aim;
+mod conditions;
 mod covariances;
+mod errors;
 mod explanation;
 mod files;
+mod flat;
 mod limited;
 mod material;
 mod model;
@@ -18,7 +22,7 @@ mod target_report;
 mod trade_offs;
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -44,8 +48,10 @@ use crate::report::simulation::{MaterialReport, PatternReport, load_reports, mod
 use crate::report::{VERSION, csv, json};
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
+use conditions::Others;
 use explanation::ExplanationReport;
 use files::DesignScene;
+use flat::flat_friction;
 use limited::Limited;
 use model::SteadyCell;
 use report::{ImprovementReport, MisfitReport, ReachableReport, Timings, patterns};
@@ -60,13 +66,15 @@ const MOST_ROUNDS: usize = 4;
 /// Searches, confirms, writes and reports.
 pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let started = Instant::now();
-    let design = Design::read(&args.design)?;
-    let folder = args.output.clone().unwrap_or_else(|| default_folder(&args.design));
+    let mut design = Design::read(&args.design)?;
+    let folder = args.output.clone().unwrap_or_else(|| subject::default_folder(&args.design));
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
     let (material, uncertainty) = material::of_design(&design, console)?;
     let (loads, outside) = design.loads(&material)?;
+    let others = Others::new(&design, &material, &loads)?;
+    design.target = others.narrowed(&design)?;
     let with_table = args.table || design.table;
     if with_table {
         table::check(&design)?;
@@ -74,6 +82,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     timings.material = started.elapsed().as_secs_f64();
 
     let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
+    let factors = aim::factors(&design, &uncertainty, &loads);
+    found.model.aim_with(factors.clone());
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
@@ -91,6 +101,11 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
     let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
     let spread = robustness::of_design(&design, &uncertainty, &about)?;
+    let value = &best.response.value;
+    let errors = errors::of_design(&design, &uncertainty, &about, value, found.confirming.draws)?;
+    let conditions = others.report(&about, &factors)?;
+    let held = conditions.as_ref().is_none_or(|conditions| conditions.held);
+    let status = if held || found.status != Status::Met { found.status } else { Status::Unreachable };
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -137,7 +152,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         program: "slipgrid",
         version: VERSION,
         name: design.name.clone(),
-        status: found.status.name(),
+        status: status.name(),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
         dimensions: if is_solid { 3 } else { 2 },
@@ -148,6 +163,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value.clone(),
         confirmed: load_reports(confirmed, sectioned, &outside),
+        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, value, &loads, confirmed),
+        errors,
+        conditions,
         goal: GoalReport::new(&design.target, &best.response.value, found.confirmed_values().as_deref()),
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),
@@ -180,17 +198,12 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let text = if args.json { json(&report)? } else { report.summary() };
     console.out.write_all(text.as_bytes())?;
     console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
-    Ok(match found.status {
+    Ok(match status {
         Status::Met => exit_code::DONE,
         Status::Unreachable => exit_code::UNREACHABLE,
         Status::Budget => exit_code::BUDGET,
         Status::Cancelled => exit_code::FAILURE,
     })
-}
-
-/// out/NAME for designs/NAME.toml.
-fn default_folder(design: &Path) -> PathBuf {
-    PathBuf::from("out").join(design.file_stem().unwrap_or_else(|| "design".as_ref()))
 }
 
 /// Searches and confirmations in turn, until a confirmed design meets the target.
@@ -230,22 +243,6 @@ const LEAST_CONTACTS: f64 = 400.0;
 
 /// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
 const MOST_TRAVEL_M: f64 = 8e-6;
-
-/// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
-fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
-    let bar = Progress::start("flat sample", console.quiet);
-    // On the sample that the coefficients were calibrated on, in as many dimensions as there.
-    let run = RunOptions {
-        warm_start: true,
-        sliding_m: WARM_TRAVEL_M,
-        extent: Extent::Sample,
-        dimensions: None,
-        ..scene.run
-    };
-    let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
-    bar.finish();
-    Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
-}
 
 impl Rounds {
     /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.

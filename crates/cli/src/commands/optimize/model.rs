@@ -30,6 +30,9 @@ pub struct SteadyCell {
     /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself:
     /// the ratio hardly depends on time, friction itself lies above steady sliding.
     flat_mu: Option<Vec<f64>>,
+    /// What values are multiplied by at each load before they are compared with the target: 1, or the discrepancy's
+    /// factor.
+    aim: Vec<f64>,
     /// Added to the model's value at each pressure: dynamic minus steady at a confirmed design.
     correction: Vec<f64>,
     limited: Limited,
@@ -92,11 +95,17 @@ impl SteadyCell {
             solver: Solver::new(&scene, dimensions),
             guide,
             flat_mu,
+            aim: vec![1.0; scene.loads.len()],
             correction: vec![0.0; scene.loads.len()],
             scene,
             limited: Limited::default(),
             study: Study::default(),
         }
+    }
+
+    /// Values are multiplied by `factor`, one per load, from here on: those of the model and those of confirming runs.
+    pub fn aim_with(&mut self, factor: Vec<f64>) {
+        self.aim = factor;
     }
 
     /// Takes over the quantities that limits hold, and the study that answers belong to.
@@ -182,6 +191,7 @@ impl SteadyCell {
             solver: Solver::new(&scene, 2),
             guide: None,
             flat_mu: self.flat_mu.clone(),
+            aim: self.aim.clone(),
             correction: vec![0.0; scene.loads.len()],
             limited: Limited::default(),
             study: Study::default(),
@@ -189,10 +199,11 @@ impl SteadyCell {
         }
     }
 
-    /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself.
+    /// What a ratio is multiplied by at `load` before it is compared with the target: the flat sample's dynamic friction
+    /// where that is wanted, and the discrepancy's factor where designs aim with it.
     #[must_use]
-    pub fn flat_mu(&self) -> Option<&[f64]> {
-        self.flat_mu.as_deref()
+    pub fn scale(&self, load: usize) -> f64 {
+        self.aim[load] * self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
     }
 
     /// The area law that designs are solved with.
@@ -216,11 +227,11 @@ impl SteadyCell {
         largest
     }
 
-    /// The target's quantity by a confirming run, absent where it gave none.
+    /// The target's quantity by a confirming run as it is compared with the target, absent where it gave none.
     #[must_use]
     pub fn confirmed(&self, simulation: &Simulation) -> Vec<Option<f64>> {
         let value = |load: &LoadOutcome| if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
-        simulation.loads.iter().map(value).collect()
+        simulation.loads.iter().zip(&self.aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
     }
 
     /// `candidate` by the model as it stands: confirming runs may have corrected it since.
@@ -241,10 +252,7 @@ impl SteadyCell {
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
-        let corrected = |(load, ratio): (usize, &f64)| {
-            let scale = self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load]);
-            ratio * scale + self.correction[load]
-        };
+        let corrected = |(load, ratio): (usize, &f64)| ratio * self.scale(load) + self.correction[load];
         let value = answer.ratio.iter().enumerate().map(corrected).collect();
         Ok(Response { value, limited: self.limited.values(design, &answer)? })
     }

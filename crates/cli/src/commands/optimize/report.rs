@@ -6,6 +6,9 @@ use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
+use super::aim::DiscrepancyReport;
+use super::conditions::ConditionsReport;
+use super::errors::{ErrorReport, ErrorsReport};
 use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
@@ -46,10 +49,18 @@ pub struct DesignReport {
     /// The steady cell at the target's pressures.
     pub predicted: Vec<LoadReport>,
     /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
-    /// sample's dynamic friction where that is wanted, with what an earlier confirming run corrected.
+    /// sample's dynamic friction where that is wanted, times the discrepancy where designs aim with it, with what an
+    /// earlier confirming run corrected.
     pub predicted_value: Vec<f64>,
     /// The confirming run at the target's pressures.
     pub confirmed: Vec<LoadReport>,
+    /// Values as they are compared with the target, each with one error and its parts.
+    pub errors: ErrorsReport,
+    /// What patterned samples of the calibration say of the model's error, and what comes of it; null where none are
+    /// known.
+    pub discrepancy: Option<DiscrepancyReport>,
+    /// What the design does at further conditions; null where none are named.
+    pub conditions: Option<ConditionsReport>,
     /// What became of the goal; null without one.
     pub goal: Option<GoalReport>,
     /// Largest distance from the target in tolerances.
@@ -176,16 +187,10 @@ pub struct ImprovementReport {
 }
 
 impl DesignReport {
-    /// The value of the target's quantity in a load's report.
+    /// The target's quantity by the confirming run at a pressure, as it is compared with the target.
     #[must_use]
-    pub fn value(&self, load: &LoadReport) -> Option<f64> {
-        if self.is_ratio() { load.ratio } else { load.mu_dynamic }
-    }
-
-    /// Its standard error.
-    #[must_use]
-    pub fn stderr(&self, load: &LoadReport) -> Option<f64> {
-        if self.is_ratio() { load.ratio_stderr } else { load.mu_dynamic_stderr }
+    pub fn confirmed_at(&self, row: usize) -> Option<&ErrorReport> {
+        self.errors.at(row).map(|at| if self.is_ratio() { &at.ratio } else { &at.mu })
     }
 
     /// Whether the target is a ratio to the flat surface.
@@ -210,27 +215,34 @@ impl DesignReport {
             self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );
-        let mut table = Table::new(["P MPa", "target", "predicted", "confirmed", "+-", "mu", "mu flat", "peak MPa"]);
+        let mut table =
+            Table::new(["P MPa", "target", "predicted", "+-", "confirmed", "+-", "mu", "+-", "mu flat", "peak MPa"]);
         for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
-            let (predicted, confirmed) = (self.predicted.get(row), self.confirmed.get(row));
-            let error = confirmed.and_then(|load| self.stderr(load));
-            table.row([
-                pressure_mpa.to_string(),
-                self.target.wanted(row),
-                fixed(self.predicted_value.get(row).copied(), 4),
-                fixed(confirmed.and_then(|load| self.value(load)), 4),
-                fixed(error, 4),
-                fixed(confirmed.and_then(|load| load.mu_dynamic), 4),
-                fixed(confirmed.and_then(|load| load.mu_flat), 4),
-                fixed(predicted.map(|load| load.peak_pressure_mpa), 2),
-            ]);
+            let at = self.errors.at(row);
+            let value = [at.map(|at| &at.predicted), self.confirmed_at(row), at.map(|at| &at.mu)];
+            let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
+            let first = [pressure_mpa.to_string(), self.target.wanted(row)];
+            let last = [
+                fixed(self.confirmed.get(row).and_then(|load| load.mu_flat), 4),
+                fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2),
+            ];
+            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain(last));
         }
+        let aims = self.discrepancy.as_ref().is_some_and(|found| found.used);
         text += &format!(
-            "  {} (predicted: steady cell{}; confirmed: {})\n{table}",
+            "  {}{} (predicted: steady cell{}; confirmed: {})\n{table}",
             self.target.quantity,
+            if aims { ", aimed with the discrepancy of patterned samples" } else { "" },
             self.in_space(),
             self.confirmation()
         );
+        text += &format!("  {}\n", self.errors.meaning);
+        if let Some(found) = &self.discrepancy {
+            text += &found.text();
+        }
+        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
+            text += &format!("  {line}\n");
+        }
         if let Some(goal) = &self.goal {
             text += &format!("\n  {}\n", goal.words());
         }
@@ -273,6 +285,9 @@ impl DesignReport {
         }
         for note in &self.model {
             text += &format!("- {note}\n");
+        }
+        if let Some(found) = &self.discrepancy {
+            text += &format!("- {}\n", found.meaning());
         }
         if self.robustness.is_some() {
             text += &format!("- {MEANING}\n");

@@ -41,11 +41,13 @@ pub struct About<'a> {
 }
 
 /// What is propagated through which design.
-struct Request<'a> {
+pub(super) struct Request<'a> {
     about: &'a About<'a>,
     target: &'a Target,
     /// Target values are ratios to the flat surface.
     is_ratio: bool,
+    /// Values are those that the discrepancy corrects.
+    aims: bool,
     /// How samples scatter.
     tolerances: &'a TolerancesInput,
     /// How well the material is known.
@@ -67,19 +69,42 @@ pub fn of_design(
     about: &About<'_>,
 ) -> Result<Option<RobustnessReport>, CliError> {
     let Some(tolerances) = &design.tolerances else { return Ok(None) };
-    report(&Request {
-        about,
-        target: &design.target,
-        is_ratio: design.target.quantity() == Quantity::Ratio,
-        tolerances,
-        material,
-        friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
-        seed: design.seed,
-    })
+    report(&Request::new(design, material, about, tolerances))
+}
+
+impl<'a> Request<'a> {
+    /// The errors of `material` and `tolerances` through `design` as `about` has it.
+    pub(super) fn new(
+        design: &'a Design,
+        material: &'a MaterialUncertainty,
+        about: &'a About<'a>,
+        tolerances: &'a TolerancesInput,
+    ) -> Self {
+        Self {
+            about,
+            target: &design.target,
+            is_ratio: design.target.quantity() == Quantity::Ratio,
+            aims: design.discrepancy,
+            tolerances,
+            material,
+            friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+            seed: design.seed,
+        }
+    }
+
+    /// The design.
+    pub(super) const fn pattern(&self) -> &'a Pattern {
+        self.about.pattern
+    }
+
+    /// The material says how well flat friction is known at the target's loads.
+    pub(super) const fn knows_friction(&self) -> bool {
+        self.friction_covariance.is_some()
+    }
 }
 
 /// The model about a confirmed design, with the parameters that are not known exactly.
-struct AboutDesign<'a> {
+pub(super) struct AboutDesign<'a> {
     model: &'a SteadyCell,
     loads: Vec<Load>,
     is_ratio: bool,
@@ -87,22 +112,24 @@ struct AboutDesign<'a> {
     offset: Vec<f64>,
     /// Friction of the flat sample in the confirming run.
     flat_mu: Vec<f64>,
-    parameters: Parameters,
+    pub(super) parameters: Parameters,
     scale_is_fitted: bool,
     discrepancy: Option<&'a Discrepancy>,
+    /// Values are the corrected ones alone.
+    aims: bool,
 }
 
 /// Places of the parameters among the deviations; absent where one is not uncertain.
 #[derive(Clone, Debug, Default)]
-struct Parameters {
+pub(super) struct Parameters {
     /// First of the relative errors of flat friction, one per load.
-    friction: Option<usize>,
+    pub(super) friction: Option<usize>,
     /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
-    modulus: Option<usize>,
+    pub(super) modulus: Option<usize>,
     /// The area law's factors, in standard errors.
-    law: Option<usize>,
+    pub(super) law: Option<usize>,
     /// First of the logarithmic errors of the discrepancy, one per load.
-    discrepancy: Option<usize>,
+    pub(super) discrepancy: Option<usize>,
     count: usize,
 }
 
@@ -129,7 +156,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
         inputs: inputs(request, &about, &uncertainty),
         samples: scatter(request, &about, &samples),
         with_material: all.as_ref().map(|all| scatter(request, &about, all)),
-        with_discrepancy: about.discrepancy.zip(all.as_ref()).map(|(found, all)| {
+        with_discrepancy: about.discrepancy.filter(|_| !about.aims).zip(all.as_ref()).map(|(found, all)| {
             let spreads = all.spreads();
             let within = all.probability(|values| is_met(request, &values[2 * count..]));
             CorrectedReport {
@@ -161,7 +188,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
 
 impl<'a> AboutDesign<'a> {
     /// The model about the design, and the covariance of its parameters.
-    fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
+    pub(super) fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
         let confirmed: Option<Vec<(f64, f64)>> = request
             .about
             .confirmed
@@ -216,12 +243,13 @@ impl<'a> AboutDesign<'a> {
             parameters,
             scale_is_fitted: material.scale_covariance.is_some(),
             discrepancy,
+            aims: request.aims,
         };
         Ok(Some((about, covariance)))
     }
 
     /// What moves the area law along the pressure.
-    fn scale_name(&self) -> &'static str {
+    pub(super) fn scale_name(&self) -> &'static str {
         if self.scale_is_fitted { "scale of the area law" } else { "Young's modulus" }
     }
 
@@ -271,7 +299,11 @@ impl UncertainModel for AboutDesign<'_> {
                     ratio[load] * found.factor(pressure_pa) * log.exp()
                 })
                 .collect();
-            values.extend(self.ordered(&corrected, &flat));
+            let corrected = self.ordered(&corrected, &flat);
+            if self.aims {
+                return Ok(corrected);
+            }
+            values.extend(corrected);
         }
         Ok(values)
     }
@@ -323,6 +355,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         ("flat friction", parameter(about.parameters.friction, count)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
         ("area law", parameter(about.parameters.law, 1)),
+        ("discrepancy", parameter(about.parameters.discrepancy.filter(|_| about.aims), count)),
     ];
     let known: Vec<(&str, Vec<f64>)> = groups
         .into_iter()
@@ -391,10 +424,14 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     }
     if let (Some(first), Some(found)) = (about.parameters.discrepancy, request.material.discrepancy.as_ref()) {
         inputs.push(InputReport {
-            name: format!("{ON_PATTERNED}, at each load"),
+            name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
             std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%",
-            basis: format!("{} degrees of freedom; only in the numbers corrected by it", found.degrees_of_freedom),
+            basis: format!(
+                "{} degrees of freedom; {}",
+                found.degrees_of_freedom,
+                if about.aims { "the design aims with it" } else { "only in the numbers corrected by it" }
+            ),
         });
     }
     inputs

@@ -41,6 +41,12 @@ pub fn depends_on(scene: &Scene, texture: &Texture) -> Map<String, Value> {
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
+/// out/NAME for designs/NAME.toml.
+#[must_use]
+pub fn default_folder(design: &Path) -> PathBuf {
+    PathBuf::from("out").join(design.file_stem().unwrap_or_else(|| "design".as_ref()))
+}
+
 /// The study's file, beside the folder of results: out/NAME.study.jsonl.
 #[must_use]
 pub fn study_path(folder: &Path) -> PathBuf {

@@ -70,7 +70,7 @@ struct Plane {
     cell: SteadyCell,
     /// The search's model is one in space.
     is_solid: bool,
-    /// The flat sample's friction at each load, or 1 for ratios.
+    /// What ratios are multiplied by at each load.
     scale: Vec<f64>,
     /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
     lowering: Vec<f64>,
@@ -81,7 +81,7 @@ struct Plane {
 impl Plane {
     fn new(model: &SteadyCell, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
         let cell = model.in_plane();
-        let scale = model.flat_mu().map_or_else(|| vec![1.0; value.len()], <[f64]>::to_vec);
+        let scale = (0..value.len()).map(|load| model.scale(load)).collect();
         let is_solid = model.is_solid();
         let mut plane =
             Self { cell, is_solid, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };

@@ -101,7 +101,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     }
     let wanted = &result["target"];
     let is_ratio = text(wanted, "quantity") == "ratio";
-    let (key, error_key) = if is_ratio { ("ratio", "ratio_stderr") } else { ("mu_dynamic", "mu_dynamic_stderr") };
+    let key = if is_ratio { "ratio" } else { "mu" };
     let (predicted, confirmed) = (each(result, "predicted"), each(result, "confirmed"));
     let rows: Vec<Vec<String>> = each(wanted, "pressure_mpa")
         .iter()
@@ -109,12 +109,14 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
         .map(|(row, pressure)| {
             let none = &Value::Null;
             let (predicted, confirmed) = (predicted.get(row).unwrap_or(none), confirmed.get(row).unwrap_or(none));
+            let at = &result["errors"]["by_pressure"][row];
             vec![
                 plain(pressure),
                 accepted(wanted, row),
-                with_error(&result["predicted_value"][row], &predicted["ratio_discretization_error"], 4),
-                with_error(&confirmed[key], &confirmed[error_key], 4),
-                with_error(&confirmed["mu_dynamic"], &confirmed["mu_dynamic_stderr"], 4),
+                with_error(&at["predicted"]["value"], &at["predicted"]["std"], 4),
+                number(&predicted["ratio_discretization_error"], 4),
+                with_error(&at[key]["value"], &at[key]["std"], 4),
+                with_error(&at["mu"]["value"], &at["mu"]["std"], 4),
                 with_error(&confirmed["mu_flat"], &confirmed["mu_flat_stderr"], 4),
                 number(&confirmed["mu_static"], 4),
                 number(&predicted["peak_pressure_mpa"], 2),
@@ -125,13 +127,18 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     let quantity = if is_ratio { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
         &format!(
-            "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless. After ±: of the target its tolerance; of \
-             predicted the estimated change of the ratio to vanishing blocks; of confirmed, mu and mu flat the standard \
-             error in time. Peak pressure grows as blocks shrink."
+            "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
+             tolerance; of mu flat the standard error in time; else {}. To vanishing blocks: estimated change of the ratio. Peak \
+             pressure grows as blocks shrink.",
+            if result["discrepancy"]["used"] == true { ", times the discrepancy of patterned samples" } else { "" },
+            text(&result["errors"], "meaning").trim_start_matches("+-: "),
         ),
-        &["P in MPa", "target", "predicted", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
+        &["P in MPa", "target", "predicted", "to vanishing blocks", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
         &rows,
     );
+    uncertainty::errors(page, result);
+    uncertainty::discrepancy(page, result);
+    uncertainty::conditions(page, result);
     let goal = &result["goal"];
     if goal.is_object() {
         let what = if goal["goal"] == "even" { "least" } else { text(goal, "goal") };

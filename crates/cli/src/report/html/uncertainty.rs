@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::page::{Page, each, number, plain, text, texts};
+use super::page::{Page, each, number, plain, text, texts, with_error};
 use crate::output::Outputs;
 use crate::report::table::fixed;
 
@@ -36,6 +36,111 @@ pub(super) fn sensitivities(page: &mut Page, result: &Value) {
             step("depth"),
         ),
         &["P in MPa", "width", "spacing", "depth"],
+        &rows,
+    );
+}
+
+/// The parts of the errors beside the confirmed values.
+pub(super) fn errors(page: &mut Page, result: &Value) {
+    let found = &result["errors"];
+    let names = texts(found, "includes");
+    let rows: Vec<Vec<String>> = each(found, "by_pressure")
+        .iter()
+        .flat_map(|row| [("ratio", row), ("mu", row)])
+        .map(|(key, row)| {
+            let part = |name: &String| {
+                let parts = each(&row[key], "parts").iter();
+                let mut own = parts.filter(|part| text(part, "input") == name);
+                number(own.next().map_or(&Value::Null, |part| &part["std"]), 4)
+            };
+            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4)];
+            first.into_iter().chain(names.iter().map(part)).collect()
+        })
+        .collect();
+    let header: Vec<&str> = ["P in MPa", "of", "±"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    page.table(
+        "What the error of a confirmed value is made of: one standard deviation, and that of each part alone.",
+        &header,
+        &rows,
+    );
+}
+
+/// Values by the physics alone and with the discrepancy, where patterned samples are known.
+pub(super) fn discrepancy(page: &mut Page, result: &Value) {
+    let found = &result["discrepancy"];
+    if !found.is_object() {
+        return;
+    }
+    let used = found["used"] == true;
+    page.paragraph(
+        "",
+        &format!(
+            "{} The factor is the measured over the modelled ratio of patterned samples ({}; degrees of freedom: {}) and holds for patterns \
+             like theirs{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
+             the discrepancy.",
+            if used {
+                "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor."
+            } else {
+                "The search aimed with the physics alone; this is what the discrepancy would make of it."
+            },
+            text(found, "pattern"),
+            plain(&found["degrees_of_freedom"]),
+            if found["other_planform"].is_string() { ", which this one is not: take it as a guess" } else { "" },
+            number(&found["misfit"]["physics"], 2),
+            number(&found["misfit"]["with_discrepancy"], 2),
+        ),
+    );
+    let rows: Vec<Vec<String>> = each(found, "by_pressure")
+        .iter()
+        .map(|row| {
+            let error = row["factor"].as_f64().zip(row["relative_std"].as_f64()).map(|(factor, std)| factor * std);
+            let factor = with_error(&row["factor"], &error.map_or(Value::Null, Value::from), 3);
+            let mark = if row["outside_measured_range"] == true { " (outside the pressures measured)" } else { "" };
+            let readings = ["predicted", "confirmed", "mu"]
+                .into_iter()
+                .flat_map(|key| ["physics", "with_discrepancy"].map(|reading| number(&row[key][reading], 4)));
+            [plain(&row["pressure_mpa"]), format!("{factor}{mark}")].into_iter().chain(readings).collect()
+        })
+        .collect();
+    page.table(
+        &format!("{} by the physics alone and times the factor.", text(found, "quantity")),
+        &[
+            "P in MPa",
+            "factor",
+            "predicted: physics",
+            "with discrepancy",
+            "confirmed: physics",
+            "with discrepancy",
+            "mu: physics",
+            "with discrepancy",
+        ],
+        &rows,
+    );
+}
+
+/// What the design does at further conditions, where the result says it.
+pub(super) fn conditions(page: &mut Page, result: &Value) {
+    let found = &result["conditions"];
+    let rows: Vec<Vec<String>> = each(found, "at")
+        .iter()
+        .flat_map(|at| each(at, "by_pressure").iter().map(move |value| (at, value)))
+        .map(|(at, value)| {
+            vec![
+                plain(&at["speed_mm_s"]),
+                plain(&at["humidity_pct"]),
+                plain(&value["pressure_mpa"]),
+                number(&value["ratio"], 4),
+                number(&value["mu"], 4),
+                number(&at["misfit"], 2),
+            ]
+        })
+        .collect();
+    page.table(
+        &format!(
+            "Values {}. Misfit: largest distance from the target at that condition in tolerances; up to 1 is met.",
+            text(found, "meaning")
+        ),
+        &["speed in mm/s", "humidity in %", "P in MPa", "ratio", "mu", "misfit"],
         &rows,
     );
 }

@@ -1,0 +1,194 @@
+//! Aiming with the model's error on patterned samples: values compared with the target are those of the physics times
+//! the discrepancy's factor, where a design asks for that. What the other reading says stands beside it.
+
+use serde::Serialize;
+use slipgrid_calibrate::Discrepancy;
+use slipgrid_springblock::{Load, Simulation};
+
+use super::covariances::log_covariance;
+use crate::formats::design::Design;
+use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::formats::target::quantity_name;
+use crate::report::Table;
+use crate::report::table::fixed;
+use crate::units::{PRESSURE_MPA, tidy};
+
+/// Modelled values with and without the discrepancy of the calibration's patterned samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DiscrepancyReport {
+    /// The search aimed with it: everything compared with the target is times `factor`.
+    pub used: bool,
+    /// `ratio` or `mu_dynamic`: the target's quantity.
+    pub quantity: &'static str,
+    /// The patterned samples behind it.
+    pub pattern: String,
+    /// The design's planform, where that of the patterned samples was another.
+    pub other_planform: Option<&'static str>,
+    /// Measured ratios less coefficients.
+    pub degrees_of_freedom: usize,
+    /// One per target pressure.
+    pub by_pressure: Vec<FactorReport>,
+    /// Largest distance of the confirming run from the target, in tolerances.
+    pub misfit: Reading,
+}
+
+/// The discrepancy at one pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FactorReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// exp(d): measured over modelled ratio.
+    pub factor: f64,
+    /// Its standard deviation over itself, widened for few measurements as Student's t is; without the modulus.
+    pub relative_std: f64,
+    /// The patterned samples were measured at lower or higher pressures only.
+    pub outside_measured_range: bool,
+    /// The target's quantity by the search's model.
+    pub predicted: Reading,
+    /// The same by the confirming run.
+    pub confirmed: Reading,
+    /// Dynamic friction by the confirming run.
+    pub mu: Reading,
+}
+
+/// One value read twice; null where there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Reading {
+    /// By the physics alone.
+    pub physics: Option<f64>,
+    /// Times the discrepancy's factor.
+    pub with_discrepancy: Option<f64>,
+}
+
+impl Reading {
+    fn of(physics: Option<f64>, factor: f64) -> Self {
+        Self { physics: physics.map(tidy), with_discrepancy: physics.map(|value| tidy(value * factor)) }
+    }
+}
+
+/// The factors exp(d(P)) that a search aims with at `loads`: 1 where `design` does not ask for it.
+#[must_use]
+pub fn factors(design: &Design, material: &MaterialUncertainty, loads: &[Load]) -> Vec<f64> {
+    let found = material.discrepancy.as_ref().filter(|_| design.discrepancy);
+    loads.iter().map(|load| found.map_or(1.0, |found| found.factor(load.pressure_pa))).collect()
+}
+
+impl DiscrepancyReport {
+    /// Both readings of `predicted`, the target's quantity as the search took it, and of `confirmed`; `None` for a
+    /// material of which no patterned samples are known.
+    #[must_use]
+    pub fn new(
+        design: &Design,
+        material: &MaterialUncertainty,
+        predicted: &[f64],
+        loads: &[Load],
+        confirmed: &Simulation,
+    ) -> Option<Self> {
+        let found: &Discrepancy = material.discrepancy.as_ref()?;
+        let quantity = quantity_name(design.target.quantity());
+        let errors = log_covariance(found, loads);
+        let by_pressure: Vec<FactorReport> = loads
+            .iter()
+            .zip(&confirmed.loads)
+            .enumerate()
+            .map(|(place, (load, outcome))| {
+                let factor = found.factor(load.pressure_pa);
+                let aimed = if design.discrepancy { factor } else { 1.0 };
+                let mu = outcome.surface.mu_dynamic;
+                FactorReport {
+                    pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+                    factor: tidy(factor),
+                    relative_std: tidy(errors[place][place].sqrt()),
+                    outside_measured_range: found.correct(load.pressure_pa, 1.0, 0.0).outside_measured_range,
+                    predicted: Reading::of(predicted.get(place).map(|value| value / aimed), factor),
+                    confirmed: Reading::of(if quantity == "ratio" { outcome.ratio } else { mu }, factor),
+                    mu: Reading::of(mu, factor),
+                }
+            })
+            .collect();
+        let misfit = |read: fn(&Reading) -> Option<f64>| {
+            let values: Option<Vec<f64>> = by_pressure.iter().map(|row| read(&row.confirmed)).collect();
+            values.map(|values| tidy(design.target.misfit(&values).max))
+        };
+        let misfit =
+            Reading { physics: misfit(|read| read.physics), with_discrepancy: misfit(|read| read.with_discrepancy) };
+        let pattern = material.discrepancy_pattern.clone().unwrap_or_default();
+        let planform = design.space.texture().planform().name();
+        Some(Self {
+            used: design.discrepancy,
+            quantity,
+            other_planform: (!pattern.starts_with(planform)).then_some(planform),
+            pattern,
+            degrees_of_freedom: found.degrees_of_freedom,
+            by_pressure,
+            misfit,
+        })
+    }
+
+    /// What the reader must know of the factors, in one sentence.
+    #[must_use]
+    pub fn meaning(&self) -> String {
+        let outside: Vec<String> = self
+            .by_pressure
+            .iter()
+            .filter(|row| row.outside_measured_range)
+            .map(|row| row.pressure_mpa.to_string())
+            .collect();
+        let outside = if outside.is_empty() {
+            String::new()
+        } else {
+            format!("; {} MPa lies outside the pressures measured", outside.join(", "))
+        };
+        format!(
+            "Discrepancy: measured over modelled ratios of patterned samples ({}; degrees of freedom: {}). It holds for patterns like theirs{}{outside}",
+            self.pattern,
+            self.degrees_of_freedom,
+            self.other_planform.map_or_else(String::new, |planform| format!(
+                ", which this one ({planform}) is not: take it as a guess"
+            )),
+        )
+    }
+
+    /// Both readings as text.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let list = |of: &dyn Fn(&FactorReport) -> Option<f64>| {
+            self.by_pressure.iter().map(|row| fixed(of(row), 3)).collect::<Vec<_>>().join(", ")
+        };
+        if !self.used {
+            return format!(
+                "\n  physics alone; times the discrepancy of the calibration's patterned samples ({}) confirmed values would be {}: \
+                 misfit {}. `discrepancy = true` in [target] aims with it\n",
+                list(&|row| Some(row.factor)),
+                list(&|row| row.confirmed.with_discrepancy),
+                fixed(self.misfit.with_discrepancy, 2),
+            );
+        }
+        let mut table = Table::new([
+            "P MPa",
+            "factor",
+            "+-",
+            "predicted: physics",
+            "with discrepancy",
+            "confirmed: physics",
+            "with discrepancy",
+            "mu: physics",
+            "with discrepancy",
+        ]);
+        for row in &self.by_pressure {
+            let readings = [row.predicted, row.confirmed, row.mu];
+            let cells = readings.into_iter().flat_map(|read| [read.physics, read.with_discrepancy]);
+            let first = [
+                row.pressure_mpa.to_string(),
+                fixed(Some(row.factor), 3),
+                fixed(Some(row.factor * row.relative_std), 3),
+            ];
+            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))));
+        }
+        format!(
+            "\n  physics alone and times the discrepancy; misfit {} and {}\n{table}",
+            fixed(self.misfit.physics, 2),
+            fixed(self.misfit.with_discrepancy, 2)
+        )
+    }
+}

@@ -1,0 +1,23 @@
+//! The flat sample beside the designs.
+
+use slipgrid_springblock::{Extent, RunOptions, Scene, SceneError, simulate};
+
+use super::WARM_TRAVEL_M;
+use crate::Console;
+use crate::progress::Progress;
+
+/// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
+pub fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
+    let bar = Progress::start("flat sample", console.quiet);
+    // On the sample that the coefficients were calibrated on, in as many dimensions as there.
+    let run = RunOptions {
+        warm_start: true,
+        sliding_m: WARM_TRAVEL_M,
+        extent: Extent::Sample,
+        dimensions: None,
+        ..scene.run
+    };
+    let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
+    bar.finish();
+    Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
+}

@@ -1,0 +1,259 @@
+//! Designs that aim with the discrepancy of patterned samples, and one error beside every value.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+
+use common::{CALIBRATION, DESIGN, Place};
+use serde_json::Value;
+
+/// A short sample and one pressure.
+fn design(target: &str, material: &str) -> String {
+    DESIGN
+        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("[0.65, 2.6]", "[2.6]")
+        .replace("value = 0.9\ntolerance = 0.01", target)
+        .replace("[40.0, 400.0]", "[40.0, 100.0]")
+        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
+        .replace("max_evaluations = 50", "max_evaluations = 600")
+        .replace("[target]", &format!("{material}[target]"))
+}
+
+/// Samples whose ratios are half the modelled ones: ln 2 below.
+const HALF: &str = "[material.discrepancy]\npattern = \"groove 100 um wide\"\n[material.discrepancy.all]\n\
+    coefficients = [-0.6931471805599453]\ncovariance = [[1e-4]]\nreference_pressure_mpa = 1.5\nscatter = 0.02\n\
+    modulus_sensitivity = [0.1]\nmodulus_relative_std = 0.1\npressure_range_mpa = [0.6, 2.5]\nchi_square = 20.0\n\
+    degrees_of_freedom = 10000\n";
+
+const ERRORS: [(&str, &str); 2] = [
+    ("density_g_cm3 = 0.9\n", "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.038\n"),
+    ("dynamic_mean = 0.27\n", "dynamic_mean = 0.27\ndynamic_std_error = 0.0027\n"),
+];
+
+fn result(place: &Place, folder: &str) -> Value {
+    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn part(value: &Value, input: &str) -> f64 {
+    let parts = value["parts"].as_array().unwrap();
+    parts.iter().find(|part| part["input"] == input).map_or(0.0, |part| number(&part["std"]))
+}
+
+#[test]
+fn aiming_at_half_is_aiming_at_the_whole_without_the_factor() {
+    let known = |text: String| ERRORS.iter().fold(text, |text, (from, to)| text.replace(from, to));
+    let aimed = known(design("value = 0.44\ntolerance = 0.01\ndiscrepancy = true", HALF));
+    let plain = known(design("value = 0.88\ntolerance = 0.02", HALF));
+    let place = Place::with(&[("plain.toml", &plain), ("aimed.toml", &aimed)]);
+    let told = place.succeed(&["optimize", "plain.toml", "-o", "out/one"]);
+    assert!(told.contains("physics alone; times the discrepancy") && told.contains("(0.500)"), "{told}");
+    let plain = result(&place, "out/one");
+    // The study holds answers of the physics: the other design takes them over, and corrections go along.
+    let resumed = place.run(&["optimize", "aimed.toml", "-o", "out/one", "--resume"]);
+    let said = String::from_utf8_lossy(&resumed.stderr).into_owned();
+    assert!(resumed.status.success() && said.contains("took over"), "{said}");
+    let told = String::from_utf8(resumed.stdout).unwrap();
+    assert!(told.contains("aimed with the discrepancy of patterned samples"), "{told}");
+    assert!(told.contains("2.6 MPa lies outside the pressures measured"), "{told}");
+    let aimed = result(&place, "out/one");
+    assert_eq!(aimed["design"], plain["design"]);
+    assert_eq!(
+        aimed["confirmed"][0]["ratio"], plain["confirmed"][0]["ratio"],
+        "reported runs are those of the physics"
+    );
+    assert_eq!((&aimed["misfit"], &aimed["rounds"]), (&plain["misfit"], &plain["rounds"]));
+    assert_eq!(number(&aimed["predicted_value"][0]), 0.5 * number(&plain["predicted_value"][0]));
+
+    // Both readings stand in both results, the misfit of the other one too.
+    let (with, without) = (&aimed["discrepancy"], &plain["discrepancy"]);
+    assert_eq!((&with["used"], &without["used"]), (&Value::from(true), &Value::from(false)));
+    for key in ["predicted", "confirmed", "mu"] {
+        let (with, without) = (&with["by_pressure"][0][key], &without["by_pressure"][0][key]);
+        assert_eq!(with, without, "{key}");
+        assert!((number(&with["with_discrepancy"]) / number(&with["physics"]) - 0.5).abs() < 1e-9, "{with}");
+    }
+    let same = |left: &Value, right: &Value| (number(left) - number(right)).abs() < 1e-6;
+    assert!(same(&with["misfit"]["with_discrepancy"], &aimed["misfit"]["confirmed"]));
+    assert!(same(&without["misfit"]["physics"], &plain["misfit"]["confirmed"]));
+    assert!(number(&without["misfit"]["with_discrepancy"]) > 10.0);
+    assert_eq!(with["by_pressure"][0]["outside_measured_range"], true);
+
+    // One error beside each value; its parts are independent of one another.
+    for found in [&aimed, &plain] {
+        let at = &found["errors"]["by_pressure"][0];
+        for key in ["predicted", "ratio", "mu"] {
+            let parts = at[key]["parts"].as_array().unwrap();
+            let sum = parts.iter().map(|part| number(&part["std"]).powi(2)).sum::<f64>().sqrt();
+            assert!((number(&at[key]["std"]) / sum - 1.0).abs() < 0.02, "{key}: {}", at[key]);
+        }
+        let (ratio, mu) = (&at["ratio"], &at["mu"]);
+        // Flat friction is known to 1 %: friction takes that over, the ratio hardly.
+        assert!((part(mu, "flat friction") / number(&mu["value"]) - 0.01).abs() < 1e-3, "{mu}");
+        assert!(part(ratio, "flat friction") < 0.003 * number(&ratio["value"]), "{ratio}");
+        assert!(part(ratio, "Young's modulus") > 0.0 && part(ratio, "time average") > 0.0, "{ratio}");
+        assert_eq!(part(&at["predicted"], "time average"), 0.0);
+        assert_eq!(found["errors"]["unknown"], serde_json::json!(["area law"]));
+    }
+    let of = |found: &Value| found["errors"]["by_pressure"][0]["ratio"].clone();
+    let (with, without) = (of(&aimed), of(&plain));
+    // Fit 1 % and scatter 2 % of the corrected ratio, nothing of it in the physics alone.
+    let expected = (1e-4_f64 + 4e-4).sqrt() * number(&with["value"]);
+    assert!((part(&with, "discrepancy") / expected - 1.0).abs() < 1e-3, "{with} {expected}");
+    assert_eq!(part(&without, "discrepancy"), 0.0);
+    // The fit of the discrepancy takes up a tenth of dE/E.
+    let [left, right] = [&with, &without].map(|of| part(of, "Young's modulus") / number(&of["value"]));
+    // Its sign at this design is not known here.
+    let off = |share: f64| (share.abs() - 0.1 * 0.1).abs() < 1e-3;
+    assert!(off(left - right) || off(left + right), "{left} {right}");
+    assert!((part(&with, "time average") / part(&without, "time average") - 0.5).abs() < 1e-6);
+    let page = fs::read_to_string(place.path("out/one/report.html")).unwrap();
+    assert!(
+        page.contains("The search aimed with the discrepancy") && page.contains("What the error of a confirmed value")
+    );
+    let svg = fs::read_to_string(place.path("out/one/target.svg")).unwrap();
+    assert!(svg.contains("confirmed ± one standard deviation"));
+}
+
+#[test]
+fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
+    let place = Place::with(&[("a.toml", &design("value = 0.88\ntolerance = 0.02", ""))]);
+    let told = place.succeed(&["optimize", "a.toml"]);
+    assert!(told.contains("+-: one standard deviation of time average, local coefficients drawn;"), "{told}");
+    assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
+    let found = result(&place, "out/a");
+    let at = &found["errors"]["by_pressure"][0];
+    assert_eq!((&at["predicted"]["std"], &found["discrepancy"]), (&Value::Null, &Value::Null));
+    let own = number(&found["confirmed"][0]["ratio_stderr"]).hypot(part(&at["ratio"], "local coefficients drawn"));
+    assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
+    // 5 % over the blocks in contact and of about equal friction; the ratio shares most of it with the flat sample.
+    let mu = &at["mu"];
+    let land = 100.0 * (1.0 - number(&found["design"]["areal_density"]));
+    let expected = 0.05 * number(&mu["value"]) / land.sqrt();
+    let drawn = part(mu, "local coefficients drawn");
+    assert!(drawn >= 0.98 * expected && drawn < 1.3 * expected, "{drawn} {expected}");
+    let of_ratio = part(&at["ratio"], "local coefficients drawn") / number(&at["ratio"]["value"]);
+    assert!(of_ratio < drawn / number(&mu["value"]), "{of_ratio}");
+}
+
+#[test]
+fn aiming_without_patterned_samples_is_refused_at_the_key() {
+    let place = Place::with(&[("a.toml", &design("value = 0.44\ntolerance = 0.01\ndiscrepancy = true", ""))]);
+    let message = place.refuse(&["optimize", "a.toml"]);
+    assert!(message.contains("target.discrepancy") && message.contains("[discrepancy]"), "{message}");
+    let text = design("value = 0.44\ntolerance = 0.01\ndiscrepancy = true", "");
+    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
+    let named = format!("{}condition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{}", &text[..from], &text[to..])
+        .replace("name = \"test design\"\n", "name = \"test design\"\nmaterial = \"c.toml\"\n");
+    let flat = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.248,0.002\n205,2,15,0.27,0.002\n";
+    let place = Place::with(&[("a.toml", &named), ("c.toml", CALIBRATION), ("flat.csv", flat)]);
+    let message = place.refuse(&["optimize", "a.toml"]);
+    assert!(message.contains("a.toml") && message.contains("needs patterned samples in the calibration"), "{message}");
+}
+
+#[test]
+fn a_calibration_is_interpolated_between_its_speeds_and_aimed_with_where_asked() {
+    let calibration =
+        CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
+            "[fit]",
+            "[pattern]\nplanform = \"square\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n[fit]",
+        );
+    // Coefficients at 1 and at 4 mm/s lie 10 % about those at 2 mm/s: half way in the logarithm.
+    let table = |factor: f64| {
+        let header = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
+        let rows = [(1, 0.9), (4, 1.1)].map(|(speed, of)| format!("205,{speed},15,{},0.0025\n", 0.25 * of * factor));
+        header + &rows.concat()
+    };
+    let text = design("value = 0.8\ntolerance = 0.02\ndiscrepancy = true", "");
+    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
+    let named = format!("{}{}", &text[..from], &text[to..]);
+    let header =
+        "name = \"test design\"\nmaterial = \"c.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
+    let named = named.replace("name = \"test design\"\n", header);
+    let outside = named.replace("speed_mm_s = 2.0", "speed_mm_s = 0.9");
+    let place = Place::with(&[
+        ("a.toml", &named),
+        ("outside.toml", &outside),
+        ("c.toml", &calibration),
+        ("flat.csv", &table(1.0)),
+        ("patterned.csv", &table(0.9)),
+    ]);
+    let message = place.refuse(&["optimize", "outside.toml"]);
+    assert!(message.contains("not between measured ones") && message.contains("1 mm/s at 15 %"), "{message}");
+
+    let told = place.succeed(&["optimize", "a.toml"]);
+    let found = result(&place, "out/a");
+    let confirmed = &found["confirmed"][0];
+    let flat = number(&confirmed["mu_flat"]);
+    assert!((flat / 0.25 - 1.0).abs() < 0.01, "{flat}");
+    let notes = found["material"]["notes"].as_array().unwrap();
+    assert!(notes.iter().any(|note| note.as_str().unwrap().contains("1 mm/s at 15 % (0.50), 4 mm/s at 15 % (0.50)")));
+    let known = &found["discrepancy"];
+    assert_eq!((&known["used"], &known["other_planform"]), (&Value::from(true), &Value::from("groove")));
+    assert!(told.contains("which this one (groove) is not"), "{told}");
+    // Measured ratios are 0.9, modelled ones of squares a little below 1.
+    let factor = number(&known["by_pressure"][0]["factor"]);
+    assert!(factor > 0.9 && factor < 0.94, "{factor}");
+    let at = &found["errors"]["by_pressure"][0];
+    let aimed = number(&confirmed["ratio"]) * factor;
+    assert!((number(&at["ratio"]["value"]) - aimed).abs() < 1e-6 && (aimed - 0.8).abs() <= 0.02);
+    // Each of two coefficients is known to 1 %: their mean to 0.7 %.
+    let share = part(&at["mu"], "flat friction") / number(&at["mu"]["value"]);
+    assert!((share / (0.01 * 0.5_f64.sqrt()) - 1.0).abs() < 0.1, "{share}");
+    assert!(part(&at["ratio"], "discrepancy") > 0.0 && part(&at["ratio"], "Young's modulus") > 0.0);
+}
+
+#[test]
+fn a_target_holds_at_every_condition_named() {
+    let rows = |speed: f64, of: f64| {
+        let (at_rest, sliding) = (0.30 * of, 0.27 * of);
+        format!(
+            "[[material.friction.conditions]]\nspeed_mm_s = {speed}\nhumidity_pct = 15.0\npressure_mpa = [2.6]\n\
+             static_mean = {at_rest}\ndynamic_mean = {sliding}\n"
+        )
+    };
+    let both = format!("{}{}", rows(2.0, 1.0), rows(8.0, 1.2));
+    let named = |tolerance: f64, also_at: &str| {
+        design(&format!("value = 0.17\ntolerance = {tolerance}"), "")
+            .replace("\"ratio\"", "\"mu_dynamic\"")
+            .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{both}"))
+            .replace("[material]\n", &format!("{also_at}[material]\n"))
+    };
+    let condition = "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
+    let also = |speed: f64| format!("{condition}also_at = [{{ speed_mm_s = {speed}, humidity_pct = 15.0 }}]\n");
+    let place = Place::with(&[
+        ("a.toml", &named(0.015, &also(4.0))),
+        ("narrow.toml", &named(0.005, &also(4.0))),
+        ("outside.toml", &named(0.015, &also(9.0))),
+        ("alone.toml", &named(0.015, "also_at = [{ speed_mm_s = 4.0, humidity_pct = 15.0 }]\n")),
+    ]);
+    for (file, says) in [
+        ("narrow.toml", "no design is accepted at all"),
+        ("outside.toml", "no coefficients for 9 mm/s at 15 % humidity, which is not between measured ones"),
+        ("alone.toml", "without the condition that is designed for"),
+    ] {
+        let message = place.refuse(&["optimize", file]);
+        assert!(message.contains(says), "{message}");
+    }
+
+    let told = place.succeed(&["optimize", "a.toml"]);
+    assert!(told.contains("4 mm/s, 15 %: ratio"), "{told}");
+    let found = result(&place, "out/a");
+    // Half way from 2 to 8 mm/s friction is 1.1 times that at 2: [0.155, 0.185] there is up to 0.185 / 1.1 here.
+    let target = &found["target"];
+    assert!((number(&target["lowest"][0]) - 0.155).abs() < 1e-9, "{target}");
+    assert!((number(&target["highest"][0]) - 0.185 / 1.1).abs() < 1e-9, "{target}");
+    let (conditions, confirmed) = (&found["conditions"], &found["confirmed"][0]);
+    assert_eq!((&conditions["held"], &conditions["asked"]["value"][0]), (&Value::from(true), &Value::from(0.17)));
+    let (at, mu) = (&conditions["at"][0], number(&confirmed["mu_dynamic"]));
+    assert!((0.155..=0.185 / 1.1).contains(&mu) && number(&at["misfit"]) <= 1.0, "{mu} {at}");
+    let there = &at["by_pressure"][0];
+    assert!((number(&there["mu"]) / (1.1 * mu) - 1.0).abs() < 0.01, "{mu} {there}");
+    assert!((number(&there["ratio"]) - number(&confirmed["ratio"])).abs() < 0.005, "{there}");
+    assert!(fs::read_to_string(place.path("out/a/report.html")).unwrap().contains("at further conditions"));
+}

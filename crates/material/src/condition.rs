@@ -1,0 +1,97 @@
+//! Conditions of a measurement beside its load, and what lies between measured ones.
+
+/// Sliding speed and humidity: what else than pressure a measurement depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Condition {
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Relative humidity, from 0 to 1.
+    pub humidity: f64,
+}
+
+impl Condition {
+    /// Two conditions are the same when both numbers agree to one part in a million.
+    #[must_use]
+    pub fn matches(&self, other: &Self) -> bool {
+        close(self.speed_m_s, other.speed_m_s) && close(self.humidity, other.humidity)
+    }
+
+    pub(crate) fn in_words(&self) -> String {
+        format!("{} mm/s at {} %", round(self.speed_m_s * 1e3), round(self.humidity * 1e2))
+    }
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+/// Rounds away what unit conversion left behind, for messages.
+pub(crate) fn round(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
+/// The measured conditions about `wanted` and their shares, which sum to 1: itself alone where it was measured; else linear
+/// in ln(speed) between the nearest speeds below and above at one humidity, and linear in humidity between the nearest
+/// humidities below and above where that can be had. `None` outside: nothing is extrapolated.
+#[must_use]
+pub fn between(measured: &[Condition], wanted: &Condition) -> Option<Vec<(Condition, f64)>> {
+    let mut humidities: Vec<f64> = measured.iter().map(|condition| condition.humidity).collect();
+    humidities.sort_by(f64::total_cmp);
+    humidities.dedup_by(|a, b| close(*a, *b));
+    // At each humidity that has speeds about the wanted one.
+    let levels: Vec<(f64, Vec<(Condition, f64)>)> = humidities
+        .into_iter()
+        .filter_map(|humidity| {
+            let mut own: Vec<Condition> =
+                measured.iter().filter(|condition| close(condition.humidity, humidity)).copied().collect();
+            own.sort_by(|a, b| a.speed_m_s.total_cmp(&b.speed_m_s));
+            let places: Vec<f64> = own.iter().map(|condition| condition.speed_m_s.ln()).collect();
+            let shares = bracket(&places, wanted.speed_m_s.ln())?;
+            Some((humidity, shares.into_iter().map(|(place, share)| (own[place], share)).collect()))
+        })
+        .collect();
+    let places: Vec<f64> = levels.iter().map(|(humidity, _)| *humidity).collect();
+    let shares = bracket(&places, wanted.humidity)?;
+    let all =
+        shares.into_iter().flat_map(|(place, of)| levels[place].1.iter().map(move |(own, share)| (*own, of * share)));
+    Some(all.collect())
+}
+
+/// Places about `wanted` among increasing ones, with their shares.
+fn bracket(places: &[f64], wanted: f64) -> Option<Vec<(usize, f64)>> {
+    if let Some(place) = places.iter().position(|place| close(*place, wanted)) {
+        return Some(vec![(place, 1.0)]);
+    }
+    let next = places.partition_point(|place| *place < wanted);
+    let (low, high) = (*places.get(next.checked_sub(1)?)?, *places.get(next)?);
+    let t = (wanted - low) / (high - low);
+    Some(vec![(next - 1, 1.0 - t), (next, t)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(speed_mm_s: f64, humidity_pct: f64) -> Condition {
+        Condition { speed_m_s: speed_mm_s * 1e-3, humidity: humidity_pct * 1e-2 }
+    }
+
+    #[test]
+    fn shares_reproduce_speed_and_humidity() {
+        let measured = [at(0.4, 15.0), at(2.0, 15.0), at(4.0, 15.0), at(0.4, 80.0), at(4.0, 80.0), at(2.0, 15.0)];
+        for (wanted, count) in
+            [(at(2.0, 15.0), 1), (at(1.0, 15.0), 2), (at(3.0, 40.0), 4), (at(4.0, 40.0), 2), (at(0.4, 79.0), 2)]
+        {
+            let shares = between(&measured, &wanted).unwrap();
+            assert_eq!(shares.len(), count, "{wanted:?}");
+            let mean = |of: fn(&Condition) -> f64| shares.iter().map(|(own, share)| share * of(own)).sum::<f64>();
+            assert!((mean(|_| 1.0) - 1.0).abs() < 1e-12);
+            assert!((mean(|own| own.speed_m_s.ln()) - wanted.speed_m_s.ln()).abs() < 1e-12);
+            assert!((mean(|own| own.humidity) - wanted.humidity).abs() < 1e-12);
+        }
+        for outside in [at(0.3, 15.0), at(5.0, 40.0), at(2.0, 14.0), at(2.0, 81.0)] {
+            assert_eq!(between(&measured, &outside), None, "{outside:?}");
+        }
+        assert_eq!(between(&[], &at(1.0, 15.0)), None);
+    }
+}
