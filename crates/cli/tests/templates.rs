@@ -56,6 +56,7 @@ fn commented_keys_of_templates_are_known() {
     let every: String = text
         .lines()
         .map(|line| match line.strip_prefix("# ") {
+            Some(table) if table.starts_with('[') => table,
             Some(key)
                 if key.contains(" = ") && !key.starts_with(char::is_uppercase) && !key.starts_with("condition") =>
             {

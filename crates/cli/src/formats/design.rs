@@ -353,7 +353,7 @@ fn read_material_input(
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
             let named = Document::read(&path)?;
-            if named.has_key("measurements") {
+            if named.has_key("measurements") || named.has_key("traces") {
                 return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
             let read = read_file(&path)?;

@@ -84,6 +84,9 @@ pub struct FrictionFile {
     /// Model minus measurement of the flat sample, one per measurement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<Vec<f64>>,
+    /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, where that was fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
     /// Coefficients per condition.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Spanned<ConditionTable>>,
@@ -200,7 +203,7 @@ pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<
 /// [`Diagnostic`] for anything refused in it.
 pub fn read_file(path: &Path) -> Result<Material, Diagnostic> {
     let document = Document::read(path)?;
-    if document.has_key("measurements") {
+    if document.has_key("measurements") || document.has_key("traces") {
         return Err(Diagnostic::file(path, "is a calibration file")
             .expected("a material file, as `slipgrid calibrate` writes it"));
     }

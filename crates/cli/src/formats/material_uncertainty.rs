@@ -20,6 +20,8 @@ pub struct MaterialUncertainty {
     pub modulus_relative_std: Option<f64>,
     /// The area law's scale was fitted to friction: the modulus does not move it.
     pub law_is_fitted: bool,
+    /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
+    pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, for the condition asked for.
     pub discrepancy: Option<Discrepancy>,
 }
@@ -51,8 +53,25 @@ pub fn read_uncertainty(
         friction: friction_errors(document, file.friction.get_ref())?,
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
+        scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancy,
     })
+}
+
+fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[[f64; 2]; 2]>, Diagnostic> {
+    let (Some(given), Some(mean)) = (&file.scale_covariance, &file.dynamic_mean) else { return Ok(None) };
+    let refuse = || {
+        document
+            .refuse(given.span(), "is no covariance of two numbers")
+            .expected("[[a, b], [b, c]] with a and c positive and b^2 at most a c, beside one dynamic_mean")
+    };
+    let (Numbers::One(mean), [first, second]) = (mean.get_ref(), &given.get_ref()[..]) else { return Err(refuse()) };
+    let ([a, b], [c, d]) = (&first[..], &second[..]) else { return Err(refuse()) };
+    let is_covariance = *a >= 0.0 && *d >= 0.0 && b == c && b * b <= a * d * (1.0 + 1e-9);
+    if !(is_covariance && *mean > 0.0) {
+        return Err(refuse());
+    }
+    Ok(Some([[a / (mean * mean), b / mean], [c / mean, *d]]))
 }
 
 fn friction_errors(document: &Document, file: &FrictionFile) -> Result<Vec<FrictionError>, Diagnostic> {
@@ -162,6 +181,23 @@ mod tests {
         assert_eq!(known.discrepancy, None);
         let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
         assert_eq!(silent.friction_covariance(&[1e6], None), None);
+    }
+
+    #[test]
+    fn a_fitted_scale_comes_with_its_covariance() {
+        let single = "static_mean = 0.3\ndynamic_mean = 0.25\ndynamic_std_error = 0.005\n";
+        let known = read(&format!("{single}scale_covariance = [[2.5e-5, -1e-3], [-1e-3, 0.09]]"), "");
+        let covariance = known.scale_covariance.unwrap();
+        let expected = [[4e-4, -4e-3], [-4e-3, 0.09]];
+        assert!(covariance.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12));
+        for wrong in ["[[1.0]]", "[[1e-4, 1.0], [1.0, 1e-4]]", "[[1e-4, 0.0], [1e-5, 1e-4]]"] {
+            let text = format!(
+                "youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\n{single}scale_covariance = {wrong}\n"
+            );
+            let document = Document::new("m.toml", text);
+            let refused = read_uncertainty(&document, &document.parse().unwrap(), None).unwrap_err().to_string();
+            assert!(refused.contains("scale_covariance"), "{refused}");
+        }
     }
 
     #[test]

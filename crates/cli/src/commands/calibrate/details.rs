@@ -13,6 +13,10 @@ use crate::report::Table;
 use crate::report::table::fixed;
 use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
+/// Names of fitted numbers.
+const DYNAMIC_MEAN: &str = "dynamic_mean";
+const AREA_LAW_SCALE: &str = "area_law_scale_pa";
+
 /// Numbers with their uncertainty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FitDetails {
@@ -52,6 +56,17 @@ pub struct ParameterReport {
 }
 
 impl FitDetails {
+    /// Covariance of the one fitted `dynamic_mean`, whose standard error in all is `std_error`, and of the logarithm of
+    /// the area law's scale; `None` where the scale was not fitted or the data do not determine it.
+    pub fn scale_covariance(&self, std_error: Option<f64>) -> Option<Vec<Vec<f64>>> {
+        let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name == name);
+        let (mean, scale) = (place(DYNAMIC_MEAN)?, place(AREA_LAW_SCALE)?);
+        let entry = |i: usize, j: usize| self.covariance.get(i)?.get(j).copied().flatten();
+        let variance = std_error.map_or(entry(mean, mean)?, |std_error| std_error * std_error);
+        let shared = entry(mean, scale)?;
+        Some(vec![vec![tidy(variance), tidy(shared)], vec![tidy(shared), tidy(entry(scale, scale)?)]])
+    }
+
     /// What `fit` found; `scale` is the law whose scale was fitted.
     pub fn new(fit: &slipgrid_calibrate::Fit, scale: Option<&AreaLawScale>) -> Self {
         let finite = |value: f64| Some(tidy(value)).filter(|value| value.is_finite());

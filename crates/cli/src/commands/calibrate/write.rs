@@ -83,6 +83,7 @@ fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliErr
             dynamic_std_error: pair.dynamic_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
             relative_std,
             residual: Some(fit.residuals.iter().copied().map(rounded).collect()),
+            scale_covariance: fit.details.scale_covariance(pair.dynamic_std_error).map(unplaced),
             ..FrictionFile::default()
         }),
         (Coefficients::PerCondition, pairs)

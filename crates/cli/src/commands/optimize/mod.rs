@@ -1,8 +1,10 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
+mod covariances;
 mod explanation;
 mod files;
 mod limited;
+mod material;
 mod model;
 mod report;
 mod robust_search;
@@ -32,13 +34,10 @@ use slipgrid_springblock::{
 
 pub use report::{DesignReport, StoredDesign};
 
-use super::calibrate::Purpose;
 use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
-use crate::formats::calibration::Calibration;
-use crate::formats::design::{Design, MaterialInput};
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::formats::design::Design;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
@@ -66,10 +65,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
-    let (material, uncertainty) = match &design.material {
-        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
-        MaterialInput::Calibration(path) => calibrated(path, &design, console)?,
-    };
+    let (material, uncertainty) = material::of_design(&design, console)?;
     let (loads, outside) = design.loads(&material)?;
     let with_table = args.table || design.table;
     if with_table {
@@ -190,20 +186,6 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         Status::Budget => exit_code::BUDGET,
         Status::Cancelled => exit_code::FAILURE,
     })
-}
-
-/// The material of the calibration file at `path`, as far as `design` needs it.
-fn calibrated(
-    path: &Path,
-    design: &Design,
-    console: &mut Console<'_>,
-) -> Result<(Material, MaterialUncertainty), CliError> {
-    let calibration = Calibration::read(path)?;
-    // A pressure or condition that was not measured is refused before anything is computed.
-    design.loads(&super::calibrate::provisional(&calibration)?)?;
-    let errors = design.tolerances.is_some();
-    let purpose = Purpose { condition: design.condition, layer: design.layer, seed: design.seed, errors };
-    super::calibrate::material(path, &calibration, &purpose, console)
 }
 
 /// out/NAME for designs/NAME.toml.

@@ -1,6 +1,7 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
 use slipgrid_calibrate::Discrepancy;
+use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
     propagate,
@@ -8,6 +9,7 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, Simulation};
 
+use super::covariances::{Covariance, log_covariance, row, with_scale};
 use super::model::SteadyCell;
 use super::robust_search::RobustChoice;
 use super::robustness_report::{
@@ -86,18 +88,16 @@ struct AboutDesign<'a> {
     /// Friction of the flat sample in the confirming run.
     flat_mu: Vec<f64>,
     parameters: Parameters,
+    scale_is_fitted: bool,
     discrepancy: Option<&'a Discrepancy>,
 }
-
-/// Of the parameters, row by row.
-type Covariance = Vec<Vec<f64>>;
 
 /// Places of the parameters among the deviations; absent where one is not uncertain.
 #[derive(Clone, Debug, Default)]
 struct Parameters {
     /// First of the relative errors of flat friction, one per load.
     friction: Option<usize>,
-    /// The logarithm of Young's modulus.
+    /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
     modulus: Option<usize>,
     /// The area law's factors, in standard errors.
     law: Option<usize>,
@@ -182,11 +182,18 @@ impl<'a> AboutDesign<'a> {
             blocks.push(block);
             Some(place)
         };
-        let friction = request.friction_covariance.clone().and_then(&mut add);
         let material = request.material;
-        let modulus_std = material.modulus_relative_std.filter(|std| *std > 0.0 && !material.law_is_fitted);
-        // ln(1 + x) of a relative standard deviation x is x to first order.
-        let modulus = modulus_std.filter(|_| model.area_law().is_some()).and_then(|std| add(vec![vec![std * std]]));
+        let (friction, modulus);
+        if let (Some(known), Some(law)) = (&material.scale_covariance, model.area_law()) {
+            // Fitted together: flat friction and the law's scale are off together.
+            friction = add(with_scale(known, law, &loads)?);
+            modulus = friction.map(|first| first + count);
+        } else {
+            friction = request.friction_covariance.clone().and_then(&mut add);
+            let std = material.modulus_relative_std.filter(|std| *std > 0.0 && !material.law_is_fitted);
+            // ln(1 + x) of a relative standard deviation x is x to first order.
+            modulus = std.filter(|_| model.area_law().is_some()).and_then(|std| add(vec![vec![std * std]]));
+        }
         let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
         let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
         let discrepancy = material.discrepancy.as_ref();
@@ -207,9 +214,15 @@ impl<'a> AboutDesign<'a> {
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
             loads,
             parameters,
+            scale_is_fitted: material.scale_covariance.is_some(),
             discrepancy,
         };
         Ok(Some((about, covariance)))
+    }
+
+    /// What moves the area law along the pressure.
+    fn scale_name(&self) -> &'static str {
+        if self.scale_is_fitted { "scale of the area law" } else { "Young's modulus" }
     }
 
     /// Ratio and friction at each load, one after the other or the other way round as the target has it.
@@ -221,33 +234,6 @@ impl<'a> AboutDesign<'a> {
             mu.chain(ratio.iter().copied()).collect()
         }
     }
-}
-
-/// Covariance of the logarithmic errors of corrected ratios at `loads`, at a given Young's modulus: of the fitted
-/// coefficients and of the scatter between conditions, widened for the few of them as Student's t is.
-fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Vec<Vec<f64>> {
-    let rows: Vec<Vec<f64>> = loads.iter().map(|load| row(found, load.pressure_pa)).collect();
-    // The interval's reach over the normal one's.
-    let interval = found.correct(found.reference_pressure_pa, 1.0, 0.0);
-    let widened = (interval.interval[1] / interval.ratio).ln() / (1.959_964 * interval.log_std);
-    let widened = if widened.is_finite() { widened * widened } else { 1.0 };
-    let shared = |left: &[f64], right: &[f64]| {
-        let of_fit: f64 = found
-            .covariance
-            .iter()
-            .zip(left)
-            .map(|(line, l)| l * line.iter().zip(right).map(|(entry, r)| entry * r).sum::<f64>())
-            .sum();
-        widened * of_fit
-    };
-    let own = |i: usize, j: usize| if i == j { widened * found.scatter * found.scatter } else { 0.0 };
-    (0..rows.len()).map(|i| (0..rows.len()).map(|j| shared(&rows[i], &rows[j]) + own(i, j)).collect()).collect()
-}
-
-/// 1 and, where the discrepancy is linear in pressure, (P - P0) / P0.
-fn row(found: &Discrepancy, pressure_pa: f64) -> Vec<f64> {
-    let share = (pressure_pa - found.reference_pressure_pa) / found.reference_pressure_pa;
-    [1.0, share].into_iter().take(found.coefficients.len()).collect()
 }
 
 impl UncertainModel for AboutDesign<'_> {
@@ -267,7 +253,7 @@ impl UncertainModel for AboutDesign<'_> {
         let relative: Vec<f64> = (0..count)
             .map(|load| {
                 let pressure_pa = self.loads[load].pressure_pa;
-                let factor = |law: Option<&slipgrid_material::AreaLaw>| law.map_or(1.0, |law| law.factor(pressure_pa));
+                let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(pressure_pa));
                 (1.0 + flat[load]) * factor(known) / factor(law.as_ref()) - 1.0
             })
             .collect();
@@ -335,7 +321,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         ("spacing", Some(1..2)),
         ("depth", Some(2..3)),
         ("flat friction", parameter(about.parameters.friction, count)),
-        ("Young's modulus", parameter(about.parameters.modulus, 1)),
+        (about.scale_name(), parameter(about.parameters.modulus, 1)),
         ("area law", parameter(about.parameters.law, 1)),
     ];
     let known: Vec<(&str, Vec<f64>)> = groups
@@ -382,11 +368,17 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
         });
     }
     if let Some(place) = about.parameters.modulus {
+        let is_fitted = request.material.scale_covariance.is_some();
         inputs.push(InputReport {
-            name: "Young's modulus".to_owned(),
+            name: about.scale_name().to_owned(),
             std: vec![percent(uncertainty.std(DIMENSIONS + place))],
             unit: "%",
-            basis: "moves the area law along the pressure, flat friction being measured".to_owned(),
+            basis: if is_fitted {
+                "fitted together with flat friction"
+            } else {
+                "moves the area law along the pressure, flat friction being measured"
+            }
+            .to_owned(),
         });
     }
     if about.parameters.law.is_some() {

@@ -196,5 +196,10 @@ pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
             lengths.into_iter().chain(each(listed, "goals").iter().map(|goal| number(goal, 2))).collect()
         })
         .collect();
-    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
+    let caption = if found["on_target"] == true {
+        "Designs of the front that meet the target, or some of them, from one end to the other; trade-offs.csv has the whole front."
+    } else {
+        "Some of the front, from one end to the other; trade-offs.csv has all."
+    };
+    page.table(caption, &header, &rows);
 }
