@@ -241,7 +241,7 @@ pub struct AreaLawArgs {
     gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the\n\
     laser's limits is refused.")]
 pub struct ExportArgs {
-    /// result.json of `optimize`
+    /// result.json of `optimize`, or the folder that holds it
     pub result: PathBuf,
     /// Formats, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = ExportFormat::ALL)]

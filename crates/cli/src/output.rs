@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
+use crate::CliError;
 use crate::diagnostic::Diagnostic;
 
 /// Name of a file that is not finished, at its beginning and end.
@@ -149,10 +150,12 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
 /// Checks, before long work starts, that results can go to `folder`.
 ///
 /// # Errors
-/// [`Diagnostic`] if something else than a folder has that name.
-pub fn check_folder(folder: &Path) -> Result<(), Diagnostic> {
+/// [`CliError`] if something else than a folder has that name, or nothing can be written there.
+pub fn check_folder(folder: &Path) -> Result<(), CliError> {
     if folder.exists() && !folder.is_dir() {
-        return Err(Diagnostic::flag("--output", folder.display().to_string(), "is a file").expected("a folder"));
+        return Err(Diagnostic::flag("--output", folder.display().to_string(), "is a file")
+            .expected("a folder")
+            .into());
     }
     check_parents(folder)
 }
@@ -160,23 +163,38 @@ pub fn check_folder(folder: &Path) -> Result<(), Diagnostic> {
 /// Checks, before long work starts, that a result can go to the file `path`.
 ///
 /// # Errors
-/// [`Diagnostic`] if a folder has that name.
-pub fn check_file(path: &Path) -> Result<(), Diagnostic> {
+/// [`CliError`] if a folder has that name, or nothing can be written there.
+pub fn check_file(path: &Path) -> Result<(), CliError> {
     if path.is_dir() {
-        return Err(Diagnostic::flag("--output", path.display().to_string(), "is a folder").expected("a file"));
+        return Err(Diagnostic::flag("--output", path.display().to_string(), "is a folder").expected("a file").into());
     }
     check_parents(path)
 }
 
-fn check_parents(path: &Path) -> Result<(), Diagnostic> {
+fn check_parents(path: &Path) -> Result<(), CliError> {
     let blocking = path.ancestors().skip(1).find(|above| above.exists());
     match blocking {
         Some(above) if !above.as_os_str().is_empty() && !above.is_dir() => {
             let reason = format!("cannot be made: {} is a file", above.display());
-            Err(Diagnostic::flag("--output", path.display().to_string(), reason).expected("a path below folders"))
+            Err(Diagnostic::flag("--output", path.display().to_string(), reason)
+                .expected("a path below folders")
+                .into())
         }
-        _ => Ok(()),
+        _ => Ok(check_writable(path)?),
     }
+}
+
+/// Checks that a file can be made where `path` would appear: hours of work should not end at a closed door.
+fn check_writable(path: &Path) -> Result<(), WriteError> {
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+        // A device or a pipe.
+        return Ok(());
+    }
+    let folders = path.ancestors().skip(usize::from(!path.is_dir()));
+    let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
+    let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
+    // It goes away at once.
+    builder().tempfile_in(folder).map(drop).map_err(WriteError::at(path))
 }
 
 /// The folder that holds `path`.

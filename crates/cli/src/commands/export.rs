@@ -13,13 +13,19 @@ use crate::report::simulation::PatternReport;
 use crate::units::LENGTH_UM;
 use crate::{CliError, Console, exit_code};
 
+/// Name of a result in its folder.
+const RESULT: &str = "result.json";
+
 /// Writes the design again.
 pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    let folder = args.output.as_deref().or(args.result.parent()).unwrap_or(Path::new("."));
+    // The folder that `optimize` wrote stands for the result in it.
+    let inside = args.result.join(RESULT);
+    let result = if inside.is_file() { &inside } else { &args.result };
+    let folder = args.output.as_deref().or(result.parent()).unwrap_or(Path::new("."));
     check_folder(folder)?;
-    let stored = read(&args.result)?;
-    let refuse = |reason: String| Diagnostic::file(&args.result, reason);
-    let pattern = pattern(&args.result, &stored.design)?;
+    let stored = read(result)?;
+    let refuse = |reason: String| Diagnostic::file(result, reason);
+    let pattern = pattern(result, &stored.design)?;
     let input = DrawingInput {
         name: &stored.name,
         version: &stored.version,
