@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// What each shipped design ends with. A design without an entry fails the test.
-const ENDINGS: [(&str, u8, &str); 4] = [
+const ENDINGS: [(&str, u8, &str); 5] = [
     ("ldpe-lower-friction", 0, "met"),
+    ("ldpe-lowest", 0, "met"),
     ("ldpe-squares", 0, "met"),
     ("ldpe-target-mu", 0, "met"),
     ("ldpe-unreachable", 3, "unreachable"),
@@ -92,6 +93,21 @@ fn a_target_of_dynamic_friction_is_met() {
     {
         let mu = confirmed["mu_dynamic"].as_f64().unwrap();
         assert!((mu - wanted.as_f64().unwrap()).abs() <= tolerance, "{mu}");
+    }
+}
+
+#[test]
+fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
+    let (_folder, result) = optimize("ldpe-lowest");
+    assert_eq!((&result["violations"], &result["goal"]["goal"]), (&Value::Array(Vec::new()), &Value::from("lowest")));
+    let density = result["design"]["areal_density"].as_f64().unwrap();
+    assert!((density - 0.4).abs() < 1e-6, "{density}");
+    let confirmed = result["confirmed"].as_array().unwrap();
+    let mu = confirmed.iter().map(|load| load["mu_dynamic"].as_f64().unwrap()).sum::<f64>() / 2.0;
+    assert!((result["goal"]["confirmed"].as_f64().unwrap() - mu).abs() < 1e-12);
+    for (load, predicted) in confirmed.iter().zip(result["predicted"].as_array().unwrap()) {
+        assert!(load["mu_dynamic"].as_f64() < load["mu_flat"].as_f64());
+        assert!(predicted["peak_pressure_mpa"].as_f64().unwrap() <= 10.0 && predicted["tension_blocks"] == 0);
     }
 }
 

@@ -262,8 +262,9 @@ pub struct ExportArgs {
     slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n\n\
     The model takes the flat measurements and the surface; the patterned measurements are only\n\
     compared with. The default pattern is the one that the source of the LDPE calibration simulated,\n\
-    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. Writes ratios.svg, ratios.csv,\n\
-    report.html and result.json.\n\n\
+    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. With -o it writes a page,\n\
+    report.html, of the source's tables and figures beside these, with their numbers and pictures:\n\
+    contact area, interface pressure, friction in time and ratios at the heaviest load.\n\n\
     Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples
@@ -290,7 +291,10 @@ pub struct ValidateArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
-    /// Folder for result.json, the table and a picture
+    /// Travel of the run in time behind mu(t), which is made for the page alone; 0 leaves it out
+    #[arg(long, default_value_t = 2.0, value_name = "UM")]
+    pub sliding_um: f64,
+    /// Folder for the page report.html, result.json, tables and pictures
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

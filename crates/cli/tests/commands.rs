@@ -280,19 +280,52 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
         ("patterned.csv", &format!("{FLAT}{heavy}").replace("0.248", "0.208").replace("0.278", "0.224")),
     ]);
     place.succeed(&["synthesize", "--pixels", "32", "--waves", "2:8", "-o", "map.asc"]);
-    let printed = place.succeed(&["validate", "calibration.toml", "-o", "out"]);
+    // A run of ten nanometres ends before sliding sets in: a trace, and no mean.
+    let printed = place.succeed(&["validate", "calibration.toml", "--sliding-um", "0.01", "-o", "out"]);
     for said in ["synthetic", "Nothing was tuned", "20 um is modelled, 5.2 um was measured", "square 0.5x", "groove 2x"]
     {
         assert!(printed.contains(said), "{said}: {printed}");
     }
     let folder = place.path("out");
-    assert_eq!(names(&folder), ["ratios.csv", "ratios.svg", "report.html", "result.json"]);
+    let pictures = ["area-law.svg", "friction.svg", "interface-end.svg", "interface-squares.svg", "interface.svg"];
+    let mut expected = vec!["area-law.csv", "friction.csv", "interface.csv", "ratios.csv", "ratios.svg", "report.html"];
+    expected.extend(pictures);
+    expected.push("result.json");
+    expected.sort_unstable();
+    assert_eq!(names(&folder), expected);
     let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
     // Two conditions at three slopes and at the measured depth.
     assert_eq!(table.lines().count(), 1 + 2 * 4);
     let result = json(&fs::read_to_string(folder.join("result.json")).unwrap());
     assert_eq!(result["synthetic_surface"], true);
     assert!(fs::read_to_string(folder.join("ratios.svg")).unwrap().contains("(synthetic surface)"));
+    // The page holds every picture, every measurement with its deviation, and what time integration found.
+    let page = fs::read_to_string(folder.join("report.html")).unwrap();
+    assert_eq!(page.matches("<figure>").count(), pictures.len() + 2);
+    for said in [
+        "0.278 ± 0.001",
+        "0.224 ± 0.001",
+        "no_onset",
+        "altitude map behind the area law is synthetic",
+        "Nothing was tuned",
+    ] {
+        assert!(page.contains(said), "{said}");
+    }
+    // The source is another one: nothing that the LDPE paper says stands here.
+    assert_eq!(result["published"], Value::Array(Vec::new()));
+    assert_eq!(result["in_time"]["mu_flat"], Value::Null);
+    // f(P0) = 1, and f = [A(P)/A(P0)] / [P/P0] of the areas listed beside it.
+    let law = &result["area_laws"][1];
+    let at = |key: &str, mpa: f64| {
+        let pressures = law["pressure_mpa"].as_array().unwrap();
+        let row = pressures.iter().position(|pressure| pressure.as_f64() == Some(mpa)).unwrap();
+        law[key][row].as_f64().unwrap()
+    };
+    let factor = at("area_fraction", 2.6) / at("area_fraction", 0.7) * (0.7 / 2.6);
+    assert!((at("factor", 2.6) - factor).abs() < 1e-9 && at("factor", 0.7) == 1.0, "{factor}");
+    // Without the run in time.
+    place.succeed(&["validate", "calibration.toml", "--sliding-um", "0", "-o", "still"]);
+    assert!(!names(&place.path("still")).contains(&"friction.svg".to_owned()));
 }
 
 #[test]

@@ -23,7 +23,7 @@ fn design(more: &str) -> String {
     format!("{text}{more}")
 }
 
-const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\ndraws = 400\n";
+const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\ndraws = 200\n";
 
 fn result(place: &Place, folder: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
@@ -38,7 +38,7 @@ fn samples_trade_offs_and_the_robust_choice_are_reported() {
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let summary = String::from_utf8(output.stdout).unwrap();
     for said in
-        ["1e-4 where one dimension grows by 1 um", "of samples (400 draws", "trade-offs: of", "chosen for its samples"]
+        ["1e-4 where one dimension grows by 1 um", "of samples (200 draws", "trade-offs: of", "chosen for its samples"]
     {
         assert!(summary.contains(said), "{said}: {summary}");
     }

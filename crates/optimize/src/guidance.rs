@@ -22,8 +22,8 @@ pub struct Guidance {
 #[derive(Clone, Debug, PartialEq)]
 struct Difference {
     design: Pattern,
-    /// What the model says less what the guide does: values at the target's points, then limited quantities.
-    by: Vec<f64>,
+    /// What the model and the guide say: values at the target's points, then limited quantities.
+    said: Vec<[f64; 2]>,
 }
 
 impl Guidance {
@@ -47,28 +47,38 @@ impl Guidance {
 
     /// Takes over what `model` answers of `design`, and its guide.
     pub(crate) fn learn(&mut self, design: Pattern, model: &Response, guide: &Response) {
-        let by: Vec<f64> = numbers(model).zip(numbers(guide)).map(|(model, guide)| model - guide).collect();
+        let said: Vec<[f64; 2]> = numbers(model).zip(numbers(guide)).map(|(model, guide)| [model, guide]).collect();
         match self.differences.iter_mut().find(|known| known.design == design) {
-            Some(known) => known.by = by,
-            None => self.differences.push(Difference { design, by }),
+            Some(known) => known.said = said,
+            None => self.differences.push(Difference { design, said }),
         }
     }
 
-    /// The differences of `count` numbers, values and limited quantities, as a function of a design's shares on `grid`.
-    pub(crate) fn correction(&self, grid: &Grid, count: usize) -> Correction {
-        let known: Vec<&Difference> = self.differences.iter().filter(|known| known.by.len() == count).collect();
+    /// The differences of `values` values and `limited` limited quantities as a function of a design's shares on `grid`.
+    /// Quantities that are positive wherever they are known differ by a factor.
+    pub(crate) fn correction(&self, grid: &Grid, values: usize, limited: usize) -> Correction {
+        let count = values + limited;
+        let known: Vec<&Difference> = self.differences.iter().filter(|known| known.said.len() == count).collect();
         let shares: Vec<Shares> = known.iter().map(|known| grid.shares(&known.design)).collect();
         let n = known.len();
-        let mean = |column: usize| known.iter().map(|known| known.by[column]).sum::<f64>() / n.max(1) as f64;
-        let mut columns: Vec<Column> =
-            (0..count).map(|column| Column { mean: mean(column), weights: vec![0.0; n] }).collect();
+        let is_factor = |column: usize| {
+            column >= values && known.iter().all(|known| known.said[column].iter().all(|said| *said > 0.0))
+        };
+        let by = |column: usize, row: usize| {
+            let [model, guide] = known[row].said[column];
+            if is_factor(column) { libm::log(model / guide) } else { model - guide }
+        };
+        let mean = |column: usize| (0..n).map(|row| by(column, row)).sum::<f64>() / n.max(1) as f64;
+        let mut columns: Vec<Column> = (0..count)
+            .map(|column| Column { mean: mean(column), weights: vec![0.0; n], is_factor: is_factor(column) })
+            .collect();
         let covariances =
             DMatrix::from_fn(n, n, |i, j| covariance(&shares[i], &shares[j]) + if i == j { NUGGET } else { 0.0 });
         // Two designs at one place, which a grid does not have, would be left to the mean.
         if let Some(factor) = covariances.cholesky() {
             let ones = factor.solve(&DVector::from_element(n, 1.0));
             for (number, column) in columns.iter_mut().enumerate() {
-                let by = DVector::from_fn(n, |row, _| known[row].by[number]);
+                let by = DVector::from_fn(n, |row, _| by(number, row));
                 // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
                 let solved = factor.solve(&by);
                 column.mean = if n == 0 { 0.0 } else { solved.sum() / ones.sum() };
@@ -105,6 +115,8 @@ pub(crate) struct Correction {
 struct Column {
     mean: f64,
     weights: Vec<f64>,
+    /// The difference is the logarithm of a factor.
+    is_factor: bool,
 }
 
 impl Correction {
@@ -114,7 +126,9 @@ impl Correction {
         // d(t) = m + sum_i w_i C(t, t_i)
         let at =
             |column: &Column| column.mean + column.weights.iter().zip(&near).map(|(weight, c)| weight * c).sum::<f64>();
-        let mut corrected = numbers(guide).zip(&self.columns).map(|(number, column)| number + at(column));
+        let mut corrected = numbers(guide).zip(&self.columns).map(|(number, column)| {
+            if column.is_factor { number * libm::exp(at(column)) } else { number + at(column) }
+        });
         let value = corrected.by_ref().take(guide.value.len()).collect();
         Response { value, limited: corrected.collect() }
     }
@@ -140,14 +154,14 @@ mod tests {
         let grid = grid();
         let guide = response(0.9, 2e6);
         let mut guidance = Guidance::new();
-        assert_eq!(guidance.correction(&grid, 3).apply(&[0.3; 3], &guide), guide);
+        assert_eq!(guidance.correction(&grid, 2, 1).apply(&[0.3; 3], &guide), guide);
         let known: Vec<Shares> = vec![[0.1, 0.2, 0.3], [0.9, 0.2, 0.5], [0.91, 0.2, 0.5], [0.4, 1.0, 0.0]];
         for (place, shares) in known.iter().enumerate() {
             let design = grid.design(shares).unwrap();
             guidance.learn(design, &response(0.9 + 0.01 * place as f64, 3e6), &guide);
         }
         assert_eq!((guidance.len(), guidance.is_empty()), (4, false));
-        let correction = guidance.correction(&grid, 3);
+        let correction = guidance.correction(&grid, 2, 1);
         for (place, known) in guidance.differences.iter().enumerate() {
             let corrected = correction.apply(&grid.shares(&known.design), &guide);
             assert!((corrected.value[0] - 0.9 - 0.01 * place as f64).abs() < 1e-7);
@@ -167,7 +181,7 @@ mod tests {
             let design = grid.design(&point).unwrap();
             guidance.learn(design, &response(truth(&grid.shares(&design)), 1e6), &response(0.0, 1e6));
         }
-        let correction = guidance.correction(&grid, 3);
+        let correction = guidance.correction(&grid, 2, 1);
         let errors: Vec<f64> = crate::sequence::points(3, 200, 7)
             .iter()
             .map(|t| correction.apply(t, &response(0.0, 1e6)).value[0] - truth(t))
@@ -186,7 +200,7 @@ mod tests {
             guidance.learn(design, &response(by, 1e6), &response(0.0, 1e6));
         }
         assert_eq!(guidance.len(), 1);
-        let corrected = guidance.correction(&grid, 3).apply(&grid.shares(&design), &response(0.0, 1e6));
+        let corrected = guidance.correction(&grid, 2, 1).apply(&grid.shares(&design), &response(0.0, 1e6));
         assert!((corrected.value[0] - 0.2).abs() < 1e-8);
     }
 }

@@ -62,6 +62,8 @@ const NEXT_BURSTS: usize = 3;
 /// Target points up to which every one has its extremes sought; beyond, the lowest and highest
 /// pressure and the one missed most.
 const EVERY_EXTREME: usize = 4;
+/// Steps of the grid tried at the end of a search for a goal.
+const MOST_GRID_STEPS: usize = 20;
 /// Share of the remaining evaluations that a stage before the last may spend.
 const STAGE_SHARE: f64 = 0.6;
 
@@ -209,6 +211,10 @@ impl Search<'_> {
             let most = if self.is_met() && !self.has_goal() { NEXT_BURSTS } else { self.effort.bursts };
             self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
         }
+        // Extremes mostly lie on bounds, and other bounds hold other ones.
+        if self.has_goal() && !self.is_comfortable() {
+            self.run(self.bound_descents(), Stage::Polishing, self.stage_budget())?;
+        }
         // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
         let hidden = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
         if let Some(best) = self.ledger.best().filter(hidden).filter(|_| !self.has_goal()) {
@@ -230,6 +236,29 @@ impl Search<'_> {
         if !self.is_comfortable() {
             let descents = std::mem::take(&mut self.unfinished);
             self.run(descents, Stage::Polishing, self.remaining())?;
+        }
+        if self.has_goal() && !self.is_comfortable() && self.unfinished.is_empty() {
+            self.step_to_the_limits()?;
+        }
+        Ok(())
+    }
+
+    /// Steps of the grid from the best design while they gain: descents keep a little away from constraints.
+    fn step_to_the_limits(&mut self) -> Result<(), Interruption> {
+        for _ in 0..MOST_GRID_STEPS {
+            let Some(best) = self.ledger.best().map(|best| best.design) else { break };
+            let mut unknown = self.grid.neighbours(&best);
+            unknown.retain(|neighbour| !self.ledger.knows(neighbour));
+            if unknown.len() > self.remaining() {
+                return Err(Interruption::Budget);
+            }
+            let evaluator = &self.evaluator;
+            let records: Vec<_> =
+                unknown.par_iter().map(|neighbour| evaluator.evaluate(neighbour, Stage::Polishing)).collect();
+            self.ledger.absorb(records.into_iter().collect::<Result<_, _>>()?);
+            if self.ledger.best().is_some_and(|found| found.design == best) {
+                break;
+            }
         }
         Ok(())
     }
@@ -359,6 +388,24 @@ impl Search<'_> {
             start.map(|start| self.descent(grid, start, Objective::Target, self.method()))
         };
         bursts.into_iter().filter_map(start_at).collect()
+    }
+
+    /// Descents on the faces and edges of the bounds, from the best design brought there.
+    fn bound_descents(&self) -> Vec<Descent> {
+        let Some(best) = self.ledger.best() else { return Vec::new() };
+        let shares = self.grid.shares(&best.design);
+        let ends = |grid: Grid| {
+            let axes = grid.free_axes().into_iter();
+            axes.flat_map(move |axis| [(axis, grid.at_end(axis, false)), (axis, grid.at_end(axis, true))])
+        };
+        // Corners have been evaluated. Of an edge, its two axes in order.
+        let edges = ends(self.grid).flat_map(|(axis, face)| {
+            ends(face).filter(move |(other, edge)| *other > axis && !edge.free_axes().is_empty()).map(|(_, edge)| edge)
+        });
+        let grids = ends(self.grid).map(|(_, face)| face).filter(|face| !face.free_axes().is_empty()).chain(edges);
+        let descent =
+            |grid: Grid| grid.design(&shares).map(|start| self.descent(grid, start, Objective::Target, self.method()));
+        grids.filter_map(descent).collect()
     }
 
     /// Descents to the lowest and the highest value, each from the feasible design nearest to it so far.

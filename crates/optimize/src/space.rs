@@ -268,6 +268,33 @@ impl Grid {
         self
     }
 
+    /// The designs one grid step from `design` along each free axis.
+    pub(crate) fn neighbours(&self, design: &Pattern) -> Vec<Pattern> {
+        let lengths = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let mut neighbours = Vec::new();
+        for (axis, kind) in self.axes.iter().enumerate() {
+            let Axis::Free { lower_m, upper_m, step, first, last } = *kind else { continue };
+            let index = (step.index(lengths[axis]).round() as u64).clamp(first, last);
+            for index in [index.saturating_sub(1), index + 1] {
+                if (first..=last).contains(&index) {
+                    let mut moved = lengths;
+                    moved[axis] = step.at(index).clamp(lower_m, upper_m);
+                    neighbours.extend(Pattern::new(self.texture, moved[0], moved[1], moved[2]));
+                }
+            }
+        }
+        neighbours
+    }
+
+    /// The same grid with a free `axis` fixed at its lower or upper end.
+    pub(crate) fn at_end(mut self, axis: usize, is_upper: bool) -> Self {
+        self.axes[axis] = Axis::Fixed(self.axes[axis].at(if is_upper { 1.0 } else { 0.0 }));
+        if axis == 2 {
+            self.bursts = None;
+        }
+        self
+    }
+
     /// The design nearest to the shares `t`, one per axis; shares of fixed axes are ignored.
     pub(crate) fn design(&self, t: &[f64; MOST_DIMENSIONS]) -> Option<Pattern> {
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis].at(t[axis]));

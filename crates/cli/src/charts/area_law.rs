@@ -17,6 +17,19 @@ pub struct AreaLawChart<'a> {
     pub factor_std: &'a [f64],
     /// Pressure P0 up to which friction is proportional to load, in MPa, and the area fraction there.
     pub threshold: Option<[f64; 2]>,
+    /// Other surfaces at the same pressures, in thinner lines; may be empty.
+    pub others: &'a [OtherSurface<'a>],
+}
+
+/// A surface to compare with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OtherSurface<'a> {
+    /// Name in the legend.
+    pub label: &'a str,
+    /// Real contact area over nominal area, one per pressure.
+    pub area_fraction: &'a [f64],
+    /// The factor f, one per pressure.
+    pub factor: &'a [f64],
 }
 
 /// Height of the picture.
@@ -37,11 +50,18 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     if !chart.factor_std.is_empty() {
         check_length(chart.title, chart.pressure_mpa.len(), chart.factor_std.len())?;
     }
-    let values = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor).chain(chart.factor_std);
+    for other in chart.others {
+        check_length(chart.title, chart.pressure_mpa.len(), other.area_fraction.len())?;
+        check_length(chart.title, chart.pressure_mpa.len(), other.factor.len())?;
+    }
+    let others = || chart.others.iter().flat_map(|other| other.area_fraction.iter().chain(other.factor));
+    let own = || chart.pressure_mpa.iter().chain(chart.area_fraction).chain(chart.factor).chain(chart.factor_std);
+    let values = || own().chain(others());
     check(chart.title, chart.pressure_mpa)?;
     check(chart.title, values().chain(chart.threshold.iter().flatten()))?;
 
-    let [blue, vermilion, ..] = PALETTE;
+    let [blue, vermilion, coloured @ ..] = PALETTE;
+    let compared = || chart.others.iter().zip(coloured.into_iter().cycle());
     let mut legend = vec![
         (Swatch::Mark(Mark::Circle, blue), "real contact area"),
         (Swatch::Mark(Mark::Square, vermilion), "factor f"),
@@ -52,18 +72,21 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
     if chart.threshold.is_some() {
         legend.push((Swatch::Dashed(GREY), "proportional to load"));
     }
+    legend.extend(compared().map(|(other, color)| (Swatch::Line(color), other.label)));
     let column = |column: &[f64]| -> Vec<[f64; 2]> {
         chart.pressure_mpa.iter().zip(column).map(|(&pressure, &value)| [pressure, value]).collect()
     };
     let x_axis = Axis::from_zero("nominal pressure (MPa)", chart.pressure_mpa.iter().copied());
-    let area_axis = Axis::from_zero("area fraction", chart.area_fraction.iter().copied());
+    let areas = || chart.others.iter().flat_map(|other| other.area_fraction).chain(chart.area_fraction).copied();
+    let factors = || chart.others.iter().flat_map(|other| other.factor).chain(chart.factor).copied();
+    let area_axis = Axis::from_zero("area fraction", areas());
     let edge = |side: f64| {
         let rows = chart.pressure_mpa.iter().zip(chart.factor).zip(chart.factor_std);
         rows.map(move |((&pressure, factor), std)| [pressure, factor + side * std])
     };
     let band: Vec<[f64; 2]> = edge(-1.0).chain(edge(1.0).rev()).collect();
     let edges = band.iter().map(|point| point[1]);
-    let factor_axis = Axis::around("factor f", chart.factor.iter().copied().chain(edges).chain([1.0]));
+    let factor_axis = Axis::around("factor f", factors().chain(edges).chain([1.0]));
     let area_high = chart.area_fraction.iter().fold(0.0_f64, |high, &area| high.max(area));
     let last = chart.pressure_mpa.iter().fold(0.0_f64, |high, &pressure| high.max(pressure));
     picture(HEIGHT, |canvas| {
@@ -80,6 +103,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
                 upper.dashed([[0.0, 0.0], [end_mpa, area * end_mpa / threshold_mpa]], GREY)?;
             }
         }
+        for (other, color) in compared() {
+            upper.line(&column(other.area_fraction), color, 1.2)?;
+        }
         let points = column(chart.area_fraction);
         upper.line(&points, blue, 1.8)?;
         for &point in &points {
@@ -93,6 +119,9 @@ pub fn area_law(chart: &AreaLawChart<'_>) -> Result<String, ChartError> {
         }
         if !band.is_empty() {
             lower.polygon(&band, vermilion, BAND)?;
+        }
+        for (other, color) in compared() {
+            lower.line(&column(other.factor), color, 1.2)?;
         }
         let points = column(chart.factor);
         lower.line(&points, vermilion, 1.8)?;
@@ -116,6 +145,7 @@ mod tests {
             factor: &[1.0, 1.0, 0.875, 0.625],
             factor_std: &[0.0, 0.0, 0.01, 0.02],
             threshold: Some([0.7, 0.2]),
+            others: &[],
         };
         let svg = area_law(&chart).unwrap();
         for text in ["area fraction", "factor f", "P0", "proportional to load", "f ± standard error"] {
@@ -124,6 +154,12 @@ mod tests {
         assert_eq!(svg.matches("\nnominal pressure (MPa)\n").count(), 1);
         // Four marks in each panel and one in the legend.
         assert_eq!(svg.matches("<circle").count(), 5);
+        let other = OtherSurface { label: "rougher", area_fraction: &[0.05, 0.1, 0.2, 0.35], factor: &[1.0; 4] };
+        let compared = area_law(&AreaLawChart { others: &[other], ..chart }).unwrap();
+        // One more line in each panel and one in the legend.
+        assert_eq!(compared.matches("#009E73").count(), 3);
+        let short = OtherSurface { factor: &[1.0], ..other };
+        assert!(area_law(&AreaLawChart { others: &[short], ..chart }).is_err());
     }
 
     #[test]
@@ -135,6 +171,7 @@ mod tests {
             factor: &[1.0, 1.0],
             factor_std: &[],
             threshold: None,
+            others: &[],
         };
         assert!(matches!(area_law(&chart), Err(ChartError::LengthMismatch { left: 2, right: 1, .. })));
     }

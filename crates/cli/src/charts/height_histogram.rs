@@ -37,7 +37,7 @@ pub fn height_histogram(chart: &HeightHistogramChart<'_>) -> Result<String, Char
     ];
     let ends =
         chart.shares.iter().flat_map(|[middle, _]| [middle - 0.5 * chart.class_um, middle + 0.5 * chart.class_um]);
-    let heights = Axis::around("height (um)", ends.chain(chart.core_um));
+    let heights = Axis::around("height (µm)", ends.chain(chart.core_um));
     picture(HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
         let bottom = HEIGHT - 62.0;
@@ -72,7 +72,7 @@ mod tests {
             core_um: [-0.4, 0.6],
         };
         let svg = height_histogram(&chart).unwrap();
-        for text in ["height (um)", "share of the surface (%)", "material ratio (%)", "bearing curve"] {
+        for text in ["height (µm)", "share of the surface (%)", "material ratio (%)", "bearing curve"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         // Background, two bars and the one of the legend.

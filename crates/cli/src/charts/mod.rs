@@ -36,7 +36,7 @@ mod trade_offs;
 mod tribometer;
 mod work_precision;
 
-pub use area_law::{AreaLawChart, area_law};
+pub use area_law::{AreaLawChart, OtherSurface, area_law};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};

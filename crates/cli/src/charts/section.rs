@@ -33,8 +33,8 @@ pub fn section(chart: &SectionChart<'_>) -> Result<String, ChartError> {
     check(chart.title, chart.points_um.iter().flatten())?;
     let last = chart.points_um.iter().map(|[x, _]| *x).fold(0.0, f64::max);
     // A single point still has an axis.
-    let x = Axis::over("x (um)", [0.0, if last > 0.0 { last } else { 1.0 }]);
-    let heights = Axis::around("height (um)", chart.points_um.iter().map(|[_, height]| *height));
+    let x = Axis::over("x (µm)", [0.0, if last > 0.0 { last } else { 1.0 }]);
+    let heights = Axis::around("height (µm)", chart.points_um.iter().map(|[_, height]| *height));
     picture(SECTION_HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &[])?;
         let frame = [LEFT, top, WIDTH - RIGHT, SECTION_HEIGHT - 62.0];
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn sections_and_spectra_have_units_on_their_axes() {
         let svg = section(&SectionChart { title: "t", points_um: &[[0.0, 1.0], [5.0, -1.0]] }).unwrap();
-        assert!(svg.contains("\nx (um)\n") && svg.contains("\nheight (um)\n"));
+        assert!(svg.contains("\nx (µm)\n") && svg.contains("\nheight (µm)\n"));
         let points = [[-2.0, 0.0], [0.0, -9.0]];
         let svg = spectrum(&SpectrumChart { title: "t", log_points: &points }).unwrap();
         assert!(svg.contains("\nwave number (rad/um)\n") && svg.contains("\n1e-9\n"), "{svg}");

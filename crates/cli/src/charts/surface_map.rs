@@ -93,7 +93,7 @@ pub fn surface_map(chart: &SurfaceMapChart<'_>) -> Result<String, ChartError> {
     let scale_frame = [frame[2] + 34.0, TOP, frame[2] + 34.0 + SCALE_WIDTH, TOP + height];
     let svg = picture(height + TOP + BOTTOM, |canvas| {
         canvas.heading(chart.title, &[])?;
-        let (x, y) = (Axis::over("x (um)", [0.0, chart.side_um[0]]), Axis::over("y (um)", [0.0, chart.side_um[1]]));
+        let (x, y) = (Axis::over("x (µm)", [0.0, chart.side_um[0]]), Axis::over("y (µm)", [0.0, chart.side_um[1]]));
         let plot = Plot::new(canvas, frame, x, y)?;
         if let Some(section_y_um) = chart.section_y_um {
             // Marked outside: nothing hides the map.
@@ -126,7 +126,7 @@ mod tests {
         let svg = surface_map(&chart(&[0.0, 1.0, -1.0, f64::NAN, 0.5, 0.2], 3, [20.0, 30.0])).unwrap();
         assert_eq!(svg.matches("<image ").count(), 2);
         assert_eq!(svg.matches("data:image/png;base64,iVBORw0KGgo").count(), 2);
-        for text in ["x (um)", "y (um)", "um", "-1.0", "0.5"] {
+        for text in ["x (µm)", "y (µm)", "um", "-1.0", "0.5"] {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert!(svg.trim_end().ends_with("</svg>"));

@@ -204,5 +204,6 @@ pub(super) fn picture(report: &AreaLawReport) -> Result<String, CliError> {
         factor: &factor,
         factor_std: factor_std.as_deref().unwrap_or_default(),
         threshold: threshold_area,
+        others: &[],
     })?)
 }

@@ -92,7 +92,10 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
 }
 
 /// The pressure over the interface of a cell in space from above; `None` where it has none.
-fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result<Option<String>, CliError> {
+///
+/// # Errors
+/// [`CliError::Other`] if the picture cannot be drawn.
+pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result<Option<String>, CliError> {
     let points = &load.surface.interface;
     let [x, y] = columns(scene, points);
     let mut values = vec![f64::NAN; x.count * y.count];
@@ -204,7 +207,7 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
 }
 
 /// The gaps between contact blocks of a patterned surface: its cavities, to within a block.
-fn cavities_um(scene: &Scene, surface: &SurfaceOutcome) -> Vec<[f64; 2]> {
+pub fn cavities_um(scene: &Scene, surface: &SurfaceOutcome) -> Vec<[f64; 2]> {
     if scene.pattern.is_none() {
         return Vec::new();
     }

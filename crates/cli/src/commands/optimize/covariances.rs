@@ -85,7 +85,8 @@ mod tests {
             for (j, right) in rows.iter().enumerate() {
                 let of = |a: usize, b: usize| left[a] * known[a][b] * right[b];
                 let expected = of(0, 0) + of(0, 1) + of(1, 0) + of(1, 1);
-                assert!((covariance[i][j] - expected).abs() < 2e-6, "{i} {j}: {} {expected}", covariance[i][j]);
+                // Below its first pressure a law goes on as its first chord: its slope is off by half a hundredth.
+                assert!((covariance[i][j] - expected).abs() < 4e-6, "{i} {j}: {} {expected}", covariance[i][j]);
             }
         }
     }

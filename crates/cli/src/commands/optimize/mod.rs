@@ -54,7 +54,7 @@ use files::DesignScene;
 use flat::flat_friction;
 use limited::Limited;
 use model::SteadyCell;
-use report::{MisfitReport, ReachableReport, Timings, patterns};
+use report::{ImprovementReport, MisfitReport, ReachableReport, Timings, patterns};
 use robust_search::RobustChoice;
 use study::Study;
 use target_report::{GoalReport, TargetReport};
@@ -181,6 +181,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         out_of_time: found.out_of_time,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
+        history: found.history.clone(),
         model,
         material: material_report,
         specimen: (&design.outline).into(),
@@ -224,6 +225,7 @@ struct Rounds {
     alternatives: Vec<Pattern>,
     explanation: Option<ExplanationReport>,
     reachable: Vec<ReachableReport>,
+    history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     choice: Option<RobustChoice>,
 }
@@ -299,6 +301,7 @@ impl Rounds {
             alternatives: Vec::new(),
             explanation: None,
             reachable: Vec::new(),
+            history: Vec::new(),
             choice: None,
         })
     }
@@ -427,6 +430,12 @@ impl Rounds {
             _ => design.refuse(error.to_string()).into(),
         })?;
         self.rounds += 1;
+        self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
+            round: self.rounds,
+            evaluation: point.evaluation,
+            misfit: point.misfit.max,
+            feasible: point.feasible,
+        }));
         self.choice = choice;
         self.out_of_time = out_of_time.into_inner();
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);

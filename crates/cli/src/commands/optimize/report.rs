@@ -91,6 +91,8 @@ pub struct DesignReport {
     pub failed_trials: usize,
     /// Searches made: each after the first corrected by the confirming run before it.
     pub rounds: usize,
+    /// Improvements during the searches.
+    pub history: Vec<ImprovementReport>,
     /// What was modelled and why.
     pub model: Vec<String>,
     /// The material and where it came from.
@@ -169,6 +171,19 @@ pub struct Timings {
     pub trade_offs: f64,
     /// Drawing and tabulating.
     pub export: f64,
+}
+
+/// The best design after a number of evaluations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ImprovementReport {
+    /// The search, counted from 1.
+    pub round: usize,
+    /// Evaluations of this search up to and including the improvement.
+    pub evaluation: usize,
+    /// Largest distance from the target in tolerances, by the search's model.
+    pub misfit: f64,
+    /// Every limit is respected.
+    pub feasible: bool,
 }
 
 impl DesignReport {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use slipgrid_optimize::{
-    ForwardModel, RobustOutcome, SearchError, SearchOptions, SearchOutcome, SearchProgress, search_robust,
+    ForwardModel, RobustOutcome, SearchError, SearchOptions, SearchOutcome, SearchProgress, Status, search_robust,
 };
 use slipgrid_pattern::Pattern;
 
@@ -30,7 +30,9 @@ pub fn choose(
     outcome: SearchOutcome,
     progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
 ) -> Result<(SearchOutcome, Option<RobustChoice>), SearchError> {
-    let Some(tolerances) = design.tolerances.filter(|_| design.robust) else { return Ok((outcome, None)) };
+    // A search that ran out of time leaves none for another.
+    let is_wanted = design.robust && outcome.status != Status::Cancelled;
+    let Some(tolerances) = design.tolerances.filter(|_| is_wanted) else { return Ok((outcome, None)) };
     let guide = model.guide();
     let guide = guide.as_ref().map(|(guide, _)| guide as &dyn ForwardModel);
     let (target, space, constraints) = (&design.target, &design.space, &design.constraints);

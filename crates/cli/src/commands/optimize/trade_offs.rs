@@ -39,8 +39,12 @@ pub struct TradeOffsReport {
     pub chosen: Option<Vec<f64>>,
     /// Whether none of the others is at least as good by every goal and better by one.
     pub chosen_is_on_front: bool,
+    /// `listed` and `best` are of designs that meet the target alone; otherwise there are none, or misfit is no goal.
+    pub on_target: bool,
     /// Some of the front, from one end by the first goal to the other.
     pub listed: Vec<ListedDesign>,
+    /// The best of the front by each goal.
+    pub best: Vec<ListedDesign>,
     /// By what model.
     pub model: String,
 }
@@ -54,9 +58,18 @@ pub struct ListedDesign {
     pub goals: Vec<f64>,
 }
 
+impl ListedDesign {
+    fn new(known: &TradeOff) -> Self {
+        let goals = known.goals.iter().copied().map(tidy).collect();
+        Self { design: PatternReport::from(&known.design), goals }
+    }
+}
+
 /// Designs by their vertical section, calibrated at the chosen one.
 struct Plane {
     cell: SteadyCell,
+    /// The search's model is one in space.
+    is_solid: bool,
     /// What ratios are multiplied by at each load.
     scale: Vec<f64>,
     /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
@@ -69,13 +82,15 @@ impl Plane {
     fn new(model: &SteadyCell, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
         let cell = model.in_plane();
         let scale = (0..value.len()).map(|load| model.scale(load)).collect();
-        let mut plane = Self { cell, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
+        let is_solid = model.is_solid();
+        let mut plane =
+            Self { cell, is_solid, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
         let (own, _) = plane.answer(chosen)?;
         for (load, (value, own)) in value.iter().zip(&own).enumerate() {
             let scale = plane.scale[load];
             // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
             let factor = (1.0 - value / scale) / (1.0 - own / scale);
-            if model.is_solid() && factor.is_finite() && factor > 0.0 {
+            if is_solid && factor.is_finite() && factor > 0.0 {
                 plane.lowering[load] = factor;
             } else {
                 plane.offset[load] = value - own;
@@ -92,7 +107,9 @@ impl Plane {
             .iter()
             .enumerate()
             .map(|(load, ratio)| {
-                let ratio = 1.0 - self.lowering[load] * (1.0 - design.strip_estimate(*ratio));
+                // A section model takes its target for grooves.
+                let own = if self.is_solid { design.strip_estimate(*ratio) } else { *ratio };
+                let ratio = 1.0 - self.lowering[load] * (1.0 - own);
                 ratio * self.scale[load] + self.offset[load]
             })
             .collect();
@@ -141,6 +158,10 @@ pub fn report(
             limit: Some((1.0, "missed beyond")).filter(|_| input.goals[0] == TradeOffGoal::Misfit),
         })?,
     );
+    let misfit = input.goals.iter().position(|goal| *goal == TradeOffGoal::Misfit);
+    let is_met = |known: &&TradeOff| misfit.is_some_and(|place| known.goals[place] <= 1.0);
+    let met: Vec<&TradeOff> = found.front.iter().filter(is_met).collect();
+    let shown = if met.is_empty() { found.front.iter().collect() } else { met.clone() };
     Ok(Some(TradeOffsReport {
         goals: input.goals.iter().map(|goal| goal.column()).collect(),
         words: titles,
@@ -149,7 +170,9 @@ pub fn report(
         front: found.front.len(),
         chosen: chosen_goals.map(|goals| goals.into_iter().map(tidy).collect()),
         chosen_is_on_front: found.front.iter().any(|known| known.design == *chosen),
-        listed: listed(&found.front),
+        on_target: !met.is_empty(),
+        listed: listed(&shown),
+        best: (0..input.goals.len()).filter_map(|goal| best(&shown, goal)).collect(),
         model: if model.is_solid() {
             "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
              the model in space at the chosen design; peak pressures are those of the section"
@@ -209,17 +232,16 @@ fn points(designs: &[TradeOff]) -> Vec<&[f64]> {
     designs.iter().map(|known| &known.goals[..]).collect()
 }
 
-/// Some of the front, evenly by place, both ends among them.
-fn listed(front: &[TradeOff]) -> Vec<ListedDesign> {
+/// Some of `front`, evenly by place, both ends among them.
+fn listed(front: &[&TradeOff]) -> Vec<ListedDesign> {
     let most = LISTED.min(front.len());
     let place = |step: usize| if most > 1 { step * (front.len() - 1) / (most - 1) } else { 0 };
-    (0..most)
-        .map(|step| &front[place(step)])
-        .map(|known| ListedDesign {
-            design: PatternReport::from(&known.design),
-            goals: known.goals.iter().copied().map(tidy).collect(),
-        })
-        .collect()
+    (0..most).map(|step| ListedDesign::new(front[place(step)])).collect()
+}
+
+/// The best by one goal; the earliest of equals.
+fn best(front: &[&TradeOff], goal: usize) -> Option<ListedDesign> {
+    front.iter().min_by(|a, b| a.goals[goal].total_cmp(&b.goals[goal])).map(|known| ListedDesign::new(known))
 }
 
 /// The front as a table, the chosen design with it and marked.
@@ -261,15 +283,13 @@ impl TradeOffsReport {
             "  trade-offs: of {} designs {} are not beaten by another in every goal (trade-offs.csv, trade-offs.svg)\n",
             self.designs, self.front
         );
-        let ends = [self.listed.first(), self.listed.last()].into_iter().flatten();
-        for (end, name) in ends.zip(["least by the first goal", "most by the first goal"]) {
-            let design = &end.design;
+        let among = if self.on_target { " on target" } else { "" };
+        for (found, name) in self.best.iter().zip(&self.goals) {
+            let design = &found.design;
+            let told = numbers(&found.goals);
             text += &format!(
-                "    {name}: {} / {} / {} um: {}\n",
-                design.width_um,
-                design.spacing_um,
-                design.depth_um,
-                numbers(&end.goals)
+                "    least {name}{among}: {} / {} / {} um: {told}\n",
+                design.width_um, design.spacing_um, design.depth_um
             );
         }
         if let Some(chosen) = &self.chosen {

@@ -25,6 +25,8 @@ pub struct ScaledLaw {
     pub rms_slope: Option<f64>,
     /// The law; `None` without a surface.
     pub law: Option<AreaLaw>,
+    /// Contact area behind the law, pressures increasing; empty without a surface.
+    pub areas: Vec<AreaPoint>,
 }
 
 /// The laws of one surface.
@@ -56,7 +58,7 @@ pub fn scaled_laws(
     };
     match &calibration.surface {
         Surface::None => Ok(ScaledLaws {
-            laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None }],
+            laws: vec![ScaledLaw { slope_factor: 1.0, rms_slope: None, law: None, areas: Vec::new() }],
             synthetic: false,
             notes: vec![
                 "the calibration has no surface: friction is proportional to load, whatever the slope".to_owned(),
@@ -69,7 +71,7 @@ pub fn scaled_laws(
                 .map(|&slope_factor| {
                     let scaled = rms_slope * slope_factor;
                     let curve = persson_curve(scaled, contact_modulus_pa, &pressures_pa).map_err(|e| refuse(&e))?;
-                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law(&curve)?) })
+                    Ok(ScaledLaw { slope_factor, rms_slope: Some(tidy(scaled)), law: Some(law(&curve)?), areas: curve })
                 })
                 .collect::<Result<_, Diagnostic>>()?;
             let notes = vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()];
@@ -102,6 +104,7 @@ pub fn scaled_laws(
                         slope_factor,
                         rms_slope: Some(tidy(surface.rms_slope * slope_factor)),
                         law: Some(law(&points)?),
+                        areas: points,
                     })
                 })
                 .collect::<Result<_, Diagnostic>>()?;

@@ -1,15 +1,21 @@
 //! `validate`: measured ratios patterned/flat beside the model's.
 
+mod figures;
 mod laws;
 mod model;
+mod published;
 mod report;
 mod text;
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use laws::scaled_laws;
+use figures::{Figures, area_tables};
+use laws::{ScaledLaws, scaled_laws};
 use model::{Case, FlatPoint, predict};
-use report::{ModelledRatio, Pair, RatioReport, Summary, ValidationReport, depth_um, pairs, same_condition, squares};
+use report::{
+    MeasuredReport, ModelledRatio, Pair, RatioReport, Summary, ValidationReport, depth_um, pairs, same_condition,
+    squares,
+};
 
 use super::area_law::checked;
 use crate::args::ValidateArgs;
@@ -19,11 +25,13 @@ use crate::formats::scene::DEFAULT_LAYER;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json};
-use crate::units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, Quantity, SPEED_MM_S};
+use crate::units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 use crate::{CliError, Console, exit_code};
 
 /// Lengths of the pattern: ten centimetres are more than any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
+/// Travel of a run in time: sliding is steady after a few micrometres.
+const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
 /// Slope factors: beyond these no surface is meant.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
@@ -36,9 +44,22 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let slope_factors = slope_factors(&args.slope_factors)?;
     let calibration = Calibration::read(&args.calibration)?;
     let pairs = measured(args, &calibration)?;
-    let report = validate(args, &calibration, &pairs, &patterns, &slope_factors, console)?;
+    let sliding_m = match args.sliding_um {
+        0.0 => None,
+        sliding_um => Some(checked("--sliding-um", sliding_um, TRAVEL_UM)?),
+    };
+    let whole = Progress::start("", true);
+    let surface = scaled_laws(&args.calibration, &calibration, &slope_factors, console)?;
+    let mut report = validate(args, &calibration, &pairs, &patterns, &surface, console)?;
+    let mut outputs = Outputs::default();
+    if args.output.is_some() {
+        let figures = figures(args, &calibration, &pairs, &patterns, &surface, &report, sliding_m);
+        if let Some(figures) = figures {
+            report.in_time = figures.draw(&mut outputs, console)?;
+        }
+    }
+    report.wall_s = whole.finish();
     if let Some(folder) = &args.output {
-        let mut outputs = Outputs::default();
         outputs.add("result.json", json(&report)?);
         outputs.add("ratios.csv", text::csv(&report));
         outputs.add("ratios.svg", text::picture(&report)?);
@@ -49,6 +70,43 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let text = if args.json { json(&report)? } else { text::table(&report) };
     console.out.write_all(text.as_bytes())?;
     Ok(exit_code::DONE)
+}
+
+/// What the pictures show; `None` where nothing was compared.
+fn figures<'a>(
+    args: &'a ValidateArgs,
+    calibration: &'a Calibration,
+    pairs: &[Pair],
+    patterns: &Patterns,
+    surface: &'a ScaledLaws,
+    report: &ValidationReport,
+    sliding_m: Option<f64>,
+) -> Option<Figures<'a>> {
+    let first = pairs.first()?;
+    let heaviest = pairs
+        .iter()
+        .filter(|pair| same_condition(&pair.flat, &first.flat))
+        .max_by(|a, b| a.flat.force_n.total_cmp(&b.flat.force_n))?;
+    let peaks = report.results.iter().flat_map(|row| &row.modelled).map(|modelled| modelled.peak_pressure_mpa);
+    Some(Figures {
+        path: &args.calibration,
+        calibration,
+        laws: &surface.laws,
+        pattern: patterns.modelled,
+        heaviest: flat_point(heaviest, calibration),
+        peak_pa: PRESSURE_MPA.to_si(peaks.fold(0.0, f64::max)),
+        sliding_m,
+        synthetic: surface.synthetic,
+    })
+}
+
+/// A pair's flat measurement, as the model needs it.
+fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
+    FlatPoint {
+        pressure_pa: calibration.pressure_pa(pair.flat.force_n),
+        speed_m_s: pair.flat.speed_m_s,
+        mu_flat: pair.flat.mu_dynamic,
+    }
 }
 
 /// The pattern at both depths, as grooves.
@@ -131,19 +189,10 @@ fn validate(
     calibration: &Calibration,
     pairs: &[Pair],
     patterns: &Patterns,
-    slope_factors: &[f64],
+    surface: &ScaledLaws,
     console: &Console<'_>,
 ) -> Result<ValidationReport, CliError> {
-    let whole = Progress::start("", true);
-    let surface = scaled_laws(&args.calibration, calibration, slope_factors, console)?;
-    let points: Vec<FlatPoint> = pairs
-        .iter()
-        .map(|pair| FlatPoint {
-            pressure_pa: calibration.pressure_pa(pair.flat.force_n),
-            speed_m_s: pair.flat.speed_m_s,
-            mu_flat: pair.flat.mu_dynamic,
-        })
-        .collect();
+    let points: Vec<FlatPoint> = pairs.iter().map(|pair| flat_point(pair, calibration)).collect();
     // Every slope, then Amontons-Coulomb, then the surface as given at the measured depth.
     let given = surface.laws.iter().find(|law| law.slope_factor == 1.0);
     let mut cases: Vec<Case<'_>> =
@@ -176,7 +225,7 @@ fn validate(
         })
         .collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();
-    Ok(ValidationReport {
+    let mut report = ValidationReport {
         program: "slipgrid",
         version: VERSION,
         name: calibration.name.clone(),
@@ -188,10 +237,18 @@ fn validate(
         measured_depth_um: depth_um(&patterns.measured),
         summary: Summary::new(&results, &slope_factors),
         slope_factors,
-        wall_s: whole.finish(),
+        statements: Vec::new(),
+        published: Vec::new(),
+        measured: self::pairs(calibration).iter().map(|pair| MeasuredReport::new(pair, calibration)).collect(),
+        area_laws: area_tables(&surface.laws),
+        in_time: None,
+        wall_s: 0.0,
         threads: console.threads,
         results,
-    })
+    };
+    report.statements = text::statements(&report);
+    report.published = published::published(&report);
+    Ok(report)
 }
 
 /// What was modelled and how.

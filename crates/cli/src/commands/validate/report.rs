@@ -36,12 +36,112 @@ pub struct ValidationReport {
     pub slope_factors: Vec<f64>,
     /// Averages over `results`.
     pub summary: Summary,
+    /// What the numbers say, in sentences.
+    pub statements: Vec<String>,
+    /// What the source says beside what is found here.
+    pub published: Vec<PublishedReport>,
+    /// Every condition measured on both samples, modelled or not.
+    pub measured: Vec<MeasuredReport>,
+    /// The area laws, one per slope factor.
+    pub area_laws: Vec<AreaTable>,
+    /// The run in time at the heaviest load; null where none was made.
+    pub in_time: Option<TimeReport>,
     /// Seconds.
     pub wall_s: f64,
     /// Threads that computed.
     pub threads: usize,
     /// One per measured condition.
     pub results: Vec<RatioReport>,
+}
+
+/// A statement of the source and its counterpart.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PublishedReport {
+    /// What it is about.
+    pub quantity: String,
+    /// What the source says.
+    pub source: String,
+    /// What its tables and the model give.
+    pub here: String,
+}
+
+/// A condition measured on both samples.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasuredReport {
+    /// Normal force on one specimen.
+    pub force_n: f64,
+    /// The same over its area.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Flat sample.
+    pub mu_flat: f64,
+    /// Its standard deviation.
+    pub mu_flat_std: f64,
+    /// Patterned sample.
+    pub mu_patterned: f64,
+    /// Its standard deviation.
+    pub mu_patterned_std: f64,
+    /// Patterned over flat.
+    pub ratio: f64,
+    /// Its standard deviation.
+    pub ratio_std: f64,
+}
+
+/// An area law with the contact area behind it, one number per pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AreaTable {
+    /// What the slopes of the surface are multiplied by.
+    pub slope_factor: f64,
+    /// Rms slope.
+    pub rms_slope: Option<f64>,
+    /// Nominal pressures.
+    pub pressure_mpa: Vec<f64>,
+    /// Real contact area over nominal area, corrected along its perimeter.
+    pub area_fraction: Vec<f64>,
+    /// The factor f.
+    pub factor: Vec<f64>,
+}
+
+/// Friction in time at one load, whole sample, from rest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TimeReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Sliding speed.
+    pub speed_mm_s: f64,
+    /// Travel of the bulk.
+    pub sliding_um: f64,
+    /// Mean local static coefficient, 0.30/0.27 times the dynamic one.
+    pub static_mean: f64,
+    /// Mean local dynamic coefficient, measured flat friction over f.
+    pub dynamic_mean: f64,
+    /// Relative scatter of both.
+    pub relative_std: f64,
+    /// Dynamic friction, flat.
+    pub mu_flat: Option<f64>,
+    /// Its standard error.
+    pub mu_flat_stderr: Option<f64>,
+    /// Peak at the onset of sliding, flat.
+    pub mu_static_flat: Option<f64>,
+    /// Dynamic friction, patterned.
+    pub mu_patterned: Option<f64>,
+    /// Its standard error.
+    pub mu_patterned_stderr: Option<f64>,
+    /// Peak at the onset of sliding, patterned.
+    pub mu_static_patterned: Option<f64>,
+    /// Patterned over flat.
+    pub ratio: Option<f64>,
+    /// Its standard error.
+    pub ratio_stderr: Option<f64>,
+    /// How the flat run ended.
+    pub status_flat: &'static str,
+    /// How the patterned run ended.
+    pub status_patterned: &'static str,
+    /// Seconds.
+    pub wall_s: f64,
 }
 
 /// A measured ratio and the model's.
@@ -170,6 +270,25 @@ pub fn same_condition(a: &Measurement, b: &Measurement) -> bool {
 
 fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
+}
+
+impl MeasuredReport {
+    /// What was measured at `pair`.
+    pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
+        let ratio = RatioReport::measured(pair, calibration);
+        Self {
+            force_n: ratio.force_n,
+            pressure_mpa: ratio.pressure_mpa,
+            speed_mm_s: ratio.speed_mm_s,
+            humidity_pct: ratio.humidity_pct,
+            mu_flat: ratio.mu_flat,
+            mu_flat_std: pair.flat.mu_dynamic_std,
+            mu_patterned: ratio.mu_patterned,
+            mu_patterned_std: pair.patterned.mu_dynamic_std,
+            ratio: ratio.ratio,
+            ratio_std: ratio.ratio_std,
+        }
+    }
 }
 
 impl RatioReport {

@@ -46,13 +46,14 @@ pub fn table(report: &ValidationReport) -> String {
         "\nRatios, patterned over flat, at slopes of the surface times {}; square: in space, strip: their estimate from the groove\n\n{table}\n",
         listed(&report.slope_factors)
     );
-    for statement in statements(report) {
+    for statement in &report.statements {
         text += &format!("{statement}\n");
     }
     for warning in warnings(report) {
         text += &format!("! {warning}\n");
     }
-    text + &format!("\n{:.1} s on {} threads\n", report.wall_s, report.threads)
+    let in_time = report.in_time.as_ref().map(|run| format!(", of which friction in time {:.1} s", run.wall_s));
+    text + &format!("\n{:.1} s on {} threads{}\n", report.wall_s, report.threads, in_time.unwrap_or_default())
 }
 
 fn listed(values: &[f64]) -> String {
@@ -92,6 +93,7 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
         _ => "No share of the measured reduction can be given.".to_owned(),
     });
     said.extend(trend(report));
+    said.push(LEFT_OPEN.to_owned());
     let others: Vec<String> = summary
         .modelled
         .iter()
@@ -129,6 +131,12 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
     said.push("Nothing was tuned to the patterned samples.".to_owned());
     said
 }
+
+/// What the comparison can show, whatever its numbers.
+const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows with load, by pressure under the edges of cavities where real \
+     contact area saturates. What it cannot: a reduction at vanishing load, and how friction depends on speed and humidity, \
+     which enters through the flat measurements alone. Adhesion and menisci, recast rims, plasticity, heating and wear are \
+     not modelled.";
 
 /// How both reductions go from the lowest to the highest pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
@@ -240,11 +248,6 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
         columns.push((label, column(&|row| row.at_slope(factor)?.ratio_groove)));
     }
     columns.push(("squares, in space".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square)));
-    if report.results.iter().any(|row| row.modelled_at_measured_depth.is_some()) {
-        let label = format!("squares {} µm deep, in space", report.measured_depth_um);
-        columns.push((label, column(&|row| row.modelled_at_measured_depth.as_ref()?.ratio_square)));
-    }
-    columns.push(("squares, strip estimate".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square_estimate)));
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!(
         "Patterned over flat, {} mm/s, {} % humidity{}",

@@ -5,7 +5,7 @@ use slipgrid_export::NOT_MODELLED;
 
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
-use super::uncertainty;
+use super::{background, uncertainty};
 use crate::output::Outputs;
 
 /// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
@@ -19,7 +19,12 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     uncertainty::robustness(&mut page, result);
     uncertainty::sensitivities(&mut page, result);
     pattern(&mut page, result, outputs);
-    pictures(&mut page, outputs, "Pressure along the interface", "interface-", "flat and patterned");
+    let interface = if result["dimensions"] == 3 {
+        "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
+    } else {
+        "flat and patterned"
+    };
+    pictures(&mut page, outputs, "Pressure along the interface", "interface-", interface);
     pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
     why(&mut page, result);
     uncertainty::trade_offs(&mut page, result, outputs);
@@ -228,9 +233,12 @@ fn search(page: &mut Page, result: &Value) {
     page.paragraph(
         "",
         &format!(
-            "{} designs evaluated in {} rounds, {} that could not be computed, seed {}.",
+            "{} designs evaluated in {}, {} that could not be computed, seed {}.",
             plain(&result["evaluations"]),
-            plain(&result["rounds"]),
+            match result["rounds"].as_u64() {
+                Some(1) | None => "one search".to_owned(),
+                Some(rounds) => format!("{rounds} searches, each corrected by the confirming run before it"),
+            },
             plain(&result["failed_trials"]),
             plain(&result["seed"])
         ),
@@ -258,7 +266,7 @@ fn search(page: &mut Page, result: &Value) {
         &alternatives,
     );
     table(page, result);
-    history(page, result);
+    background::history(page, result);
 }
 
 /// Which limits and bounds keep designs from the target, where it is out of reach.
@@ -336,16 +344,6 @@ fn table(page: &mut Page, result: &Value) {
     );
 }
 
-/// The best so far against evaluations, where the result holds it: whatever numbers an entry has.
-fn history(page: &mut Page, result: &Value) {
-    let entries = each(result, "history");
-    let Some(first) = entries.first().and_then(Value::as_object) else { return };
-    let keys: Vec<&str> = first.iter().filter(|(_, value)| !value.is_object()).map(|(key, _)| key.as_str()).collect();
-    let rows: Vec<Vec<String>> =
-        entries.iter().map(|entry| keys.iter().map(|key| plain(&entry[*key])).collect()).collect();
-    page.table("Improvements during the search.", &keys, &rows);
-}
-
 fn material(page: &mut Page, result: &Value, outputs: &Outputs) {
     page.heading(2, "Material and calibration");
     let material = &result["material"];
@@ -355,6 +353,7 @@ fn material(page: &mut Page, result: &Value, outputs: &Outputs) {
     }
     page.list(&texts(material, "notes"));
     if let Some(scene) = outputs.text("design.toml") {
+        background::coefficients(page, &scene);
         page.folded("design.toml: coefficients, area law, sample and run, as confirmed", &scene);
     }
 }

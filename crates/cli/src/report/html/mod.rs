@@ -8,6 +8,7 @@
 //! A page takes what the result holds and leaves out what it does not. It says neither time nor threads:
 //! the same result gives the same bytes.
 
+mod background;
 mod design;
 mod page;
 mod section;

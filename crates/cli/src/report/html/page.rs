@@ -12,6 +12,9 @@ const SCRIPT: &str = include_str!("sort.js");
 /// Bytes of a picture above which a page only names it: browsers draw tens of thousands of shapes slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
+/// Characters of a number with its error and unit; longer cells are sentences.
+const LONGEST_NUMBER: usize = 24;
+
 /// A page under construction.
 pub(super) struct Page {
     body: String,
@@ -67,16 +70,22 @@ impl Page {
         if !caption.is_empty() {
             let _ = writeln!(self.body, "<caption>{}</caption>", escape(caption));
         }
+        // Sentences read from the left, numbers line up at the right: a column is one or the other.
+        let is_words = |column: usize| {
+            rows.iter().filter_map(|row| row.get(column)).any(|cell| cell.chars().count() > LONGEST_NUMBER)
+        };
+        let classes: Vec<&str> =
+            (0..header.len()).map(|column| if is_words(column) { " class=\"words\"" } else { "" }).collect();
         self.body.push_str("<thead><tr>");
-        for name in header {
-            let _ = write!(self.body, "<th scope=\"col\"><button type=\"button\">{}</button></th>", escape(name));
+        for (name, class) in header.iter().zip(&classes) {
+            let name = escape(name);
+            let _ = write!(self.body, "<th scope=\"col\"{class}><button type=\"button\">{name}</button></th>");
         }
         self.body.push_str("</tr></thead>\n<tbody>\n");
         for row in rows {
             self.body.push_str("<tr>");
-            for cell in row {
-                // Sentences read from the left, numbers line up at the right.
-                let class = if cell.chars().count() > 24 { " class=\"words\"" } else { "" };
+            for (column, cell) in row.iter().enumerate() {
+                let class = classes.get(column).copied().unwrap_or_default();
                 let _ = write!(self.body, "<td{class}>{}</td>", escape(cell));
             }
             self.body.push_str("</tr>\n");
@@ -158,6 +167,10 @@ pub(super) fn plain(value: &Value) -> String {
         Value::String(text) => text.clone(),
         Value::Bool(true) => "yes".to_owned(),
         Value::Bool(false) => "no".to_owned(),
+        // 50, not 50.0
+        Value::Number(number) if number.is_f64() => {
+            number.as_f64().map_or_else(String::new, |number| number.to_string())
+        }
         other => other.to_string(),
     }
 }

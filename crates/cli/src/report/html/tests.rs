@@ -65,6 +65,9 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         outputs.add(name, picture);
     }
     outputs.add("process.toml", "name = \"x < y\"\n");
+    let scene = "[material.friction]\nstatic_mean = 0.31\ndynamic_mean = 0.28\nrelative_std = 0.05\n\
+        [material.area_law]\npressure_mpa = [0.7, 2.0]\nfactor = [1.0, 0.1]\nfactor_std = [0.0, 0.02]\n";
+    outputs.add("design.toml", scene);
     let page = design(&result(), &outputs);
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     for said in [
@@ -75,7 +78,11 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "0.8355 ± 0.0008",
         "-3.50 ± 0.02",
         "62.0 ± 1.5 % of samples",
-        "width 0.0100",
+        "<td>0.0100</td>",
+        "<td>0.1000 ± 0.0200</td>",
+        "<td>0.3100</td>",
+        "standard deviation of 5.0 %",
+        "one search",
         "0.9400 to 0.9800",
         "synthetic surface",
         "At 2.6 MPa cavities close",

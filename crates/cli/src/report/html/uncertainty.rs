@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use crate::output::Outputs;
+use crate::report::table::fixed;
 
 /// Slopes at the design, where the result holds them.
 pub(super) fn sensitivities(page: &mut Page, result: &Value) {
@@ -12,7 +13,9 @@ pub(super) fn sensitivities(page: &mut Page, result: &Value) {
         .iter()
         .map(|row| {
             let cell = |axis: &str| match (row["per_um"][axis].as_f64(), row["error_per_um"][axis].as_f64()) {
-                (Some(value), Some(error)) => format!("{:.2} ± {:.2}", 1e4 * value, 1e4 * error),
+                (Some(value), Some(error)) => {
+                    format!("{} ± {}", fixed(Some(1e4 * value), 2), fixed(Some(1e4 * error), 2))
+                }
                 _ => "-".to_owned(),
             };
             vec![plain(&row["pressure_mpa"]), cell("width"), cell("spacing"), cell("depth")]
@@ -195,10 +198,6 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
         .enumerate()
         .map(|(row, at)| {
             let all = &shown["by_pressure"][row];
-            let parts: Vec<String> = each(&found["parts"][row], "of")
-                .iter()
-                .map(|part| format!("{} {}", text(part, "input"), number(&part["std"], 4)))
-                .collect();
             vec![
                 plain(&at["pressure_mpa"]),
                 band(&at["ratio"]),
@@ -206,15 +205,15 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
                 band(&corrected["by_pressure"][row]["ratio"]),
                 number(&all["mu"]["mean"], 4),
                 band(&all["mu"]),
-                parts.join(", "),
             ]
         })
         .collect();
     page.table(
-        "Bands hold 95 % of samples. Parts are the standard deviations of the target's quantity that each input alone would cause.",
-        &["P in MPa", "ratio: samples", "with material", "and model", "mu", "mu: with material", "parts"],
+        "Bands hold 95 % of samples.",
+        &["P in MPa", "ratio: samples", "with material", "and model", "mu", "mu: with material"],
         &rows,
     );
+    parts(page, found);
     let inputs: Vec<Vec<String>> = each(found, "inputs")
         .iter()
         .map(|input| {
@@ -222,7 +221,7 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
             vec![
                 text(input, "name").to_owned(),
                 std.join(", "),
-                text(input, "unit").to_owned(),
+                if text(input, "unit") == "um" { "µm".to_owned() } else { text(input, "unit").to_owned() },
                 text(input, "basis").to_owned(),
             ]
         })
@@ -245,6 +244,23 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
             ),
         );
     }
+}
+
+/// What each input alone would do.
+fn parts(page: &mut Page, found: &Value) {
+    let all = each(found, "parts");
+    let Some(first) = all.first() else { return };
+    let mut header = vec!["P in MPa".to_owned(), "all".to_owned()];
+    header.extend(each(first, "of").iter().map(|part| text(part, "input").to_owned()));
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .map(|row| {
+            let own = [plain(&row["pressure_mpa"]), number(&row["std"], 4)];
+            own.into_iter().chain(each(row, "of").iter().map(|part| number(&part["std"], 4))).collect()
+        })
+        .collect();
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
+    page.table("Standard deviations of the target's quantity that each input alone would cause.", &header, &rows);
 }
 
 /// Designs that no other beats in every goal, where the result holds them.
@@ -285,5 +301,10 @@ pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
             lengths.into_iter().chain(each(listed, "goals").iter().map(|goal| number(goal, 2))).collect()
         })
         .collect();
-    page.table("Some of the front, from one end to the other; trade-offs.csv has all.", &header, &rows);
+    let caption = if found["on_target"] == true {
+        "Designs of the front that meet the target, or some of them, from one end to the other; trade-offs.csv has the whole front."
+    } else {
+        "Some of the front, from one end to the other; trade-offs.csv has all."
+    };
+    page.table(caption, &header, &rows);
 }
