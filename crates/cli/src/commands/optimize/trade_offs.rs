@@ -271,12 +271,26 @@ fn rounded(value: f64) -> String {
     format!("{value:.5e}").parse::<f64>().map_or_else(|_| value.to_string(), |rounded| rounded.to_string())
 }
 
+/// A goal's name in files as words, and its unit.
+fn words(name: &str) -> [&str; 2] {
+    let (goal, unit) = name.rsplit_once('_').unwrap_or((name, ""));
+    let goal = match goal {
+        "laser_time" => "laser time",
+        "peak_pressure" => "peak pressure",
+        other => other,
+    };
+    [goal, if unit == "mpa" { "MPa" } else { unit }]
+}
+
 impl TradeOffsReport {
     /// A line or two for people.
     #[must_use]
     pub fn text(&self) -> String {
         let numbers = |goals: &[f64]| {
-            let told = self.goals.iter().zip(goals).map(|(name, goal)| format!("{name} {}", rounded(*goal)));
+            let told = self.goals.iter().zip(goals).map(|(name, goal)| {
+                let [goal_name, unit] = words(name);
+                format!("{goal_name} {goal:.2} {unit}")
+            });
             told.collect::<Vec<_>>().join(", ")
         };
         let mut text = format!(
@@ -288,7 +302,8 @@ impl TradeOffsReport {
             let design = &found.design;
             let told = numbers(&found.goals);
             text += &format!(
-                "    least {name}{among}: {} / {} / {} um: {told}\n",
+                "    least {}{among}: {} / {} / {} um: {told}\n",
+                words(name)[0],
                 design.width_um, design.spacing_um, design.depth_um
             );
         }
