@@ -216,7 +216,7 @@ fn conditions_that_were_not_measured() {
         ),
         (
             "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 40.0 }\n",
-            "error: scene.toml:2: condition: no coefficients for 2 mm/s at 40 % humidity: the material has 2 mm/s at 15 %",
+            "error: scene.toml:2: condition: no coefficients for 2 mm/s at 40 % humidity, which is not between measured ones: the material has 2 mm/s at 15 %",
         ),
         (
             "material = \"m.toml\"\ncondition = { speed_mm_s = 4.0, humidity_pct = 15.0 }\n",

@@ -14,6 +14,15 @@ fn result() -> serde_json::Value {
             {"pressure_mpa": 0.65, "ratio": 0.9637, "ratio_stderr": 0.0002, "mu_dynamic": 0.24, "mu_flat": 0.25, "status": "converged"},
             {"pressure_mpa": 2.6, "ratio": 0.8355, "ratio_stderr": 0.0008, "mu_dynamic": 0.23, "cavity_closed": true, "status": "converged"}
         ],
+        "errors": {"meaning": "+-: one standard deviation of time", "includes": ["time"], "by_pressure": [
+            {"pressure_mpa": 0.65, "predicted": {"value": 0.9616, "std": 0.0012}, "ratio": {"value": 0.9637, "std": 0.0002},
+             "mu": {"value": 0.24, "std": null}},
+            {"pressure_mpa": 2.6, "predicted": {"value": 0.8315, "std": null},
+             "ratio": {"value": 0.8355, "std": 0.0008, "parts": [{"input": "time", "std": 0.0007}]}, "mu": {"value": null, "std": null}}
+        ]},
+        "discrepancy": {"used": false, "pattern": "squares", "degrees_of_freedom": 5, "misfit": {"physics": 0.8, "with_discrepancy": 17.1},
+            "by_pressure": [{"pressure_mpa": 2.6, "factor": 0.829, "relative_std": 0.05, "outside_measured_range": true,
+                "confirmed": {"physics": 0.8355, "with_discrepancy": 0.6926}}]},
         "misfit": {"predicted": 0.84, "confirmed": null},
         "sensitivities": {"quantity": "ratio", "step_um": {"width": 5.0, "spacing": 5.0, "depth": null}, "by_pressure": [
             {"pressure_mpa": 0.65, "per_um": {"width": -3.5e-4, "spacing": 1.2e-4, "depth": null},
@@ -76,6 +85,10 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "0.9700 ± 0.0100",
         "0.9616 ± 0.0012",
         "0.8355 ± 0.0008",
+        "one standard deviation of time",
+        "<td>0.0007</td>",
+        "0.829 ± 0.041 (outside the pressures measured)",
+        "<td>0.6926</td>",
         "-3.50 ± 0.02",
         "62.0 ± 1.5 % of samples",
         "<td>0.0100</td>",
