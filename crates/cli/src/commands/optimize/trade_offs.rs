@@ -304,7 +304,9 @@ impl TradeOffsReport {
             text += &format!(
                 "    least {}{among}: {} / {} / {} um: {told}\n",
                 words(name)[0],
-                design.width_um, design.spacing_um, design.depth_um
+                design.width_um,
+                design.spacing_um,
+                design.depth_um
             );
         }
         if let Some(chosen) = &self.chosen {
