@@ -90,6 +90,10 @@ fn square_cavities_are_solved_in_space() {
     assert!(ratio(&square) > ratio(&plane) && ratio(&square) < 1.0 && ratio(&disc) < 1.0);
     let interface = fs::read_to_string(place.path("out").join("interface.csv")).unwrap();
     assert_eq!(interface.lines().next().unwrap(), "load_mpa,surface,x_um,y_um,pressure_mpa,friction_mpa");
+    // From above, with its colour scale.
+    let map = fs::read_to_string(place.path("out").join("interface-2.6mpa.svg")).unwrap();
+    assert_eq!(map.matches("<image ").count(), 2);
+    assert!(map.contains("MPa") && map.contains("sliding at 30 deg to x") && map.contains("y (µm)"));
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The three-dimensional periodic cell: a cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
-//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4.
+//! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain that is plane stress at
+//! nu/(1 - nu) = 1/3: a groove across is the vertical plane's own lattice.
 //!
 //! | type | role |
 //! |---|---|
