@@ -27,7 +27,7 @@ fn excess_and_ratio(change: impl Fn(&mut Scene)) -> [Measured; 2] {
 }
 
 #[test]
-#[ignore = "two minutes: prints the table of docs/accuracy.md"]
+#[ignore = "two minutes: prints the table of tests/README.md"]
 fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
     println!(
         "| choice | flat sample: dynamic over steady friction, less one | ratio patterned over flat |\n|---|---|---|"

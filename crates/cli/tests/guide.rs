@@ -105,7 +105,7 @@ fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<Stri
 #[test]
 fn the_guide_is_true() {
     let root: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", ".."].iter().collect();
-    let guide = root.join("docs/guide.md");
+    let guide = root.join("calibration/synthetic-polymer/guide.md");
     let text = fs::read_to_string(&guide).unwrap();
     let lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let place = Place::with(&[]);

@@ -33,7 +33,7 @@ const LEAST_SIDE: f64 = 90.0;
 /// Space right of the map for the colour scale.
 const SCALE_SPACE: f64 = 130.0;
 const SCALE_WIDTH: f64 = 22.0;
-const TOP: f64 = 48.0;
+const TOP: f64 = 62.0;
 const BOTTOM: f64 = 62.0;
 /// A point without a value.
 const MISSING: [u8; 3] = [190, 190, 190];

@@ -8,9 +8,9 @@ use slipgrid_optimize::{
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-use super::Rounds;
 use super::model::SteadyCell;
 use super::report::Timings;
+use super::rounds::Rounds;
 use crate::formats::design::Design;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;

@@ -2,7 +2,7 @@
 
 use slipgrid_springblock::{Extent, RunOptions, Scene, SceneError, simulate};
 
-use super::WARM_TRAVEL_M;
+use super::rounds::WARM_TRAVEL_M;
 use crate::Console;
 use crate::progress::Progress;
 

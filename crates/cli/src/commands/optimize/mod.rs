@@ -14,6 +14,7 @@ mod report;
 mod robust_search;
 mod robustness;
 mod robustness_report;
+mod rounds;
 mod sensitivity;
 mod study;
 mod subject;
@@ -21,20 +22,10 @@ mod table;
 mod target_report;
 mod trade_offs;
 
-use std::ops::ControlFlow;
-use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-use slipgrid_material::Material;
-use slipgrid_optimize::{
-    Candidate, Goal, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Stage, Status,
-    search, search_guided,
-};
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{
-    self as springblock, Extent, Fidelity, Load, LoadOutcome, RunOptions, Scene, SceneError, Simulation, simulate,
-};
+use slipgrid_optimize::Status;
+use slipgrid_springblock::Scene;
 
 pub use report::{DesignReport, StoredDesign};
 
@@ -43,25 +34,14 @@ use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::design::Design;
 use crate::output::{Outputs, check_folder};
-use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json};
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 use crate::{CliError, Console, exit_code};
 use conditions::Others;
-use explanation::ExplanationReport;
 use files::DesignScene;
-use flat::flat_friction;
-use limited::Limited;
-use model::SteadyCell;
-use report::{ImprovementReport, MisfitReport, ReachableReport, Timings, patterns};
-use robust_search::RobustChoice;
-use study::Study;
+use report::{MisfitReport, Timings, patterns};
+use rounds::Rounds;
 use target_report::{GoalReport, TargetReport};
-
-/// Searches made at most: each after the first takes what the confirming run before it found the
-/// steady model to miss. Two suffice where the miss hardly depends on the design.
-const MOST_ROUNDS: usize = 4;
 
 /// Searches, confirms, writes and reports.
 pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -204,298 +184,4 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         Status::Budget => exit_code::BUDGET,
         Status::Cancelled => exit_code::FAILURE,
     })
-}
-
-/// Searches and confirmations in turn, until a confirmed design meets the target.
-struct Rounds {
-    model: SteadyCell,
-    guidance: Guidance,
-    confirming: RunOptions,
-    scene: Scene,
-    status: Status,
-    rounds: usize,
-    evaluations: usize,
-    solid_evaluations: usize,
-    failed_trials: usize,
-    /// The seconds allowed for searches were spent.
-    out_of_time: bool,
-    best: Option<Candidate>,
-    predicted: Option<Simulation>,
-    confirmed: Option<Simulation>,
-    alternatives: Vec<Pattern>,
-    explanation: Option<ExplanationReport>,
-    reachable: Vec<ReachableReport>,
-    history: Vec<ImprovementReport>,
-    /// How the best design was chosen, where samples decided.
-    choice: Option<RobustChoice>,
-}
-
-/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
-/// run goes on until its standard error is small enough.
-const WARM_TRAVEL_M: f64 = 0.4e-6;
-
-/// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
-const CONFIRMED_STDERR: f64 = 0.001;
-
-/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
-/// fewer scatter the ratio by more than a tenth of the usual tolerance.
-const LEAST_CONTACTS: f64 = 400.0;
-
-/// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
-const MOST_TRAVEL_M: f64 = 8e-6;
-
-impl Rounds {
-    /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
-    fn new(
-        design: &Design,
-        material: &Material,
-        loads: Vec<Load>,
-        console: &Console<'_>,
-        timings: &mut Timings,
-    ) -> Result<Self, CliError> {
-        let is_solid = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
-        let from_rest = RunOptions {
-            fidelity: Fidelity::Dynamic,
-            // A whole specimen in space is hundreds of cells and a billion blocks.
-            extent: if is_solid { Extent::Cell } else { Extent::Sample },
-            seed: design.seed,
-            dimensions: if is_solid { design.dimensions } else { Some(2) },
-            ..RunOptions::default()
-        };
-        // Nobody asked for static friction: start where sliding is about to begin.
-        let warm =
-            RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
-        let confirming = if design.from_rest { from_rest } else { warm };
-        let scene = Scene {
-            elastic: material.elastic,
-            area_law: material.area_law.clone(),
-            pattern: None,
-            layer: design.layer,
-            loads,
-            speed_m_s: design.speed_m_s,
-            run: confirming,
-        };
-        let started = Instant::now();
-        let flat_mu = match design.target.quantity() {
-            Quantity::Ratio => None,
-            Quantity::DynamicFriction => {
-                let flat = flat_friction(&scene, console).map_err(|error| design.refuse(error.to_string()))?;
-                Some(flat.ok_or_else(|| CliError::Other("the flat sample does not slide in the model".to_owned()))?)
-            }
-        };
-        timings.flat = started.elapsed().as_secs_f64();
-        Ok(Self {
-            model: SteadyCell::new(&scene, &design.space, flat_mu),
-            guidance: Guidance::new(),
-            confirming,
-            scene,
-            status: Status::Budget,
-            rounds: 0,
-            evaluations: 0,
-            solid_evaluations: 0,
-            failed_trials: 0,
-            out_of_time: false,
-            best: None,
-            predicted: None,
-            confirmed: None,
-            alternatives: Vec::new(),
-            explanation: None,
-            reachable: Vec::new(),
-            history: Vec::new(),
-            choice: None,
-        })
-    }
-
-    fn run(&mut self, design: &Design, console: &Console<'_>, timings: &mut Timings) -> Result<(), CliError> {
-        while self.rounds < MOST_ROUNDS && self.evaluations < design.max_evaluations && !self.out_of_time {
-            let outcome = self.search(design, console, timings)?;
-            let pattern = outcome.best.design;
-            let misfit = outcome.best.misfit;
-            let feasible = outcome.best.violations.is_empty();
-            let unchanged = self.best.as_ref().is_some_and(|best| best.design == pattern);
-            self.best = Some(outcome.best);
-            if !unchanged {
-                self.confirm(design, &pattern, console, timings)?;
-            }
-            let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
-            // What is even by the steady model need not be in time: searched again with what the first run taught.
-            let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
-            if feasible && has_ended && is_settled && self.is_confirmed(design) {
-                self.status = Status::Met;
-                return Ok(());
-            }
-            let missed = self.correct();
-            // A target missed by less than twice what the model misses may still be reached.
-            let doubtful = missed > 0.5 * (misfit.max - 1.0) * design.target.tolerance();
-            let again = match outcome.status {
-                Status::Met => true,
-                Status::Unreachable => doubtful,
-                Status::Budget | Status::Cancelled => false,
-            };
-            self.status = match outcome.status {
-                Status::Unreachable => Status::Unreachable,
-                Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
-            };
-            // Where the design stays the same the model is exact already.
-            if !again || unchanged {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// Keeps every answer in the file at `path`, and with `resume` begins with those that it holds.
-    fn study(
-        &mut self,
-        design: &Design,
-        path: PathBuf,
-        resume: bool,
-        console: &mut Console<'_>,
-    ) -> Result<(), CliError> {
-        let depends_on = subject::depends_on(&self.scene, design.space.texture());
-        let study = Study::in_file(path.clone(), depends_on, resume)?;
-        if study.resumed() > 0 {
-            console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));
-        }
-        self.model.keep(Limited::of(design), study);
-        Ok(())
-    }
-
-    /// How designs were searched in space, beside what the confirming run says of itself.
-    fn statements(&self) -> Vec<String> {
-        if !self.model.is_solid() {
-            return Vec::new();
-        }
-        let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
-        let block_um = um(self.scene.layer.block_m);
-        let mut statements = vec![match self.model.guide() {
-            Some((_, guide_m)) => format!(
-                "searched in space: steady cells in blocks of {block_um} um judge {} designs, which cells in blocks of {} um, corrected by them, found among {}",
-                self.solid_evaluations,
-                um(guide_m),
-                self.evaluations,
-            ),
-            None => format!("searched in space: steady cells in blocks of {block_um} um"),
-        }];
-        statements.push(format!(
-            "confirmed in time on one cell in space: a specimen {} um long and as wide is beyond reach",
-            um(self.scene.layer.length_m),
-        ));
-        statements
-    }
-
-    /// Corrects the model at the confirmed design; returns the largest change.
-    fn correct(&mut self) -> f64 {
-        match (&self.best, &self.confirmed) {
-            (Some(best), Some(confirmed)) => self.model.correct(&best.response.value, confirmed),
-            _ => 0.0,
-        }
-    }
-
-    fn search(
-        &mut self,
-        design: &Design,
-        console: &Console<'_>,
-        timings: &mut Timings,
-    ) -> Result<SearchOutcome, CliError> {
-        let options = SearchOptions { seed: design.seed, max_evaluations: design.max_evaluations - self.evaluations };
-        let bar = Progress::start("search", console.quiet);
-        let left_s = design.max_seconds.map(|most_s| most_s - timings.search);
-        let out_of_time = AtomicBool::new(false);
-        let guided = self.model.guide().is_some();
-        let progress = |progress: SearchProgress| {
-            bar.set(progress.evaluations as f64 / progress.max_evaluations as f64);
-            // Without a design of the model itself there is nothing to report.
-            let may_end = !guided || progress.stage == Stage::Judging;
-            if may_end && left_s.is_some_and(|left_s| bar.elapsed_s() > left_s) {
-                out_of_time.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
-        };
-        let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
-        let outcome = match self.model.guide() {
-            None => search(target, space, constraints, &options, &self.model, &progress),
-            Some((guide, _)) => {
-                let guidance = &mut self.guidance;
-                search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &progress)
-            }
-        };
-        let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
-        timings.search += bar.finish();
-        let (outcome, choice) = outcome.map_err(|error| match error {
-            SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
-                CliError::Other(error.to_string())
-            }
-            _ => design.refuse(error.to_string()).into(),
-        })?;
-        self.rounds += 1;
-        self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
-            round: self.rounds,
-            evaluation: point.evaluation,
-            misfit: point.misfit.max,
-            feasible: point.feasible,
-        }));
-        self.choice = choice;
-        self.out_of_time = out_of_time.into_inner();
-        self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
-        if self.model.is_solid() {
-            self.solid_evaluations += outcome.evaluations;
-        }
-        self.failed_trials += outcome.failed_trials.len();
-        self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
-        self.reachable = outcome
-            .reachable
-            .iter()
-            .map(|range| ReachableReport {
-                pressure_mpa: PRESSURE_MPA.from_si(range.pressure_pa),
-                lowest: range.lowest,
-                highest: range.highest,
-            })
-            .collect();
-        Ok(outcome)
-    }
-
-    fn confirm(
-        &mut self,
-        design: &Design,
-        pattern: &Pattern,
-        console: &Console<'_>,
-        timings: &mut Timings,
-    ) -> Result<(), CliError> {
-        let refuse = |error: SceneError| design.refuse(error.to_string());
-        let predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.confirming.sliding_m = self.scene.run.sliding_m;
-        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
-        let bar = Progress::start("confirmation", console.quiet);
-        let confirmed = loop {
-            let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
-            let confirmed = simulate(&scene, &bar).map_err(refuse)?;
-            let sliding = |load: &LoadOutcome| load.surface.status != springblock::Status::NoOnset;
-            if confirmed.loads.iter().all(sliding) || self.confirming.sliding_m >= MOST_TRAVEL_M {
-                break confirmed;
-            }
-            // Slender lands shear further before the last block slips.
-            self.confirming.sliding_m *= 2.0;
-        };
-        timings.confirm += bar.finish();
-        self.predicted = Some(predicted);
-        self.confirmed = Some(confirmed);
-        Ok(())
-    }
-
-    /// Largest distance of the confirming run from the target, in tolerances; `None` where it has
-    /// no value at some pressure.
-    fn confirmed_misfit(&self, design: &Design) -> Option<f64> {
-        Some(design.target.misfit(&self.confirmed_values()?).max)
-    }
-
-    /// The target's quantity by the confirming run; `None` where it has no value at some pressure.
-    fn confirmed_values(&self) -> Option<Vec<f64>> {
-        self.model.confirmed(self.confirmed.as_ref()?).into_iter().collect()
-    }
-
-    fn is_confirmed(&self, design: &Design) -> bool {
-        self.confirmed_misfit(design).is_some_and(|misfit| misfit <= 1.0)
-    }
 }

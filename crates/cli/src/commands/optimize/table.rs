@@ -5,9 +5,9 @@ use serde::Serialize;
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 
-use super::Rounds;
 use super::model::SteadyCell;
 use super::report::Timings;
+use super::rounds::Rounds;
 use crate::formats::design::Design;
 use crate::formats::target::quantity_name;
 use crate::output::Outputs;

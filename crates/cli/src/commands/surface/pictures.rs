@@ -36,7 +36,7 @@ pub fn add(
         charts::surface_map(&SurfaceMapChart {
             title: &titled("Altitude"),
             values: &drawn.heights_m().iter().map(|&height| um(height)).collect::<Vec<f64>>(),
-            unit: "um",
+            unit: "µm",
             columns: drawn.cols(),
             side_um: [um(map.dx_m() * map.rows() as f64), um(map.dy_m() * map.cols() as f64)],
             scale: [um(curve.height_m(1.0 - SPIKES)), um(curve.height_m(SPIKES))],
