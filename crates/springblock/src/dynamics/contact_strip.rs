@@ -6,45 +6,10 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::contact::{ContactBlock, ContactForce, ContactSums, GripPiece, LocalLaw, Motion};
+use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion};
+use super::contact_columns::ContactColumns;
 use super::stencil::fixed_sum;
 use super::sweep::{Kick, vectorized};
-
-/// Numbers of every column that the pass reads, structure of arrays, filled up to whole cache lines.
-#[derive(Clone, Debug)]
-struct Columns {
-    /// Friction per unit coefficient is constant + linear F_n + quadratic F_n^2 ...
-    constant: Vec<f64>,
-    linear: Vec<f64>,
-    quadratic: Vec<f64>,
-    /// ... for normal forces from `from`, above zero, up to `to`. Infinity keeps a block out of the pass.
-    from: Vec<f64>,
-    to: Vec<f64>,
-    starting_mu: Vec<f64>,
-    dynamic_mu: Vec<f64>,
-    /// Displacement per step that a unit force adds.
-    kick: Vec<f64>,
-}
-
-impl Columns {
-    fn piece(&self, i: usize) -> GripPiece {
-        GripPiece {
-            from: self.from[i],
-            to: self.to[i],
-            constant: self.constant[i],
-            linear: self.linear[i],
-            quadratic: self.quadratic[i],
-        }
-    }
-
-    fn set_piece(&mut self, i: usize, piece: GripPiece) {
-        self.from[i] = piece.from.max(f64::MIN_POSITIVE);
-        self.to[i] = piece.to;
-        self.constant[i] = piece.constant;
-        self.linear[i] = piece.linear;
-        self.quadratic[i] = piece.quadratic;
-    }
-}
 
 /// The contact blocks of a strip, with their velocities.
 #[derive(Clone, Debug)]
@@ -53,7 +18,7 @@ pub struct ContactStrip<'a> {
     law: LocalLaw<'a>,
     /// Position in `blocks` by column; only contact columns are looked up.
     number: Vec<usize>,
-    columns: Columns,
+    columns: ContactColumns,
     /// Horizontal velocity times the step, by column.
     velocity: Vec<f64>,
     normal: Vec<f64>,
@@ -70,23 +35,12 @@ impl<'a> ContactStrip<'a> {
     pub fn new(blocks: Vec<ContactBlock>, law: LocalLaw<'a>, inverse_mass: &[f64], kick: Kick) -> Self {
         let nx = inverse_mass.len();
         let zero = || vec![0.0; nx];
-        // What no block of the counterface stands for passes as at rest without forces.
-        let mut columns = Columns {
-            constant: zero(),
-            linear: zero(),
-            quadratic: zero(),
-            from: vec![f64::NEG_INFINITY; nx],
-            to: vec![f64::INFINITY; nx],
-            starting_mu: zero(),
-            dynamic_mu: zero(),
-            kick: inverse_mass.iter().map(|inverse| kick.kick * inverse).collect(),
-        };
+        let kick = inverse_mass.iter().map(|inverse| kick.kick * inverse).collect();
+        let mut columns = ContactColumns::without_blocks(kick);
         let mut number = vec![usize::MAX; nx];
         for (n, block) in blocks.iter().enumerate() {
             number[block.column] = n;
-            columns.from[block.column] = f64::INFINITY;
-            columns.starting_mu[block.column] = block.coefficients.starting_mu();
-            columns.dynamic_mu[block.column] = block.coefficients.dynamic_mu;
+            columns.set_block(block.column, block.coefficients.starting_mu(), block.coefficients.dynamic_mu);
         }
         let holding = blocks.iter().filter(|block| !block.has_slipped).count();
         Self { blocks, law, number, columns, velocity: zero(), normal: zero(), friction: zero(), left: zero(), holding }
@@ -188,7 +142,7 @@ impl<'a> ContactStrip<'a> {
 
 /// The pass over blocks that go on as they were; whether it left any.
 struct Pass<'a> {
-    columns: &'a Columns,
+    columns: &'a ContactColumns,
     velocity: &'a mut [f64],
     normal: &'a mut [f64],
     friction: &'a mut [f64],

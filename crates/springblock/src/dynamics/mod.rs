@@ -9,6 +9,7 @@
 //! | `rows` | coefficients and state of a strip of columns |
 //! | `stencil` | a lattice cut into strips, with the coefficients of its linear springs |
 //! | `sweep` | one step for the rows of a strip, in vectors |
+//! | `contact_columns` | what a pass over contact blocks reads |
 //! | `contact_strip` | friction on the contact blocks of a strip, in vectors |
 //! | `strip` | one step of a strip |
 //! | `crew` | several threads on one lattice |
@@ -22,6 +23,7 @@
 mod bond_rows;
 mod bonds;
 mod contact;
+mod contact_columns;
 mod contact_strip;
 mod crew;
 mod drive;

@@ -5,46 +5,11 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::super::contact::{ContactForce, ContactSums, GripPiece, LocalLaw, Motion};
+use super::super::contact::{ContactForce, ContactSums, LocalLaw, Motion};
+use super::super::contact_columns::ContactColumns;
 use super::super::stencil::fixed_sum;
 use super::super::sweep::{Kick, vectorized};
 use super::slip::{Push, SlipBlock};
-
-/// Numbers of every column that the pass reads, structure of arrays.
-#[derive(Clone, Debug)]
-struct Columns {
-    /// Friction per unit coefficient is constant + linear F_n + quadratic F_n^2 ...
-    constant: Vec<f64>,
-    linear: Vec<f64>,
-    quadratic: Vec<f64>,
-    /// ... for normal forces from `from`, above zero, up to `to`. Infinity keeps a block out of the pass.
-    from: Vec<f64>,
-    to: Vec<f64>,
-    starting_mu: Vec<f64>,
-    dynamic_mu: Vec<f64>,
-    /// Displacement per step that a unit force adds.
-    kick: Vec<f64>,
-}
-
-impl Columns {
-    fn piece(&self, i: usize) -> GripPiece {
-        GripPiece {
-            from: self.from[i],
-            to: self.to[i],
-            constant: self.constant[i],
-            linear: self.linear[i],
-            quadratic: self.quadratic[i],
-        }
-    }
-
-    fn set_piece(&mut self, i: usize, piece: GripPiece) {
-        self.from[i] = piece.from.max(f64::MIN_POSITIVE);
-        self.to[i] = piece.to;
-        self.constant[i] = piece.constant;
-        self.linear[i] = piece.linear;
-        self.quadratic[i] = piece.quadratic;
-    }
-}
 
 /// The contact blocks, with their velocities. Arrays hold row by row, each padded to whole cache lines.
 #[derive(Clone, Debug)]
@@ -55,7 +20,7 @@ pub struct ContactLayer<'a> {
     direction: [f64; 2],
     /// Position in `blocks` by place; only contacts are looked up.
     number: Vec<usize>,
-    columns: Columns,
+    columns: ContactColumns,
     /// Horizontal velocities times the step.
     velocity: [Vec<f64>; 2],
     normal: Vec<f64>,
@@ -79,23 +44,11 @@ impl<'a> ContactLayer<'a> {
         let kick: Vec<f64> = inverse_mass.map(|inverse| kick.kick * inverse).collect();
         let places = kick.len();
         let zero = || vec![0.0; places];
-        // What no block of the counterface stands for passes as at rest without forces.
-        let mut columns = Columns {
-            constant: zero(),
-            linear: zero(),
-            quadratic: zero(),
-            from: vec![f64::NEG_INFINITY; places],
-            to: vec![f64::INFINITY; places],
-            starting_mu: zero(),
-            dynamic_mu: zero(),
-            kick,
-        };
+        let mut columns = ContactColumns::without_blocks(kick);
         let mut number = vec![usize::MAX; places];
         for (n, block) in blocks.iter().enumerate() {
             number[block.place] = n;
-            columns.from[block.place] = f64::INFINITY;
-            columns.starting_mu[block.place] = block.coefficients.starting_mu();
-            columns.dynamic_mu[block.place] = block.coefficients.dynamic_mu;
+            columns.set_block(block.place, block.coefficients.starting_mu(), block.coefficients.dynamic_mu);
         }
         let holding = blocks.iter().filter(|block| !block.has_slipped).count();
         Self {
@@ -226,7 +179,7 @@ fn dot<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> S::f64s {
 
 /// The pass over blocks that go on as they were; whether it left any.
 struct Pass<'a> {
-    columns: &'a Columns,
+    columns: &'a ContactColumns,
     velocity: &'a mut [Vec<f64>; 2],
     normal: &'a mut [f64],
     friction: &'a mut [Vec<f64>; 2],
