@@ -161,7 +161,9 @@ fn scatter(degrees_of_freedom: usize, squares: impl Fn(f64) -> f64) -> f64 {
 }
 
 impl Discrepancy {
-    fn row(&self, pressure_pa: f64) -> Vec<f64> {
+    /// What the coefficients are multiplied by at `pressure_pa`: 1 and, where the form is linear, (P - P0) / P0.
+    #[must_use]
+    pub fn row(&self, pressure_pa: f64) -> Vec<f64> {
         let x = (pressure_pa - self.reference_pressure_pa) / self.reference_pressure_pa;
         [1.0, x].into_iter().take(self.coefficients.len()).collect()
     }
@@ -172,12 +174,19 @@ impl Discrepancy {
         dot(&self.row(pressure_pa), &self.coefficients).exp()
     }
 
+    /// How the logarithm of the factor falls with ln E at `pressure_pa`: what a stiffer surface would have left the fit
+    /// less to correct.
+    #[must_use]
+    pub fn modulus_sensitivity_at(&self, pressure_pa: f64) -> f64 {
+        dot(&self.row(pressure_pa), &self.modulus_sensitivity)
+    }
+
     /// A modelled ratio, corrected. `modulus_sensitivity` is d ln(modelled) / d ln(E).
     #[must_use]
     pub fn correct(&self, pressure_pa: f64, modelled: f64, modulus_sensitivity: f64) -> RatioInterval {
         let row = self.row(pressure_pa);
         let of_fit: f64 = self.covariance.iter().zip(&row).map(|(line, x)| x * dot(line, &row)).sum();
-        let of_modulus = (modulus_sensitivity - dot(&row, &self.modulus_sensitivity)) * self.modulus_relative_std;
+        let of_modulus = (modulus_sensitivity - self.modulus_sensitivity_at(pressure_pa)) * self.modulus_relative_std;
         let variance = of_fit + self.scatter.powi(2) + of_modulus.powi(2);
         let [from, to] = self.pressure_range_pa;
         // A pressure within a part in a million of an end counts as that end.

@@ -62,6 +62,7 @@ mod least_squares;
 mod noise;
 mod problem;
 pub mod trace;
+pub mod uncertainty;
 
 pub use area_law_scale::AreaLawScale;
 pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};

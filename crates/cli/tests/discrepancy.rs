@@ -142,6 +142,62 @@ fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
 }
 
 #[test]
+fn a_simulated_design_has_the_errors_it_was_found_with() {
+    let known = |text: String| ERRORS.iter().fold(text, |text, (from, to)| text.replace(from, to));
+    let place = Place::with(&[("a.toml", &known(design("value = 0.88\ntolerance = 0.02", HALF)))]);
+    place.succeed(&["optimize", "a.toml"]);
+    let (found, scene) = (result(&place, "out/a"), "out/a/design.toml");
+    let simulate = |more: &[&str]| -> Value {
+        let arguments: Vec<&str> = ["simulate", scene, "--json"].into_iter().chain(more.iter().copied()).collect();
+        serde_json::from_str(&place.succeed(&arguments)).unwrap()
+    };
+    let again = simulate(&[]);
+    let (designed, simulated) = (&found["errors"]["by_pressure"][0], &again["errors"]["by_pressure"][0]);
+    for key in ["ratio", "mu", "mu_flat"] {
+        assert_eq!(designed[key]["value"], simulated[key]["value"], "{key}");
+        let share = number(&designed[key]["std"]) / number(&simulated[key]["std"]);
+        assert!((share - 1.0).abs() < 1e-6, "{key}: {} {}", designed[key], simulated[key]);
+    }
+    assert_eq!((&found["errors"]["includes"], &found["errors"]["unknown"]), {
+        let errors = &again["errors"];
+        (&errors["includes"], &errors["unknown"])
+    });
+    let corrected = &again["discrepancy"]["by_pressure"][0];
+    assert!((number(&corrected["factor"]) - 0.5).abs() < 1e-9);
+    assert!((number(&corrected["ratio"]["value"]) / number(&simulated["ratio"]["value"]) - 0.5).abs() < 1e-9);
+    assert!(part(&corrected["ratio"], "discrepancy") > 0.0 && part(&simulated["ratio"], "discrepancy") == 0.0);
+
+    // A periodic cell at the mean coefficients has neither time nor draws in it.
+    let steady = simulate(&["--fidelity", "steady", "--extent", "cell"]);
+    assert_eq!(steady["errors"]["includes"], serde_json::json!(["flat friction", "Young's modulus"]));
+    let told = place.succeed(&["simulate", scene, "--fidelity", "steady", "--extent", "cell"]);
+    assert!(told.contains("mu_dynamic      +-  mu_flat      +-   ratio      +-"), "{told}");
+    assert!(told.contains("were the model as far off as on patterned samples"), "{told}");
+
+    // On a flat surface flat friction is all there is, and of a static peak its coefficient and its draw.
+    let text = fs::read_to_string(place.path(scene)).unwrap();
+    let flat = text
+        .replace("warm_start = true\n", "")
+        .replace("mu_stderr = 0.001\n", "")
+        .replace("sliding_um = 0.4", "sliding_um = 2.0");
+    let (from, to) = (flat.find("[pattern]").unwrap(), flat.find("[sample]").unwrap());
+    let with_static = flat.replace("dynamic_std_error", "static_std_error = 0.003\ndynamic_std_error");
+    fs::write(place.path("flat.toml"), format!("{}{}", &flat[..from], &flat[to..])).unwrap();
+    let (from, to) = (with_static.find("[pattern]").unwrap(), with_static.find("[sample]").unwrap());
+    fs::write(place.path("static.toml"), format!("{}{}", &with_static[..from], &with_static[to..])).unwrap();
+    let of = |scene: &str| -> Value { serde_json::from_str(&place.succeed(&["simulate", scene, "--json"])).unwrap() };
+    let [open, known] = ["flat.toml", "static.toml"].map(of);
+    let at = &known["errors"]["by_pressure"][0];
+    assert!((part(&at["mu"], "flat friction") / number(&at["mu"]["value"]) - 0.01).abs() < 1e-6, "{at}");
+    assert!(at.get("ratio").is_none() && at.get("mu_flat").is_none() && known["discrepancy"].is_null());
+    let peak = &at["mu_static"];
+    assert!((part(peak, "static coefficient") / number(&peak["value"]) - 0.01).abs() < 1e-6, "{peak}");
+    assert!(part(peak, "local coefficients drawn") > 0.0);
+    assert_eq!(known["errors"]["unknown"], serde_json::json!([]));
+    assert_eq!(open["errors"]["unknown"], serde_json::json!(["static coefficient"]));
+}
+
+#[test]
 fn aiming_without_patterned_samples_is_refused_at_the_key() {
     let place = Place::with(&[("a.toml", &design("value = 0.44\ntolerance = 0.01\ndiscrepancy = true", ""))]);
     let message = place.refuse(&["optimize", "a.toml"]);

@@ -115,7 +115,7 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
         })
         .collect();
     let mut model = vec![
-        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction"
+        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction; dynamic runs at mm/s have 1 to 2 % more friction and the same ratio to 0.4 %"
             .to_owned(),
     ];
     describe_extent(scene, &mut model);
@@ -187,7 +187,7 @@ fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simu
     let [nx, ny] = model.columns(pattern);
     let why = why_solid(scene, pattern);
     let mut statements = vec![
-        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction"
+        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction; dynamic runs at mm/s have 1 to 2 % more friction and the same ratio to 0.4 %"
             .to_owned(),
         "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
         format!(

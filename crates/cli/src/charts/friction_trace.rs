@@ -2,7 +2,7 @@ use plotters::style::RGBColor;
 
 use super::canvas::{GREY, INK, LEFT, PALETTE, Swatch, TEXT_SIZE, WIDTH, picture};
 use super::plot::{Axis, Plot};
-use super::{ChartError, Series, check};
+use super::{ChartError, Estimate, Series, check};
 
 /// Friction coefficient against time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,15 +20,17 @@ pub struct Trace<'a> {
     pub series: Series<'a>,
     /// From when to when the dynamic coefficient was averaged, in milliseconds.
     pub window_ms: Option<[f64; 2]>,
-    /// The mean over that window.
-    pub mu_dynamic: Option<f64>,
+    /// The mean over that window with its error.
+    pub mu_dynamic: Option<Estimate>,
 }
 
 /// Height of the picture.
 const HEIGHT: f64 = 500.0;
-/// Room for the means' values at the right.
-const VALUES: f64 = 84.0;
+/// Room for the means' values at the right, and for their errors.
+const VALUES: [f64; 2] = [84.0, 72.0];
 const SHADE: f64 = 0.12;
+/// Between two error bars, in units of the page.
+const BESIDE: f64 = 12.0;
 
 /// Draws friction against time, the averaging windows shaded and their means marked.
 ///
@@ -37,7 +39,9 @@ const SHADE: f64 = 0.12;
 pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartError> {
     let points = || chart.traces.iter().flat_map(|trace| trace.series.points);
     check(chart.title, points().flatten())?;
-    let marks = || chart.traces.iter().flat_map(|trace| trace.window_ms.into_iter().flatten().chain(trace.mu_dynamic));
+    let means = || chart.traces.iter().filter_map(|trace| trace.mu_dynamic);
+    let windows = chart.traces.iter().flat_map(|trace| trace.window_ms.into_iter().flatten());
+    let marks = || windows.clone().chain(means().flat_map(|mean| [mean.value, mean.error.unwrap_or(0.0)]));
     if let Some(value) = marks().find(|value| !value.is_finite()) {
         return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
     }
@@ -57,11 +61,13 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
         let [low, high] = times.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], t| [l.min(t), h.max(t)]);
         Axis::over("time (ms)", if high > low { [low.min(0.0), high] } else { [low - 0.5, high + 0.5] })
     };
-    let mu = points().map(|point| point[1]).chain(chart.traces.iter().filter_map(|trace| trace.mu_dynamic));
+    let reach = |mean: Estimate| [-1.0, 1.0].map(|side| mean.value + side * mean.error.unwrap_or(0.0));
+    let mu = points().map(|point| point[1]).chain(means().flat_map(reach));
+    let room = VALUES[0] + if means().any(|mean| mean.error.is_some()) { VALUES[1] } else { 0.0 };
     let y_axis = Axis::from_zero("friction coefficient", mu);
     picture(HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
-        let frame = [LEFT, top, WIDTH - VALUES, HEIGHT - 62.0];
+        let frame = [LEFT, top, WIDTH - room, HEIGHT - 62.0];
         let plot = Plot::new(canvas, frame, x_axis(), y_axis)?;
         for span_ms in united(chart.traces.iter().filter_map(|trace| trace.window_ms).collect()) {
             plot.span(span_ms, GREY, SHADE)?;
@@ -69,19 +75,25 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
         for (trace, color) in coloured() {
             plot.line(trace.series.points, color, 1.6)?;
         }
-        let mut means: Vec<(f64, f64, RGBColor)> = Vec::new();
-        for (trace, color) in coloured() {
+        let mut means: Vec<(f64, Estimate, RGBColor)> = Vec::new();
+        // Bars side by side, at the end of the windows.
+        for (place, (trace, color)) in coloured().enumerate() {
+            let aside = -BESIDE * place as f64;
             let (Some(mean), [first, .., last]) = (trace.mu_dynamic, trace.series.points) else { continue };
             let [from, to] = trace.window_ms.unwrap_or([first[0], last[0]]);
-            plot.dashed([[from, mean], [to, mean]], INK)?;
-            means.push((plot.at([to, mean])[1], mean, color));
+            plot.dashed([[from, mean.value], [to, mean.value]], INK)?;
+            if let Some(error) = mean.error {
+                plot.error_bar([to, mean.value], error, aside, color)?;
+            }
+            means.push((plot.at([to, mean.value])[1], mean, color));
         }
         // Values from the top down, none over another.
         means.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut free = f64::NEG_INFINITY;
         for (page_y, mean, color) in means {
             let page_y = page_y.max(free);
-            plot.margin_text(&format!("{mean:.4}"), page_y, color)?;
+            let error = mean.error.map_or_else(String::new, |error| format!(" ± {error:.4}"));
+            plot.margin_text(&format!("{:.4}{error}", mean.value), page_y, color)?;
             free = page_y + 1.2 * TEXT_SIZE;
         }
         Ok(())
@@ -108,15 +120,16 @@ mod tests {
     #[test]
     fn labels_means_and_title_are_text_and_the_bytes_are_the_same() {
         let points = [[0.0, 0.0], [0.5, 0.3], [1.0, 0.27]];
-        let trace = |label, mean| Trace {
+        let trace = |label, value, error| Trace {
             series: Series { label, points: &points },
             window_ms: Some([0.6, 1.0]),
-            mu_dynamic: Some(mean),
+            mu_dynamic: Some(Estimate { value, error }),
         };
-        let traces = [trace("flat", 0.2702), trace("patterned <130>", 0.2148)];
+        let traces = [trace("flat", 0.2702, None), trace("patterned <130>", 0.2148, Some(0.0031))];
         let chart = FrictionTraceChart { title: "Friction at 2.6 MPa", traces: &traces };
         let svg = friction_trace(&chart).unwrap();
-        for text in ["Friction at 2.6 MPa", "time (ms)", "flat", "patterned &lt;130&gt;", "0.2702", "0.2148"] {
+        for text in ["Friction at 2.6 MPa", "time (ms)", "flat", "patterned &lt;130&gt;", "0.2702", "0.2148 ± 0.0031"]
+        {
             assert!(svg.contains(&format!("\n{text}\n")), "{text}");
         }
         assert!(svg.starts_with("<svg width=\"900\" height=\"500\" viewBox=\"0 0 7200 4000\""));
@@ -136,7 +149,8 @@ mod tests {
         let traces = [Trace { series: Series { label: "a", points: &points }, window_ms: None, mu_dynamic: None }];
         // A mean without a trace is left out beside a trace that is there.
         let there = [[0.0, 0.1], [1.0, 0.2]];
-        let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(0.1234) };
+        let mean = Estimate { value: 0.1234, error: None };
+        let trace = |points| Trace { series: Series { label: "a", points }, window_ms: None, mu_dynamic: Some(mean) };
         let half = friction_trace(&FrictionTraceChart { title: "t", traces: &[trace(&[]), trace(&there)] }).unwrap();
         assert_eq!(half.matches("0.1234").count(), 1);
         let bad = FrictionTraceChart { title: "t", traces: &traces };

@@ -211,19 +211,31 @@ impl<'c, 'a> Plot<'c, 'a> {
         aside: f64,
         color: RGBColor,
     ) -> Result<(), ChartError> {
+        if let Some(error) = error {
+            self.error_bar([x, y], error, aside, color)?;
+        }
+        let [page_x, page_y] = self.at([x, y]);
+        self.canvas.mark(mark, [page_x + aside, page_y], color)
+    }
+
+    /// A bar `error` to either side of y, moved sideways by `aside` units of the page.
+    pub(super) fn error_bar(
+        &self,
+        [x, y]: [f64; 2],
+        error: f64,
+        aside: f64,
+        color: RGBColor,
+    ) -> Result<(), ChartError> {
         const CAP: f64 = 4.0;
-        let moved = |y: f64| {
+        let [low, high] = [y - error, y + error].map(|y| {
             let [page_x, page_y] = self.at([x, y]);
             [page_x + aside, page_y]
-        };
-        if let Some(error) = error {
-            let [low, high] = [moved(y - error), moved(y + error)];
-            self.canvas.line(&[low, high], color, 1.6)?;
-            for end in [low, high] {
-                self.canvas.line(&[[end[0] - CAP, end[1]], [end[0] + CAP, end[1]]], color, 1.6)?;
-            }
+        });
+        self.canvas.line(&[low, high], color, 1.6)?;
+        for end in [low, high] {
+            self.canvas.line(&[[end[0] - CAP, end[1]], [end[0] + CAP, end[1]]], color, 1.6)?;
         }
-        self.canvas.mark(mark, moved(y), color)
+        Ok(())
     }
 
     /// Words at the right edge of the plot, at page height `page_y`.

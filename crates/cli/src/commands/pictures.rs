@@ -9,6 +9,7 @@ use crate::charts::{
     TargetPoint, Trace, friction_trace, interface_pressure,
 };
 use crate::output::Outputs;
+use crate::report::errors::ErrorsReport;
 use crate::units::{LENGTH_UM, PRESSURE_MPA};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
@@ -21,21 +22,29 @@ impl From<ChartError> for CliError {
     }
 }
 
+/// What the flat surface is called.
+const FLAT: &str = "flat";
+
 /// The surfaces of a load with their names, flat first.
 fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
     match &load.flat {
-        Some(flat) => vec![("flat", flat), ("patterned", &load.surface)],
-        None => vec![("flat", &load.surface)],
+        Some(flat) => vec![(FLAT, flat), ("patterned", &load.surface)],
+        None => vec![(FLAT, &load.surface)],
     }
 }
 
-/// Adds a picture of mu against time (dynamic runs) and one of the pressure along the interface
+/// Adds a picture of mu against time (dynamic runs), with the means' `errors`, and one of the pressure along the interface
 /// for every load.
 ///
 /// # Errors
 /// [`CliError::Other`] if a picture cannot be drawn.
-pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), CliError> {
-    for load in &simulation.loads {
+pub fn simulation(
+    scene: &Scene,
+    simulation: &Simulation,
+    errors: &ErrorsReport,
+    outputs: &mut Outputs,
+) -> Result<(), CliError> {
+    for (load, at) in simulation.loads.iter().zip(&errors.by_pressure) {
         let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
         let surfaces = surfaces(load);
         let finite = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
@@ -46,6 +55,10 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
             .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
             .collect();
         if traces.iter().any(|trace| !trace.is_empty()) {
+            let std = |label: &str| match (&at.mu_flat, label) {
+                (Some(flat), FLAT) => flat.std,
+                _ => at.mu.std,
+            };
             let traces: Vec<Trace<'_>> = surfaces
                 .iter()
                 .zip(&traces)
@@ -53,7 +66,7 @@ pub fn simulation(scene: &Scene, simulation: &Simulation, outputs: &mut Outputs)
                     series: Series { label, points },
                     // The mean reaches to the end of the trace.
                     window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                    mu_dynamic: surface.mu_dynamic,
+                    mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
                 })
                 .collect();
             let title = format!("Friction coefficient at {load_mpa} MPa");

@@ -22,14 +22,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let solved = simulate(&input.scene, &progress);
     let wall_s = progress.finish();
     let simulation = solved.map_err(|error| input.refuse(&error))?;
-    let report = SimulationReport::new(
-        &input.scene,
-        &simulation,
-        &input.material.provenance,
-        &input.friction_extrapolated,
-        wall_s,
-        console.threads,
-    );
+    let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("result.json", json(&report)?);
@@ -37,7 +30,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         if let Some(trace) = csv::friction_trace(&simulation) {
             outputs.add("friction.csv", trace);
         }
-        pictures::simulation(&input.scene, &simulation, &mut outputs)?;
+        pictures::simulation(&input.scene, &simulation, &report.errors, &mut outputs)?;
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }

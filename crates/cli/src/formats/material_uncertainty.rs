@@ -1,13 +1,15 @@
 //! What a material file says of its own errors.
 
 use slipgrid_calibrate::Discrepancy;
-use slipgrid_material::{Condition, between};
+use slipgrid_calibrate::uncertainty::{Covariance, Knowledge, ScaleError, with_scale};
+use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
+use slipgrid_springblock::Load;
 use toml::Spanned;
 
 use super::discrepancy::read_discrepancy;
 use super::document::Document;
-use super::material::{ConditionTable, FrictionFile, MaterialFile};
-use super::values::{NumberList, Numbers, for_each, increasing};
+use super::material::{ConditionTable, FrictionFile, MaterialFile, existing};
+use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
 use crate::units::{FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S};
 
@@ -16,6 +18,8 @@ use crate::units::{FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_ST
 pub struct MaterialUncertainty {
     /// Fitted dynamic coefficients with their standard errors; empty where a file gives none.
     friction: Vec<FrictionError>,
+    /// Fitted static coefficients likewise.
+    static_friction: Vec<FrictionError>,
     /// Standard deviation of Young's modulus over itself.
     pub modulus_relative_std: Option<f64>,
     /// The area law's scale was fitted to friction: the modulus does not move it.
@@ -34,7 +38,7 @@ struct FrictionError {
     /// `None` where it holds for any.
     pressure_pa: Option<f64>,
     condition: Option<Condition>,
-    dynamic_mean: f64,
+    mean: f64,
     std_error: f64,
 }
 
@@ -52,13 +56,32 @@ pub fn read_uncertainty(
     let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
     let discrepancy = file.discrepancy.as_ref().map(|table| read_discrepancy(document, table, humidity)).transpose()?;
     Ok(MaterialUncertainty {
-        friction: friction_errors(document, file.friction.get_ref())?,
+        friction: friction_errors(document, file.friction.get_ref(), false)?,
+        static_friction: friction_errors(document, file.friction.get_ref(), true)?,
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancy,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
+}
+
+/// The same of the material that a key of `document` names or holds.
+///
+/// # Errors
+/// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
+pub fn read_referenced_uncertainty(
+    document: &Document,
+    material: &Spanned<PathOr<MaterialFile>>,
+    humidity: Option<f64>,
+) -> Result<MaterialUncertainty, Diagnostic> {
+    match material.get_ref() {
+        PathOr::Table(table) => read_uncertainty(document, table, humidity),
+        PathOr::Path(path) => {
+            let named = Document::read(&existing(document, material, path)?)?;
+            read_uncertainty(&named, &named.parse()?, humidity)
+        }
+    }
 }
 
 fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[[f64; 2]; 2]>, Diagnostic> {
@@ -77,20 +100,34 @@ fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[
     Ok(Some([[a / (mean * mean), b / mean], [c / mean, *d]]))
 }
 
-fn friction_errors(document: &Document, file: &FrictionFile) -> Result<Vec<FrictionError>, Diagnostic> {
+/// Means and standard errors of the static coefficients, or of the dynamic ones.
+fn friction_errors(
+    document: &Document,
+    file: &FrictionFile,
+    is_static: bool,
+) -> Result<Vec<FrictionError>, Diagnostic> {
     let mut errors = Vec::new();
     for table in &file.conditions {
-        let ConditionTable { speed_mm_s, humidity_pct, pressure_mpa, dynamic_mean, dynamic_std_error, .. } =
-            table.get_ref();
+        let table: &ConditionTable = table.get_ref();
         let condition = Condition {
-            speed_m_s: document.number(speed_mm_s, SPEED_MM_S)?,
-            humidity: document.number(humidity_pct, HUMIDITY_PCT)?,
+            speed_m_s: document.number(&table.speed_mm_s, SPEED_MM_S)?,
+            humidity: document.number(&table.humidity_pct, HUMIDITY_PCT)?,
         };
-        let Some(std_error) = dynamic_std_error else { continue };
-        errors.extend(rows(document, Some(pressure_mpa), dynamic_mean, std_error, Some(condition))?);
+        let (mean, std_error) = if is_static {
+            (&table.static_mean, &table.static_std_error)
+        } else {
+            (&table.dynamic_mean, &table.dynamic_std_error)
+        };
+        let Some(std_error) = std_error else { continue };
+        errors.extend(rows(document, Some(&table.pressure_mpa), mean, std_error, Some(condition))?);
     }
-    if let (Some(dynamic_mean), Some(std_error)) = (&file.dynamic_mean, &file.dynamic_std_error) {
-        errors.extend(rows(document, file.pressure_mpa.as_ref(), dynamic_mean, std_error, None)?);
+    let (mean, std_error) = if is_static {
+        (&file.static_mean, &file.static_std_error)
+    } else {
+        (&file.dynamic_mean, &file.dynamic_std_error)
+    };
+    if let (Some(mean), Some(std_error)) = (mean, std_error) {
+        errors.extend(rows(document, file.pressure_mpa.as_ref(), mean, std_error, None)?);
     }
     Ok(errors)
 }
@@ -98,18 +135,18 @@ fn friction_errors(document: &Document, file: &FrictionFile) -> Result<Vec<Frict
 fn rows(
     document: &Document,
     pressures: Option<&NumberList>,
-    dynamic_mean: &Spanned<Numbers>,
+    mean: &Spanned<Numbers>,
     std_error: &Spanned<Numbers>,
     condition: Option<Condition>,
 ) -> Result<Vec<FrictionError>, Diagnostic> {
     let pressures_pa = pressures.map(|list| increasing(document, list, PRESSURE_MPA)).transpose()?;
     let count = pressures_pa.as_ref().map_or(1, Vec::len);
-    let means = for_each(document, dynamic_mean, FRICTION, count, "pressure")?;
+    let means = for_each(document, mean, FRICTION, count, "pressure")?;
     let errors = for_each(document, std_error, FRICTION_STD, count, "pressure")?;
     let row = |place: usize| FrictionError {
         pressure_pa: pressures_pa.as_ref().map(|list| list[place]),
         condition,
-        dynamic_mean: means[place],
+        mean: means[place],
         std_error: errors[place],
     };
     Ok((0..count).map(row).collect())
@@ -120,38 +157,98 @@ impl MaterialUncertainty {
     /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
     /// file has no standard errors for the condition.
     #[must_use]
-    pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<Vec<f64>>> {
-        let measured: Vec<Condition> = self.friction.iter().filter_map(|row| row.condition).collect();
-        let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
-            vec![(None, 1.0)]
-        } else {
-            between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
-        };
-        let is_of = |row: &&FrictionError, own: &Option<Condition>| match (&row.condition, own) {
-            (Some(condition), Some(own)) => condition.matches(own),
-            (condition, own) => condition.is_none() && own.is_none(),
-        };
-        let groups: Vec<(Vec<&FrictionError>, f64)> = shares
-            .iter()
-            .map(|(own, share)| (self.friction.iter().filter(|row| is_of(row, own)).collect(), *share))
-            .collect();
-        let known: Vec<&FrictionError> = groups.iter().flat_map(|(rows, _)| rows.iter().copied()).collect();
-        let at = |at_pa: f64| -> Option<Vec<f64>> {
-            let each = groups.iter().map(|(rows, share)| {
-                Some(weights(rows, at_pa)?.into_iter().map(|weight| share * weight).collect::<Vec<f64>>())
-            });
-            Some(each.collect::<Option<Vec<_>>>()?.concat())
-        };
-        let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
-        let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.dynamic_mean).sum::<f64>();
-        // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
-        let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
-            let shared: f64 =
-                left.iter().zip(right).zip(&known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
-            shared / (mean(left) * mean(right))
-        };
-        Some(weights.iter().map(|left| weights.iter().map(|right| covariance(left, right)).collect()).collect())
+    pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
+        covariance(&self.friction, pressures_pa, condition)
     }
+
+    /// What is known at `loads` under `condition` of a material with this `area_law`.
+    ///
+    /// # Errors
+    /// [`MaterialError`] where the law cannot be moved by its scale's error.
+    pub fn knowledge(
+        &self,
+        area_law: Option<&AreaLaw>,
+        loads: &[Load],
+        condition: Option<&Condition>,
+    ) -> Result<Knowledge, MaterialError> {
+        let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
+        let variance =
+            |known: Covariance| known.iter().enumerate().map(|(place, row)| row[place]).collect::<Vec<f64>>();
+        let count = loads.len();
+        let static_friction = covariance(&self.static_friction, &pressures_pa, condition).map(variance);
+        if let (Some(known), Some(law)) = (&self.scale_covariance, area_law) {
+            // Fitted together: flat friction and the law's scale are off together.
+            let joint = with_scale(known, law, loads)?;
+            let scale = ScaleError {
+                is_fitted: true,
+                variance: joint[count][count],
+                with_friction: joint[..count].iter().map(|row| row[count]).collect(),
+            };
+            let flat_friction = Some((0..count).map(|load| joint[load][load]).collect());
+            return Ok(Knowledge { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
+        }
+        let std = self.modulus_relative_std.filter(|std| *std > 0.0 && !self.law_is_fitted && area_law.is_some());
+        Ok(Knowledge {
+            flat_friction: self.friction_covariance(&pressures_pa, condition).map(variance),
+            static_friction,
+            // ln(1 + x) of a relative standard deviation x is x to first order.
+            scale: std.map(|std| ScaleError { is_fitted: false, variance: std * std, with_friction: vec![0.0; count] }),
+            discrepancy: None,
+        })
+    }
+
+    /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
+    #[must_use]
+    pub fn unknown(&self, knowledge: &Knowledge, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
+        let mut unknown = Vec::new();
+        if knowledge.flat_friction.is_none() {
+            unknown.push("flat friction");
+        }
+        let Some(law) = area_law else { return unknown };
+        let fitted_together = self.scale_covariance.is_some();
+        if self.law_is_fitted && !fitted_together {
+            unknown.push("scale of the area law");
+        }
+        if !self.law_is_fitted && !fitted_together && self.modulus_relative_std.is_none() {
+            unknown.push("Young's modulus");
+        }
+        if !fitted_together && law.factor_std().is_none() {
+            unknown.push("area law");
+        }
+        unknown
+    }
+}
+
+/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under `condition`.
+fn covariance(known: &[FrictionError], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
+    let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
+    let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
+        vec![(None, 1.0)]
+    } else {
+        between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
+    };
+    let is_of = |row: &&FrictionError, own: &Option<Condition>| match (&row.condition, own) {
+        (Some(condition), Some(own)) => condition.matches(own),
+        (condition, own) => condition.is_none() && own.is_none(),
+    };
+    let groups: Vec<(Vec<&FrictionError>, f64)> =
+        shares.iter().map(|(own, share)| (known.iter().filter(|row| is_of(row, own)).collect(), *share)).collect();
+    let known: Vec<&FrictionError> = groups.iter().flat_map(|(rows, _)| rows.iter().copied()).collect();
+    let at = |at_pa: f64| -> Option<Vec<f64>> {
+        let each = groups.iter().map(|(rows, share)| {
+            Some(weights(rows, at_pa)?.into_iter().map(|weight| share * weight).collect::<Vec<f64>>())
+        });
+        Some(each.collect::<Option<Vec<_>>>()?.concat())
+    };
+    let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
+    let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.mean).sum::<f64>();
+    // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
+    let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
+        let shared: f64 =
+            left.iter().zip(right).zip(&known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
+        shared / (mean(left) * mean(right))
+    };
+    Some(weights.iter().map(|left| weights.iter().map(|right| covariance(left, right)).collect()).collect())
 }
 
 /// The share of each of `known` in the coefficient at a pressure: linear between measurements, the nearest beyond.

@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
+use super::material_uncertainty::{MaterialUncertainty, read_referenced_uncertainty};
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
@@ -132,6 +133,10 @@ pub struct SceneInput {
     pub scene: Scene,
     /// The material, with its provenance.
     pub material: Material,
+    /// How well it is known.
+    pub uncertainty: MaterialUncertainty,
+    /// Speed and humidity that select its coefficients.
+    pub condition: Option<Condition>,
     /// Per load: coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
     document: Document,
@@ -167,6 +172,8 @@ impl SceneInput {
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
         let mut material = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        let humidity = condition.map(|condition| condition.humidity);
+        let uncertainty = read_referenced_uncertainty(&document, &file.material, humidity)?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let layer = read_layer(&document, &file.sample)?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
@@ -203,7 +210,7 @@ impl SceneInput {
         {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
-        let input = Self { scene, material, friction_extrapolated, document, places };
+        let input = Self { scene, material, uncertainty, condition, friction_extrapolated, document, places };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }

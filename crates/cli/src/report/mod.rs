@@ -1,6 +1,8 @@
 //! Results as files and people read them.
 
+pub mod corrected;
 pub mod csv;
+pub mod errors;
 pub mod html;
 pub mod simulation;
 pub mod specimen;

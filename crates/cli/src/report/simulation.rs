@@ -3,11 +3,15 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_material::Provenance;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Scene, Simulation};
+use slipgrid_springblock::{LoadOutcome, Simulation};
 use toml::Spanned;
 
+use super::corrected::{CorrectedReport, of_scene};
+use super::errors::{ErrorReport, ErrorsReport};
 use super::table::{Table, fixed};
+use crate::CliError;
 use crate::formats::pattern::PatternFile;
+use crate::formats::scene::SceneInput;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
@@ -49,6 +53,11 @@ pub struct SimulationReport {
     pub threads: usize,
     /// One per pressure, in the scene's order.
     pub results: Vec<LoadReport>,
+    /// The error beside every number of `results`.
+    pub errors: ErrorsReport,
+    /// Ratio and friction times the discrepancy of the material's patterned samples; null where none is known, and for
+    /// a flat scene.
+    pub discrepancy: Option<CorrectedReport>,
 }
 
 /// Where a material came from.
@@ -272,20 +281,17 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
 }
 
 impl SimulationReport {
-    /// The report on a solved scene.
-    #[must_use]
-    pub fn new(
-        scene: &Scene,
-        simulation: &Simulation,
-        provenance: &Provenance,
-        outside: &[bool],
-        wall_s: f64,
-        threads: usize,
-    ) -> Self {
+    /// The report on the solved scene of `input`.
+    ///
+    /// # Errors
+    /// [`CliError::Other`] for an area law that cannot be moved by its errors.
+    pub fn new(input: &SceneInput, simulation: &Simulation, wall_s: f64, threads: usize) -> Result<Self, CliError> {
+        let (scene, provenance) = (&input.scene, &input.material.provenance);
         let pattern = scene.pattern.as_ref();
+        let (errors, discrepancy) = of_scene(input, simulation)?;
         // What the vertical plane leaves out needs saying, and only of patterns that have it.
         let sectioned = pattern.filter(|_| scene.dimensions() == 2);
-        Self {
+        Ok(Self {
             program: "slipgrid",
             version: super::VERSION,
             fidelity: scene.run.fidelity.name(),
@@ -303,8 +309,10 @@ impl SimulationReport {
             draws: scene.run.draws,
             wall_s,
             threads,
-            results: load_reports(simulation, sectioned, outside),
-        }
+            results: load_reports(simulation, sectioned, &input.friction_extrapolated),
+            errors,
+            discrepancy,
+        })
     }
 
     /// The report for people.
@@ -326,44 +334,67 @@ impl SimulationReport {
             text += &format!("- {statement}\n");
         }
         text.push('\n');
-        text += &load_table(&self.results, self.pattern.is_some(), self.section_model).to_string();
+        text += &self.load_table().to_string();
+        text += &format!("  {}\n", self.errors.meaning);
+        if let Some(words) = self.blocks_words() {
+            text += &format!("  {words}\n");
+        }
+        if let Some(corrected) = &self.discrepancy {
+            text += &corrected.text();
+        }
         for warning in warnings(&self.results) {
             text += &format!("! {warning}\n");
         }
         text += &format!("\n{:.3} s on {} threads\n", self.wall_s, self.threads);
         text
     }
-}
 
-fn load_table(results: &[LoadReport], patterned: bool, section_model: bool) -> Table {
-    let dynamic = results.iter().any(|load| load.steps.is_some());
-    let mut header = vec!["P MPa", "mu_dynamic"];
-    if dynamic {
-        header.extend(["+-", "mu_static"]);
+    /// How far the size of blocks moves the ratio.
+    fn blocks_words(&self) -> Option<String> {
+        let each = self.results.iter().filter_map(|load| load.ratio_discretization_error);
+        let largest = each.reduce(f64::max)?;
+        Some(format!(
+            "blocks: towards vanishing ones the ratio changes by {largest:.4} at most, by the change from twice their size"
+        ))
     }
-    if patterned {
-        header.extend(["mu_flat", "ratio"]);
-    }
-    if section_model {
-        header.push("strip ratio");
-    }
-    header.extend(["peak MPa", "status"]);
-    let mut table = Table::new(header);
-    for load in results {
-        let mut row = vec![load.pressure_mpa.to_string(), fixed(load.mu_dynamic, 4)];
-        if dynamic {
-            row.extend([fixed(load.mu_dynamic_stderr, 4), fixed(load.mu_static, 4)]);
+
+    fn load_table(&self) -> Table {
+        let has = |value: fn(&LoadReport) -> bool| self.results.iter().any(value);
+        let patterned = self.pattern.is_some();
+        let mut header = vec!["P MPa", "mu_dynamic", "+-"];
+        if has(|load| load.mu_static.is_some()) {
+            header.extend(["mu_static", "+-"]);
         }
         if patterned {
-            row.extend([fixed(load.mu_flat, 4), fixed(load.ratio, 4)]);
+            header.extend(["mu_flat", "+-", "ratio", "+-"]);
         }
-        if section_model {
-            row.push(fixed(load.ratio_strip_estimate, 4));
+        if self.section_model {
+            header.extend(["strip ratio", "+-"]);
         }
-        row.extend([fixed(Some(load.peak_pressure_mpa), 2), load.status.to_owned()]);
-        table.row(row);
+        header.extend(["peak MPa", "status"]);
+        let with_static = header.contains(&"mu_static");
+        let mut table = Table::new(header);
+        for (load, at) in self.results.iter().zip(&self.errors.by_pressure) {
+            let std = |of: Option<&ErrorReport>| of.and_then(|of| of.std);
+            let mut cells = vec![load.mu_dynamic, std(Some(&at.mu))];
+            if with_static {
+                cells.extend([load.mu_static, std(at.mu_static.as_ref())]);
+            }
+            if patterned {
+                cells.extend([load.mu_flat, std(at.mu_flat.as_ref()), load.ratio, std(at.ratio.as_ref())]);
+            }
+            if self.section_model {
+                // 1 - (width / pitch) (1 - ratio): its error is smaller by width over pitch.
+                let share = self.pattern.as_ref().map(|p| p.width_um / (p.width_um + p.spacing_um));
+                let own = std(at.ratio.as_ref()).zip(share).map(|(std, share)| share * std);
+                cells.extend([load.ratio_strip_estimate, own]);
+            }
+            let cells = cells.into_iter().map(|cell| fixed(cell, 4));
+            let last = [fixed(Some(load.peak_pressure_mpa), 2), load.status.to_owned()];
+            table.row([load.pressure_mpa.to_string()].into_iter().chain(cells).chain(last));
+        }
+        table
     }
-    table
 }
 
 /// What a reader should know before using the numbers.

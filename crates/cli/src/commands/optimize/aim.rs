@@ -3,9 +3,9 @@
 
 use serde::Serialize;
 use slipgrid_calibrate::Discrepancy;
+use slipgrid_calibrate::uncertainty::DiscrepancyAt;
 use slipgrid_springblock::{Load, Simulation};
 
-use super::covariances::log_covariance;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::target::quantity_name;
@@ -86,7 +86,7 @@ impl DiscrepancyReport {
     ) -> Option<Self> {
         let found: &Discrepancy = material.discrepancy.as_ref()?;
         let quantity = quantity_name(design.target.quantity());
-        let errors = log_covariance(found, loads);
+        let at = DiscrepancyAt::each(found, loads);
         let by_pressure: Vec<FactorReport> = loads
             .iter()
             .zip(&confirmed.loads)
@@ -98,7 +98,7 @@ impl DiscrepancyReport {
                 FactorReport {
                     pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
                     factor: tidy(factor),
-                    relative_std: tidy(errors[place][place].sqrt()),
+                    relative_std: tidy(at[place].relative_std()),
                     outside_measured_range: found.correct(load.pressure_pa, 1.0, 0.0).outside_measured_range,
                     predicted: Reading::of(predicted.get(place).map(|value| value / aimed), factor),
                     confirmed: Reading::of(if quantity == "ratio" { outcome.ratio } else { mu }, factor),

@@ -1,12 +1,15 @@
 //! The scene of a design: design.toml, which `simulate` takes.
 
-use slipgrid_material::Material;
+use slipgrid_calibrate::uncertainty::Knowledge;
+use slipgrid_material::{Condition, LocalFriction, Material};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Layer, Load, RunOptions};
 use toml::Spanned;
 
 use crate::CliError;
+use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile};
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
+use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
@@ -18,6 +21,10 @@ pub struct DesignScene<'a> {
     pub name: &'a str,
     /// The material.
     pub material: &'a Material,
+    /// How well it is known.
+    pub uncertainty: &'a MaterialUncertainty,
+    /// Speed and humidity of the loads' coefficients.
+    pub condition: Option<&'a Condition>,
     /// The design.
     pub pattern: &'a Pattern,
     /// The modelled layer.
@@ -37,10 +44,14 @@ impl DesignScene<'_> {
     /// [`CliError::Other`] if the values have no TOML form.
     pub fn to_toml(&self) -> Result<String, CliError> {
         let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
+        let knowledge = self
+            .uncertainty
+            .knowledge(self.material.area_law.as_ref(), self.loads, self.condition)
+            .map_err(|error| CliError::Other(error.to_string()))?;
         let file = SceneFile {
             name: Some(self.name.to_owned()),
             condition: None,
-            material: unplaced(PathOr::Table(Box::new(self.material()))),
+            material: unplaced(PathOr::Table(Box::new(self.material(&knowledge)))),
             pattern: Some(unplaced(self.pattern.into())),
             sample: unplaced(SampleFile {
                 length_um: Some(micrometres(self.layer.length_m)),
@@ -68,7 +79,8 @@ impl DesignScene<'_> {
         Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate design.toml\n{body}"))
     }
 
-    fn material(&self) -> MaterialFile {
+    fn material(&self, knowledge: &Knowledge) -> MaterialFile {
+        let youngs_modulus_gpa = MODULUS_GPA.from_si(self.material.elastic.youngs_modulus_pa());
         let provenance = &self.material.provenance;
         let named = |text: &str| (!text.is_empty()).then(|| text.to_owned());
         MaterialFile {
@@ -77,14 +89,17 @@ impl DesignScene<'_> {
             slipgrid_version: Some(VERSION.to_owned()),
             synthetic_surface: Some(provenance.synthetic_surface),
             notes: provenance.notes.clone(),
-            youngs_modulus_gpa: number(MODULUS_GPA.from_si(self.material.elastic.youngs_modulus_pa())),
-            youngs_modulus_std_gpa: None,
+            youngs_modulus_gpa: number(youngs_modulus_gpa),
+            youngs_modulus_std_gpa: self
+                .uncertainty
+                .modulus_relative_std
+                .map(|std| number(tidy(std * youngs_modulus_gpa))),
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
-            friction: unplaced(self.friction()),
-            discrepancy: None,
+            friction: unplaced(self.friction(knowledge)),
+            discrepancy: self.discrepancy(),
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
-                    origin: None,
+                    origin: self.uncertainty.law_is_fitted.then(|| "fit".to_owned()),
                     rms_slope: None,
                     sa_um: None,
                     pixel_um: None,
@@ -98,27 +113,55 @@ impl DesignScene<'_> {
         }
     }
 
-    /// One pair where all loads share it, otherwise one per pressure.
-    fn friction(&self) -> FrictionFile {
-        let mut loads = self.loads.to_vec();
-        loads.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    /// The discrepancy that holds for the condition.
+    fn discrepancy(&self) -> Option<Spanned<DiscrepancyFile>> {
+        let found = self.uncertainty.discrepancy.as_ref()?;
+        let pattern = self.uncertainty.discrepancy_pattern.clone().unwrap_or_default();
+        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(found), humidity: Vec::new() }))
+    }
+
+    /// One pair where all loads share it, otherwise one per pressure, with their standard errors.
+    fn friction(&self, knowledge: &Knowledge) -> FrictionFile {
+        let mut order: Vec<usize> = (0..self.loads.len()).collect();
+        order.sort_by(|&a, &b| self.loads[a].pressure_pa.total_cmp(&self.loads[b].pressure_pa));
+        let loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();
+        // Relative errors of the coefficients; where the law's scale was fitted with them their covariance has them.
+        let relative = |known: &Option<Vec<f64>>| -> Option<Vec<f64>> {
+            let known = known.as_ref()?;
+            Some(order.iter().map(|&place| known[place].sqrt()).collect())
+        };
+        let joint = self.uncertainty.scale_covariance;
+        let dynamic_error = relative(&knowledge.flat_friction).filter(|_| joint.is_none());
+        let static_error = relative(&knowledge.static_friction);
         let relative_std = loads.first().map(|load| number(load.friction.relative_std()));
         let shared = loads.first().filter(|first| loads.iter().all(|load| load.friction == first.friction));
         if let Some(load) = shared {
+            let (static_mean, mean) = (load.friction.static_mean(), load.friction.dynamic_mean());
+            let one = |value: f64| Some(unplaced(Numbers::One(value)));
+            let error = |relative: Option<Vec<f64>>, mean: f64| relative.and_then(|all| one(all[0] * mean));
             return FrictionFile {
-                static_mean: Some(unplaced(Numbers::One(load.friction.static_mean()))),
-                dynamic_mean: Some(unplaced(Numbers::One(load.friction.dynamic_mean()))),
+                static_mean: one(static_mean),
+                dynamic_mean: one(mean),
                 relative_std,
+                static_std_error: error(static_error, static_mean),
+                dynamic_std_error: error(dynamic_error, mean),
+                scale_covariance: joint
+                    .map(|[[a, b], [c, d]]| unplaced(vec![vec![a * mean * mean, b * mean], vec![c * mean, d]])),
                 ..FrictionFile::default()
             };
         }
-        let column = |value: fn(&Load) -> f64| {
-            Some(unplaced(Numbers::Each(loads.iter().map(|load| number(value(load))).collect())))
+        let column = |values: Vec<f64>| Some(unplaced(Numbers::Each(values.into_iter().map(number).collect())));
+        let [static_mean, dynamic_mean]: [Vec<f64>; 2] = [LocalFriction::static_mean, LocalFriction::dynamic_mean]
+            .map(|of| loads.iter().map(|load| of(&load.friction)).collect());
+        let errors = |relative: Option<Vec<f64>>, mean: &[f64]| {
+            relative.and_then(|all| column(all.iter().zip(mean).map(|(share, mean)| share * mean).collect()))
         };
         FrictionFile {
             pressure_mpa: Some(number_list(loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa)))),
-            static_mean: column(|load| load.friction.static_mean()),
-            dynamic_mean: column(|load| load.friction.dynamic_mean()),
+            static_std_error: errors(static_error, &static_mean),
+            dynamic_std_error: errors(dynamic_error, &dynamic_mean),
+            static_mean: column(static_mean),
+            dynamic_mean: column(dynamic_mean),
             relative_std,
             ..FrictionFile::default()
         }
@@ -138,7 +181,7 @@ mod tests {
     use super::*;
     use crate::formats::Document;
     use crate::formats::scene::{Overrides, SceneInput};
-    use slipgrid_material::{AreaLaw, Elastic, Friction, LocalFriction, Provenance};
+    use slipgrid_material::{AreaLaw, Elastic, Friction, Provenance};
     use slipgrid_pattern::Planform;
 
     #[test]
@@ -158,6 +201,8 @@ mod tests {
         let scene = DesignScene {
             name: "test",
             material: &material,
+            uncertainty: &MaterialUncertainty::default(),
+            condition: None,
             pattern: &pattern,
             layer: &layer,
             loads: &loads,

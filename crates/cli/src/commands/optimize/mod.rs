@@ -2,7 +2,6 @@
 
 mod aim;
 mod conditions;
-mod covariances;
 mod errors;
 mod explanation;
 mod files;
@@ -82,7 +81,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
     let spread = robustness::of_design(&design, &uncertainty, &about)?;
     let value = &best.response.value;
-    let errors = errors::of_design(&design, &uncertainty, &about, value, found.confirming.draws)?;
+    let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
+    let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
     let conditions = others.report(&about, &factors)?;
     let held = conditions.as_ref().is_none_or(|conditions| conditions.held);
     let status = if held || found.status != Status::Met { found.status } else { Status::Unreachable };
@@ -93,6 +93,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let scene = DesignScene {
         name: &design.name,
         material: &material,
+        uncertainty: &uncertainty,
+        condition: design.condition.as_ref(),
         pattern: &pattern,
         layer: &design.layer,
         loads: &loads,
@@ -114,8 +116,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(trace) = csv::friction_trace(confirmed) {
         outputs.add("friction.csv", trace);
     }
-    let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
-    pictures::simulation(&confirming, confirmed, &mut outputs)?;
+    pictures::simulation(&confirming, confirmed, &errors, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
     let comparing = Instant::now();

@@ -8,7 +8,6 @@ use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
 use super::conditions::ConditionsReport;
-use super::errors::{ErrorReport, ErrorsReport};
 use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
@@ -17,6 +16,7 @@ use super::target_report::{GoalReport, TargetReport};
 use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
+use crate::report::errors::{ErrorReport, ErrorsReport};
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
 use crate::report::specimen::SpecimenReport;
 use crate::report::table::fixed;
@@ -190,7 +190,8 @@ impl DesignReport {
     /// The target's quantity by the confirming run at a pressure, as it is compared with the target.
     #[must_use]
     pub fn confirmed_at(&self, row: usize) -> Option<&ErrorReport> {
-        self.errors.at(row).map(|at| if self.is_ratio() { &at.ratio } else { &at.mu })
+        let at = self.errors.at(row)?;
+        if self.is_ratio() { at.ratio.as_ref() } else { Some(&at.mu) }
     }
 
     /// Whether the target is a ratio to the flat surface.
@@ -215,18 +216,31 @@ impl DesignReport {
             self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );
-        let mut table =
-            Table::new(["P MPa", "target", "predicted", "+-", "confirmed", "+-", "mu", "+-", "mu flat", "peak MPa"]);
+        let mut table = Table::new([
+            "P MPa",
+            "target",
+            "predicted",
+            "+-",
+            "confirmed",
+            "+-",
+            "mu",
+            "+-",
+            "mu flat",
+            "+-",
+            "peak MPa",
+        ]);
         for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
             let at = self.errors.at(row);
-            let value = [at.map(|at| &at.predicted), self.confirmed_at(row), at.map(|at| &at.mu)];
+            let value = [
+                at.and_then(|at| at.predicted.as_ref()),
+                self.confirmed_at(row),
+                at.map(|at| &at.mu),
+                at.and_then(|at| at.mu_flat.as_ref()),
+            ];
             let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
             let first = [pressure_mpa.to_string(), self.target.wanted(row)];
-            let last = [
-                fixed(self.confirmed.get(row).and_then(|load| load.mu_flat), 4),
-                fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2),
-            ];
-            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain(last));
+            let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
+            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
         }
         let aims = self.discrepancy.as_ref().is_some_and(|found| found.used);
         text += &format!(

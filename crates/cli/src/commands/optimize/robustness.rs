@@ -1,7 +1,8 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
 use slipgrid_calibrate::Discrepancy;
-use slipgrid_material::AreaLaw;
+use slipgrid_calibrate::uncertainty::{Covariance, log_covariance, with_scale};
+use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
     propagate,
@@ -9,17 +10,17 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, Simulation};
 
-use super::covariances::{Covariance, log_covariance, row, with_scale};
 use super::model::SteadyCell;
 use super::robust_search::RobustChoice;
 use super::robustness_report::{
-    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PartsReport, PressureParts, PressureReport,
+    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PressureParts, PressureReport,
     RobustnessReport, ScatterReport, SpreadReport, distribution,
 };
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
+use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
@@ -41,7 +42,7 @@ pub struct About<'a> {
 }
 
 /// What is propagated through which design.
-pub(super) struct Request<'a> {
+struct Request<'a> {
     about: &'a About<'a>,
     target: &'a Target,
     /// Target values are ratios to the flat surface.
@@ -74,7 +75,7 @@ pub fn of_design(
 
 impl<'a> Request<'a> {
     /// The errors of `material` and `tolerances` through `design` as `about` has it.
-    pub(super) fn new(
+    fn new(
         design: &'a Design,
         material: &'a MaterialUncertainty,
         about: &'a About<'a>,
@@ -91,20 +92,10 @@ impl<'a> Request<'a> {
             seed: design.seed,
         }
     }
-
-    /// The design.
-    pub(super) const fn pattern(&self) -> &'a Pattern {
-        self.about.pattern
-    }
-
-    /// The material says how well flat friction is known at the target's loads.
-    pub(super) const fn knows_friction(&self) -> bool {
-        self.friction_covariance.is_some()
-    }
 }
 
 /// The model about a confirmed design, with the parameters that are not known exactly.
-pub(super) struct AboutDesign<'a> {
+struct AboutDesign<'a> {
     model: &'a SteadyCell,
     loads: Vec<Load>,
     is_ratio: bool,
@@ -112,7 +103,7 @@ pub(super) struct AboutDesign<'a> {
     offset: Vec<f64>,
     /// Friction of the flat sample in the confirming run.
     flat_mu: Vec<f64>,
-    pub(super) parameters: Parameters,
+    parameters: Parameters,
     scale_is_fitted: bool,
     discrepancy: Option<&'a Discrepancy>,
     /// Values are the corrected ones alone.
@@ -121,15 +112,15 @@ pub(super) struct AboutDesign<'a> {
 
 /// Places of the parameters among the deviations; absent where one is not uncertain.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Parameters {
+struct Parameters {
     /// First of the relative errors of flat friction, one per load.
-    pub(super) friction: Option<usize>,
+    friction: Option<usize>,
     /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
-    pub(super) modulus: Option<usize>,
+    modulus: Option<usize>,
     /// The area law's factors, in standard errors.
-    pub(super) law: Option<usize>,
+    law: Option<usize>,
     /// First of the logarithmic errors of the discrepancy, one per load.
-    pub(super) discrepancy: Option<usize>,
+    discrepancy: Option<usize>,
     count: usize,
 }
 
@@ -188,7 +179,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
 
 impl<'a> AboutDesign<'a> {
     /// The model about the design, and the covariance of its parameters.
-    pub(super) fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
+    fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
         let confirmed: Option<Vec<(f64, f64)>> = request
             .about
             .confirmed
@@ -213,7 +204,7 @@ impl<'a> AboutDesign<'a> {
         let (friction, modulus);
         if let (Some(known), Some(law)) = (&material.scale_covariance, model.area_law()) {
             // Fitted together: flat friction and the law's scale are off together.
-            friction = add(with_scale(known, law, &loads)?);
+            friction = add(with_scale(known, law, &loads).map_err(trial)?);
             modulus = friction.map(|first| first + count);
         } else {
             friction = request.friction_covariance.clone().and_then(&mut add);
@@ -249,7 +240,7 @@ impl<'a> AboutDesign<'a> {
     }
 
     /// What moves the area law along the pressure.
-    pub(super) fn scale_name(&self) -> &'static str {
+    fn scale_name(&self) -> &'static str {
         if self.scale_is_fitted { "scale of the area law" } else { "Young's modulus" }
     }
 
@@ -274,7 +265,6 @@ impl UncertainModel for AboutDesign<'_> {
         let mut law = known.cloned();
         let is_moved = log_modulus != 0.0 || at(self.parameters.law, 0) != 0.0;
         if let Some(own) = law.as_mut().filter(|_| is_moved) {
-            let trial = |error: slipgrid_material::MaterialError| ModelFailure::Trial { reason: error.to_string() };
             *own = own.with_factors_off_by(at(self.parameters.law, 0)).at_modulus(log_modulus.exp()).map_err(trial)?;
         }
         // The flat sample was measured: mu_d = mu_flat / f(P), whatever the law says.
@@ -293,8 +283,7 @@ impl UncertainModel for AboutDesign<'_> {
                 .map(|load| {
                     let pressure_pa = self.loads[load].pressure_pa;
                     // A stiffer surface would have left the fit less to correct.
-                    let of_fit: f64 =
-                        row(found, pressure_pa).iter().zip(&found.modulus_sensitivity).map(|(x, g)| x * g).sum();
+                    let of_fit = found.modulus_sensitivity_at(pressure_pa);
                     let log = at(self.parameters.discrepancy, load) - of_fit * log_modulus;
                     ratio[load] * found.factor(pressure_pa) * log.exp()
                 })
@@ -307,6 +296,10 @@ impl UncertainModel for AboutDesign<'_> {
         }
         Ok(values)
     }
+}
+
+fn trial(error: MaterialError) -> ModelFailure {
+    ModelFailure::Trial { reason: error.to_string() }
 }
 
 fn is_met(request: &Request<'_>, values: &[f64]) -> bool {

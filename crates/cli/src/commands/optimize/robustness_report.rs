@@ -4,6 +4,7 @@ use serde::Serialize;
 use slipgrid_optimize::Spread;
 
 use crate::report::Table;
+use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
 use crate::report::table::fixed;
 use crate::units::tidy;
@@ -87,15 +88,6 @@ pub struct PressureParts {
     pub std: f64,
     /// The same of each input alone.
     pub of: Vec<PartsReport>,
-}
-
-/// What one input alone would do.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PartsReport {
-    /// The input.
-    pub input: String,
-    /// Standard deviation of the target's quantity.
-    pub std: f64,
 }
 
 /// Ratio and friction coefficient.

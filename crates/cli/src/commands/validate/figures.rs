@@ -12,8 +12,8 @@ use super::laws::ScaledLaw;
 use super::model::FlatPoint;
 use super::report::{AreaTable, TimeReport, squares};
 use crate::charts::{
-    AreaLawChart, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law, friction_trace,
-    interface_pressure,
+    AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
+    friction_trace, interface_pressure,
 };
 use crate::commands::pictures::{cavities_um, interface_map};
 use crate::diagnostic::Diagnostic;
@@ -200,7 +200,7 @@ impl Figures<'_> {
             .map(|(label, surface, points)| Trace {
                 series: Series { label, points },
                 window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                mu_dynamic: surface.mu_dynamic,
+                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: surface.mu_dynamic_stderr }),
             })
             .collect();
         let title = format!(

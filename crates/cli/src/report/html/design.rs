@@ -117,7 +117,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
                 number(&predicted["ratio_discretization_error"], 4),
                 with_error(&at[key]["value"], &at[key]["std"], 4),
                 with_error(&at["mu"]["value"], &at["mu"]["std"], 4),
-                with_error(&confirmed["mu_flat"], &confirmed["mu_flat_stderr"], 4),
+                with_error(&at["mu_flat"]["value"], &at["mu_flat"]["std"], 4),
                 number(&confirmed["mu_static"], 4),
                 number(&predicted["peak_pressure_mpa"], 2),
                 plain(&confirmed["status"]),
@@ -128,7 +128,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     page.table(
         &format!(
             "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
-             tolerance; of mu flat the standard error in time; else {}. To vanishing blocks: estimated change of the ratio. Peak \
+             tolerance; else {}. To vanishing blocks: estimated change of the ratio. Peak \
              pressure grows as blocks shrink.",
             if result["discrepancy"]["used"] == true { ", times the discrepancy of patterned samples" } else { "" },
             text(&result["errors"], "meaning").trim_start_matches("+-: "),

@@ -1,9 +1,9 @@
 //! Covariances of what is not known exactly of a material and of the model.
 
-use slipgrid_calibrate::Discrepancy;
-use slipgrid_material::AreaLaw;
-use slipgrid_optimize::ModelFailure;
+use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_springblock::Load;
+
+use crate::Discrepancy;
 
 /// Row by row.
 pub type Covariance = Vec<Vec<f64>>;
@@ -12,12 +12,10 @@ pub type Covariance = Vec<Vec<f64>>;
 /// of mu_d and the scale: d ln(mu_d f) = d ln(mu_d) + (d ln f / d ln s) d ln s.
 ///
 /// # Errors
-/// [`ModelFailure::Trial`] where the law cannot be moved.
-pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Result<Covariance, ModelFailure> {
+/// [`MaterialError`] where the law cannot be moved.
+pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Result<Covariance, MaterialError> {
     const STEP: f64 = 0.02;
-    let at = |log_scale: f64| {
-        law.at_modulus(log_scale.exp()).map_err(|error| ModelFailure::Trial { reason: error.to_string() })
-    };
+    let at = |log_scale: f64| law.at_modulus(log_scale.exp());
     let (less, more) = (at(-STEP)?, at(STEP)?);
     let slope = |load: &Load| (more.factor(load.pressure_pa).ln() - less.factor(load.pressure_pa).ln()) / (2.0 * STEP);
     let rows: Vec<[f64; 2]> = loads.iter().map(|load| [1.0, slope(load)]).chain([[0.0, 1.0]]).collect();
@@ -29,8 +27,9 @@ pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Resul
 
 /// Covariance of the logarithmic errors of corrected ratios at `loads`, at a given Young's modulus: of the fitted
 /// coefficients and of the scatter between conditions, widened for the few of them as Student's t is.
-pub fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Vec<Vec<f64>> {
-    let rows: Vec<Vec<f64>> = loads.iter().map(|load| row(found, load.pressure_pa)).collect();
+#[must_use]
+pub fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Covariance {
+    let rows: Vec<Vec<f64>> = loads.iter().map(|load| found.row(load.pressure_pa)).collect();
     // The interval's reach over the normal one's.
     let interval = found.correct(found.reference_pressure_pa, 1.0, 0.0);
     let widened = (interval.interval[1] / interval.ratio).ln() / (1.959_964 * interval.log_std);
@@ -48,16 +47,10 @@ pub fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Vec<Vec<f64>> {
     (0..rows.len()).map(|i| (0..rows.len()).map(|j| shared(&rows[i], &rows[j]) + own(i, j)).collect()).collect()
 }
 
-/// 1 and, where the discrepancy is linear in pressure, (P - P0) / P0.
-pub fn row(found: &Discrepancy, pressure_pa: f64) -> Vec<f64> {
-    let share = (pressure_pa - found.reference_pressure_pa) / found.reference_pressure_pa;
-    [1.0, share].into_iter().take(found.coefficients.len()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_calibrate::{DiscrepancyForm, RatioPoint, estimate};
+    use crate::{DiscrepancyForm, RatioPoint, estimate};
     use slipgrid_material::LocalFriction;
 
     fn loads(pressures_mpa: &[f64]) -> Vec<Load> {

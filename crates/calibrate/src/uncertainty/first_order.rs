@@ -1,0 +1,201 @@
+//! Standard deviations to first order: slopes of the steady ratio, times what is known of each number.
+
+use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, SectionModel, SolidModel};
+
+use super::{DiscrepancyAt, Knowledge, Source};
+
+/// Slopes of the steady ratio at one load, each times one standard deviation where that is known, else zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Slope {
+    /// Along the relative error of flat friction.
+    friction: f64,
+    /// Along the logarithm of Young's modulus, or of the fitted scale.
+    scale: f64,
+    /// Along the area law's factors, all off by so many standard errors.
+    law: f64,
+}
+
+/// How the ratio of a scene's pattern follows what is not known exactly: central differences over a standard deviation
+/// each way, by the steady cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slopes {
+    /// One per load; `None` where a neighbour cannot be computed.
+    by_load: Vec<Option<Slope>>,
+    has_law_errors: bool,
+}
+
+/// A standard deviation with the parts that make it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deviation {
+    /// All parts together, with what they share.
+    pub std: f64,
+    /// What each source alone would make of it.
+    pub parts: Vec<(Source, f64)>,
+}
+
+/// What the material leaves open at one load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deviations {
+    /// Of the ratio.
+    pub ratio: Deviation,
+    /// Of dynamic friction.
+    pub mu: Deviation,
+    /// Of the flat surface's dynamic friction.
+    pub flat: Deviation,
+}
+
+impl Slopes {
+    /// The slopes of `scene` along what `knowledge` has errors of. A flat scene has a ratio of 1 whatever happens.
+    #[must_use]
+    pub fn new(scene: &Scene, knowledge: &Knowledge) -> Self {
+        let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
+        let count = scene.loads.len();
+        let Some(pattern) = &scene.pattern else {
+            return Self { by_load: vec![Some(Slope::default()); count], has_law_errors };
+        };
+        let cell = steady_cell(scene, pattern);
+        let still = vec![0.0; count];
+        let friction_step: Vec<f64> = knowledge
+            .flat_friction
+            .as_ref()
+            .map_or_else(|| still.clone(), |all| all.iter().map(|v| v.sqrt()).collect());
+        let scale_step = knowledge.scale.as_ref().map_or(0.0, |scale| scale.variance.sqrt());
+        let law_step = if has_law_errors { 1.0 } else { 0.0 };
+        // (r(x + s) - r(x - s)) / 2s
+        let along = |friction: &[f64], scale: f64, law: f64| -> Vec<Option<f64>> {
+            if friction.iter().chain([&scale, &law]).all(|step| *step == 0.0) {
+                return vec![Some(0.0); count];
+            }
+            let less: Vec<f64> = friction.iter().map(|step| -step).collect();
+            let (above, below) = rayon::join(
+                || ratios(&cell, pattern, friction, scale, law),
+                || ratios(&cell, pattern, &less, -scale, -law),
+            );
+            let difference = |load: usize| Some((above.as_ref().ok()?[load]? - below.as_ref().ok()?[load]?) / 2.0);
+            (0..count).map(difference).collect()
+        };
+        let over = |difference: Option<f64>, step: f64| Some(if step == 0.0 { 0.0 } else { difference? / step });
+        let (friction, (scale, law)) = rayon::join(
+            || along(&friction_step, 0.0, 0.0),
+            || rayon::join(|| along(&still, scale_step, 0.0), || along(&still, 0.0, law_step)),
+        );
+        let slope = |load: usize| {
+            Some(Slope {
+                friction: over(friction[load], friction_step[load])?,
+                scale: over(scale[load], scale_step)?,
+                law: over(law[load], law_step)?,
+            })
+        };
+        Self { by_load: (0..count).map(slope).collect(), has_law_errors }
+    }
+
+    /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
+    /// `mu_flat`; `None` where the slopes are not known. With a discrepancy in `knowledge`, those of ratio and friction
+    /// times its factor.
+    #[must_use]
+    pub fn deviations(&self, load: usize, ratio: f64, mu_flat: f64, knowledge: &Knowledge) -> Option<Deviations> {
+        let slope = (*self.by_load.get(load)?)?;
+        let known = |of: &Option<Vec<f64>>| of.as_ref().and_then(|all| all.get(load)).copied();
+        let friction = known(&knowledge.flat_friction);
+        let discrepancy = knowledge.discrepancy.as_ref().and_then(|all| all.get(load));
+        let factor = discrepancy.map_or(1.0, |found| found.factor);
+        let falls = discrepancy.map_or(0.0, |found| found.modulus_sensitivity);
+        // c = r F exp(d - g m): F the factor, d its own error, m that of ln E
+        let ratio_slope = [
+            factor * slope.friction,
+            factor * (slope.scale - ratio * falls),
+            factor * slope.law,
+            if discrepancy.is_some() { factor * ratio } else { 0.0 },
+        ];
+        // mu = c mu_flat (1 + x), x the relative error of flat friction
+        let [x, m, a, d] = ratio_slope;
+        let mu_slope = [mu_flat * (x + factor * ratio), mu_flat * m, mu_flat * a, mu_flat * d];
+        let deviation = |[x, m, a, d]: [f64; 4]| {
+            let mut variance = 0.0;
+            let mut parts = Vec::new();
+            let mut add = |source: Source, own: f64| {
+                variance += own;
+                parts.push((source, own.sqrt()));
+            };
+            if let Some(friction) = friction {
+                add(Source::FlatFriction, x * x * friction);
+            }
+            if let Some(scale) = &knowledge.scale {
+                add(if scale.is_fitted { Source::FittedScale } else { Source::Modulus }, m * m * scale.variance);
+            }
+            if self.has_law_errors {
+                add(Source::AreaLaw, a * a);
+            }
+            if let Some(found) = discrepancy {
+                add(Source::Discrepancy, d * d * found.log_variance);
+            }
+            let shared = knowledge.scale.as_ref().filter(|_| friction.is_some());
+            let shared = shared.and_then(|scale| scale.with_friction.get(load)).copied().unwrap_or(0.0);
+            Deviation { std: (variance + 2.0 * x * m * shared).max(0.0).sqrt(), parts }
+        };
+        let flat = friction.map_or_else(Deviation::default, |variance| {
+            let std = mu_flat * variance.sqrt();
+            Deviation { std, parts: vec![(Source::FlatFriction, std)] }
+        });
+        Some(Deviations { ratio: deviation(ratio_slope), mu: deviation(mu_slope), flat })
+    }
+}
+
+/// The steady cell of `scene`: in space in blocks twice as large where that can be had, which slopes do not see.
+fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
+    const COARSER: usize = 2;
+    const LEAST_BLOCKS: f64 = 4.0;
+    let run = RunOptions {
+        fidelity: Fidelity::Steady,
+        extent: Extent::Cell,
+        dimensions: Some(scene.dimensions()),
+        liftoff: scene.run.liftoff,
+        ..RunOptions::default()
+    };
+    let mut cell = Scene { run, ..scene.clone() };
+    let block_m = COARSER as f64 * scene.layer.block_m;
+    let is_wide = pattern.cell_m().iter().chain([&pattern.width_m()]).all(|side_m| *side_m >= LEAST_BLOCKS * block_m);
+    if cell.dimensions() == 3 && scene.layer.rows().is_multiple_of(COARSER) && is_wide {
+        cell.layer.block_m = block_m;
+        // A cell knows no specimen: any whole number of blocks does.
+        cell.layer.length_m = cell.layer.height_m;
+    }
+    cell
+}
+
+/// Steady ratios of `pattern` where flat friction is larger by the shares `friction`, ln E by `scale` and the area law's
+/// factors by `law` standard errors.
+fn ratios(
+    cell: &Scene,
+    pattern: &Pattern,
+    friction: &[f64],
+    scale: f64,
+    law: f64,
+) -> Result<Vec<Option<f64>>, MaterialError> {
+    let area_law =
+        cell.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.exp())).transpose()?;
+    let mut moved = Scene { area_law, ..cell.clone() };
+    for (load, by) in moved.loads.iter_mut().zip(friction) {
+        let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(load.pressure_pa));
+        // mu_d = mu_flat / f(P), mu_flat as measured whatever the law says
+        let times = (1.0 + by) * factor(cell.area_law.as_ref()) / factor(moved.area_law.as_ref());
+        let own = &load.friction;
+        let friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
+        *load = Load { friction, ..*load };
+    }
+    let is_solid = moved.dimensions() == 3;
+    Ok(if is_solid { SolidModel::new(&moved).ratios(pattern) } else { SectionModel::new(&moved).ratios(pattern) })
+}
+
+impl DiscrepancyAt {
+    /// Standard deviation of the factor over itself.
+    #[must_use]
+    pub fn relative_std(&self) -> f64 {
+        self.log_variance.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests;
