@@ -240,6 +240,13 @@ fn measured_ratios_are_tabulated() {
     assert!((row["ratio"].as_f64().unwrap() - 0.208 / 0.248).abs() < 1e-12);
     // 0.8387 sqrt((7/208)^2 + (2/248)^2)
     assert!((row["ratio_std"].as_f64().unwrap() - 0.029_03).abs() < 1e-4);
+    // Young's modulus moves the ratio, measured flat friction is known to 0.002 / 0.248 and hardly does.
+    let modelled = &row["modelled"][0];
+    let of = |key: &str| modelled[key].as_f64().unwrap();
+    let expected = (of("ratio_groove") * 0.002).hypot(0.248 * of("ratio_groove_std"));
+    assert!((of("mu_groove_std") / expected - 1.0).abs() < 0.05, "{modelled}");
+    assert!(of("ratio_square_std") > 0.0 && of("ratio_square_std") < of("ratio_groove_std"), "{modelled}");
+    assert!(result["errors"].as_str().unwrap().contains("Young's modulus, known to"));
     // 50 N on a radius of 5 mm: 50 N / (pi 25 mm^2) = 2/pi MPa.
     assert!((row["pressure_mpa"].as_f64().unwrap() - std::f64::consts::FRAC_2_PI).abs() < 1e-9);
     let all = json(&place.succeed(&["validate", "calibration.toml", "--json", "--all"]));

@@ -51,6 +51,9 @@ pub struct PressureErrors {
     /// Static friction, where the run has it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mu_static: Option<ErrorReport>,
+    /// The same of the flat surface beside a patterned one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_static_flat: Option<ErrorReport>,
 }
 
 /// A value with one standard deviation.
@@ -144,7 +147,8 @@ impl Solved<'_> {
                 let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
                 ErrorReport::new(flat.mu_dynamic, own, material.as_ref().map(|material| &material.flat))
             }),
-            mu_static: surface.mu_static.map(|_| self.of_static(place, surface, drawn.mu)),
+            mu_static: self.of_static(place, surface, drawn.mu),
+            mu_static_flat: flat.and_then(|flat| self.of_static(place, flat, drawn.flat)),
         }
     }
 
@@ -166,14 +170,14 @@ impl Solved<'_> {
     }
 
     /// A static peak: one event per draw, with what the static coefficients leave open.
-    fn of_static(&self, place: usize, surface: &SurfaceOutcome, drawn: Option<f64>) -> ErrorReport {
+    fn of_static(&self, place: usize, surface: &SurfaceOutcome, drawn: Option<f64>) -> Option<ErrorReport> {
         let coefficient = self.knowledge.static_friction.as_ref().and_then(|all| all.get(place));
-        let value = surface.mu_static;
-        let times = |share: Option<f64>| value.zip(share).map(|(value, share)| value * share);
+        let value = surface.mu_static?;
+        let times = |share: Option<f64>| share.map(|share| value * share);
         let drawn = times(drawn.map(|share| share / (self.scene.run.draws as f64).sqrt()));
         let parts = [(DRAWS, drawn), (STATIC, times(coefficient.map(|variance| variance.sqrt())))];
         let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
-        ErrorReport::new(value, parts.into_iter().filter_map(part).collect(), None)
+        Some(ErrorReport::new(Some(value), parts.into_iter().filter_map(part).collect(), None))
     }
 
     /// What is not in the errors of `rows`, as the material of `uncertainty` does not say it.

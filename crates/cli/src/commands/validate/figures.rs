@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use slipgrid_calibrate::uncertainty::Slopes;
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -9,7 +10,7 @@ use slipgrid_springblock::{
 };
 
 use super::laws::ScaledLaw;
-use super::model::FlatPoint;
+use super::model::{FlatPoint, knowledge};
 use super::report::{AreaTable, TimeReport, squares};
 use crate::charts::{
     AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
@@ -22,6 +23,7 @@ use crate::formats::scene::DEFAULT_LAYER;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::csv;
+use crate::report::errors::{ErrorReport, PressureErrors, Solved};
 use crate::report::table::fixed;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use crate::{CliError, Console};
@@ -71,11 +73,17 @@ impl Figures<'_> {
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
         let simulation = simulation?;
-        self.time(&simulation, outputs)?;
+        let modulus_relative_std = super::modulus_relative_std(self.calibration);
+        let knowledge = knowledge(modulus_relative_std, scene.area_law.as_ref(), &[self.heaviest]);
+        let slopes = Slopes::new(&scene, &knowledge);
+        let solved = Solved { scene: &scene, simulation: &simulation, knowledge: &knowledge, slopes: &slopes };
+        let errors = solved.errors();
+        let Some(at) = errors.first() else { return Ok(None) };
+        self.time(&simulation, at, outputs)?;
         if let Some(trace) = csv::friction_trace(&simulation) {
             outputs.add("friction.csv", trace);
         }
-        Ok(self.time_report(&scene, &simulation, wall_s))
+        Ok(self.time_report(&scene, &simulation, at, wall_s))
     }
 
     /// The heaviest load as a whole number of kilopascals, in MPa, for titles.
@@ -181,26 +189,27 @@ impl Figures<'_> {
         Ok(())
     }
 
-    fn time(&self, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), CliError> {
+    fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), CliError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
-        let surfaces = [load.flat.as_ref().map(|flat| ("flat", flat)), Some(("patterned", &load.surface))];
-        let traces: Vec<(&str, &SurfaceOutcome, Vec<[f64; 2]>)> = surfaces
-            .into_iter()
-            .flatten()
-            .map(|(label, surface)| {
-                let points = surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]);
-                (label, surface, points.filter(|point| point[1].is_finite()).collect())
-            })
-            .collect();
+        let flat = load.flat.as_ref().zip(at.mu_flat.as_ref()).map(|(flat, error)| ("flat", flat, error));
+        let traces: Vec<(&str, &SurfaceOutcome, &ErrorReport, Vec<[f64; 2]>)> =
+            [flat, Some(("patterned", &load.surface, &at.mu))]
+                .into_iter()
+                .flatten()
+                .map(|(label, surface, error)| {
+                    let points = surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]);
+                    (label, surface, error, points.filter(|point| point[1].is_finite()).collect())
+                })
+                .collect();
         if traces.iter().all(|(.., points)| points.is_empty()) {
             return Ok(());
         }
         let drawn: Vec<Trace<'_>> = traces
             .iter()
-            .map(|(label, surface, points)| Trace {
+            .map(|(label, surface, error, points)| Trace {
                 series: Series { label, points },
                 window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
-                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: surface.mu_dynamic_stderr }),
+                mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: error.std }),
             })
             .collect();
         let title = format!(
@@ -212,7 +221,13 @@ impl Figures<'_> {
         Ok(())
     }
 
-    fn time_report(&self, scene: &Scene, simulation: &Simulation, wall_s: f64) -> Option<TimeReport> {
+    fn time_report(
+        &self,
+        scene: &Scene,
+        simulation: &Simulation,
+        at: &PressureErrors,
+        wall_s: f64,
+    ) -> Option<TimeReport> {
         let load = simulation.loads.first()?;
         let flat = load.flat.as_ref()?;
         let friction = scene.loads.first()?.friction;
@@ -225,12 +240,17 @@ impl Figures<'_> {
             relative_std: friction.relative_std(),
             mu_flat: flat.mu_dynamic,
             mu_flat_stderr: flat.mu_dynamic_stderr,
+            mu_flat_std: at.mu_flat.as_ref().and_then(|of| of.std),
             mu_static_flat: flat.mu_static,
+            mu_static_flat_std: at.mu_static_flat.as_ref().and_then(|of| of.std),
             mu_patterned: load.surface.mu_dynamic,
             mu_patterned_stderr: load.surface.mu_dynamic_stderr,
+            mu_patterned_std: at.mu.std,
             mu_static_patterned: load.surface.mu_static,
+            mu_static_patterned_std: at.mu_static.as_ref().and_then(|of| of.std),
             ratio: load.ratio,
             ratio_stderr: load.ratio_stderr,
+            ratio_std: at.ratio.as_ref().and_then(|of| of.std),
             status_flat: flat.status.name(),
             status_patterned: load.surface.status.name(),
             wall_s,

@@ -5,17 +5,18 @@ mod laws;
 mod model;
 mod published;
 mod report;
+mod summary;
 mod text;
 
 use slipgrid_pattern::{Pattern, Planform};
 
 use figures::{Figures, area_tables};
 use laws::{ScaledLaws, scaled_laws};
-use model::{Case, FlatPoint, predict};
+use model::{Body, Case, FlatPoint, predict};
 use report::{
-    MeasuredReport, ModelledRatio, Pair, RatioReport, Summary, ValidationReport, depth_um, pairs, same_condition,
-    squares,
+    MeasuredReport, ModelledRatio, Pair, RatioReport, ValidationReport, depth_um, pairs, same_condition, squares,
 };
+use summary::Summary;
 
 use super::area_law::checked;
 use crate::args::ValidateArgs;
@@ -106,6 +107,7 @@ fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
         pressure_pa: calibration.pressure_pa(pair.flat.force_n),
         speed_m_s: pair.flat.speed_m_s,
         mu_flat: pair.flat.mu_dynamic,
+        mu_flat_std: pair.flat.mu_dynamic_std,
     }
 }
 
@@ -202,7 +204,12 @@ fn validate(
     cases.extend(deep.map(|law| Case { pattern: patterns.measured, law: law.law.as_ref() }));
 
     let progress = Progress::start("patterns", console.quiet);
-    let predicted = predict(&args.calibration, calibration.elastic, DEFAULT_LAYER, &cases, &points, &progress);
+    let body = Body {
+        elastic: calibration.elastic,
+        modulus_relative_std: modulus_relative_std(calibration),
+        layer: DEFAULT_LAYER,
+    };
+    let predicted = predict(&args.calibration, body, &cases, &points, &progress);
     progress.finish();
     let predicted = predicted?;
 
@@ -232,6 +239,7 @@ fn validate(
         source: calibration.source.clone(),
         synthetic_surface: surface.synthetic,
         model: model_notes(args, pairs, patterns, &surface.notes),
+        errors: errors_note(calibration),
         pattern: (&patterns.modelled).into(),
         areal_density_square: crate::units::tidy(squares(&patterns.modelled).areal_density()),
         measured_depth_um: depth_um(&patterns.measured),
@@ -249,6 +257,23 @@ fn validate(
     report.statements = text::statements(&report);
     report.published = published::published(&report);
     Ok(report)
+}
+
+/// Standard deviation of Young's modulus over itself, where the calibration names it.
+fn modulus_relative_std(calibration: &Calibration) -> Option<f64> {
+    Some(calibration.youngs_modulus_std_pa? / calibration.elastic.youngs_modulus_pa())
+}
+
+/// What stands after +- of modelled values, and what does not.
+fn errors_note(calibration: &Calibration) -> String {
+    let modulus = match modulus_relative_std(calibration) {
+        Some(std) => format!("Young's modulus, known to {:.0} %, and ", 100.0 * std),
+        None => "(Young's modulus is taken as exact: the calibration names no error) ".to_owned(),
+    };
+    format!(
+        "+- of modelled values: one standard deviation of {modulus}measured flat friction, to first order. Not in it: the slope of \
+         the surface, of which others stand beside it, and how far the model itself is off"
+    )
 }
 
 /// What was modelled and how.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
+use slipgrid_calibrate::uncertainty::{Deviations, Knowledge, ScaleError, Slopes};
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome, SolidModel};
@@ -21,6 +22,33 @@ pub struct FlatPoint {
     pub speed_m_s: f64,
     /// Dynamic friction coefficient of the flat sample.
     pub mu_flat: f64,
+    /// Its standard deviation.
+    pub mu_flat_std: f64,
+}
+
+/// The layer, and how well its modulus is known.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Young's modulus and density.
+    pub elastic: Elastic,
+    /// Standard deviation of Young's modulus over itself, where it is known.
+    pub modulus_relative_std: Option<f64>,
+    /// The modelled layer.
+    pub layer: Layer,
+}
+
+/// What is known of the material at `points` under `law`.
+pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> Knowledge {
+    let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
+    Knowledge {
+        flat_friction: Some(points.iter().map(|point| (point.mu_flat_std / point.mu_flat).powi(2)).collect()),
+        scale: std.map(|std| ScaleError {
+            is_fitted: false,
+            variance: std * std,
+            with_friction: vec![0.0; points.len()],
+        }),
+        ..Knowledge::default()
+    }
 }
 
 /// Steady sliding of one pattern under one area law at every measurement.
@@ -43,6 +71,8 @@ pub struct Prediction {
     pub outcome: SectionOutcome,
     /// What it found of square cavities of the same lengths, in space.
     pub squares: SectionOutcome,
+    /// What Young's modulus and measured flat friction leave open of both; `None` where it cannot be computed.
+    pub errors: [Option<Deviations>; 2],
 }
 
 /// Solves every case at every point, in parallel: one list a case.
@@ -51,8 +81,7 @@ pub struct Prediction {
 /// [`CliError`] if the numbers make no scene; `path` is the calibration that they came from.
 pub fn predict(
     path: &Path,
-    elastic: Elastic,
-    layer: Layer,
+    body: Body,
     cases: &[Case<'_>],
     points: &[FlatPoint],
     progress: &Progress,
@@ -61,15 +90,14 @@ pub fn predict(
     cases
         .par_iter()
         .map(|case| {
-            let predicted =
-                solve(elastic, layer, case, points).map_err(|reason| CliError::from(Diagnostic::file(path, reason)));
+            let predicted = solve(body, case, points).map_err(|reason| CliError::from(Diagnostic::file(path, reason)));
             progress.advance(share);
             predicted
         })
         .collect()
 }
 
-fn solve(elastic: Elastic, layer: Layer, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
+fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
     let coefficients: Vec<[f64; 2]> = points
         .iter()
         .map(|point| {
@@ -88,27 +116,30 @@ fn solve(elastic: Elastic, layer: Layer, case: &Case<'_>, points: &[FlatPoint]) 
         })
         .collect::<Result<Vec<_>, String>>()?;
     let scene = Scene {
-        elastic,
+        elastic: body.elastic,
         area_law: case.law.cloned(),
         pattern: Some(case.pattern),
-        layer,
+        layer: body.layer,
         loads,
         // Steady sliding does not depend on it.
         speed_m_s: points.first().map_or(0.0, |point| point.speed_m_s),
         run: RunOptions::default(),
     };
     scene.validate().map_err(|error| error.to_string())?;
+    let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
     let (grooves, squares) = rayon::join(
         || SectionModel::new(&scene).solve(&case.pattern),
-        || SolidModel::new(&scene).solve(&squares(&case.pattern)),
+        || SolidModel::new(&in_space).solve(&squares(&case.pattern)),
     );
-    let predictions = grooves.into_iter().zip(squares).zip(coefficients);
+    let known = knowledge(body.modulus_relative_std, case.law, points);
+    let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
+    let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
     Ok(predictions
-        .map(|((outcome, squares), [area_law_factor, dynamic_mean])| Prediction {
-            area_law_factor,
-            dynamic_mean,
-            outcome,
-            squares,
+        .map(|(place, ((outcome, squares), [area_law_factor, dynamic_mean]))| {
+            let error =
+                |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
+            let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
+            Prediction { area_law_factor, dynamic_mean, outcome, squares, errors }
         })
         .collect())
 }
@@ -127,10 +158,12 @@ mod tests {
             pressure_pa,
             speed_m_s: 2e-3,
             mu_flat,
+            mu_flat_std: 0.01 * mu_flat,
         });
         let elastic = Elastic::new(0.38e9, 900.0).unwrap();
+        let body = Body { elastic, modulus_relative_std: Some(0.2), layer: LAYER };
         let progress = Progress::start("test", true);
-        predict(Path::new("c.toml"), elastic, LAYER, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
+        predict(Path::new("c.toml"), body, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
     }
 
     #[test]
@@ -146,6 +179,10 @@ mod tests {
             let squares = prediction.squares.ratio.unwrap();
             assert!(squares > ratio(prediction) && squares < 1.0, "{squares}");
             assert!((prediction.squares.mu_flat.unwrap() - prediction.outcome.mu_flat.unwrap()).abs() < 1e-12);
+            // What a fifth of Young's modulus makes of the reduction is a part of it, less in squares than in grooves.
+            let [grooves, in_space] = prediction.errors.clone().map(|errors| errors.unwrap());
+            assert!(grooves.ratio.std < 0.5 * (1.0 - ratio(prediction)) && in_space.ratio.std < grooves.ratio.std);
+            assert!(grooves.mu.std > 0.01 * prediction.outcome.mu_flat.unwrap() * ratio(prediction));
         }
     }
 

@@ -1,11 +1,13 @@
 //! Measured ratios beside modelled ones: JSON and numbers in summary.
 
 use serde::Serialize;
+use slipgrid_calibrate::uncertainty::{Deviation, Deviations};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::Status;
 
 use super::laws::ScaledLaw;
 use super::model::Prediction;
+use super::summary::Summary;
 use crate::formats::calibration::Calibration;
 use crate::formats::measurements::Measurement;
 use crate::report::simulation::PatternReport;
@@ -26,6 +28,8 @@ pub struct ValidationReport {
     pub synthetic_surface: bool,
     /// What was modelled and how.
     pub model: Vec<String>,
+    /// What the standard deviations of modelled values are of.
+    pub errors: String,
     /// The pattern that is modelled, as grooves.
     pub pattern: PatternReport,
     /// The same as square cavities.
@@ -122,20 +126,30 @@ pub struct TimeReport {
     pub relative_std: f64,
     /// Dynamic friction, flat.
     pub mu_flat: Option<f64>,
-    /// Its standard error.
+    /// Its standard error in time.
     pub mu_flat_stderr: Option<f64>,
+    /// Its standard deviation with what is drawn and measured.
+    pub mu_flat_std: Option<f64>,
     /// Peak at the onset of sliding, flat.
     pub mu_static_flat: Option<f64>,
+    /// Its standard deviation among draws.
+    pub mu_static_flat_std: Option<f64>,
     /// Dynamic friction, patterned.
     pub mu_patterned: Option<f64>,
-    /// Its standard error.
+    /// Its standard error in time.
     pub mu_patterned_stderr: Option<f64>,
+    /// Its standard deviation with what is drawn, measured and known of Young's modulus.
+    pub mu_patterned_std: Option<f64>,
     /// Peak at the onset of sliding, patterned.
     pub mu_static_patterned: Option<f64>,
+    /// Its standard deviation among draws.
+    pub mu_static_patterned_std: Option<f64>,
     /// Patterned over flat.
     pub ratio: Option<f64>,
-    /// Its standard error.
+    /// Its standard error in time.
     pub ratio_stderr: Option<f64>,
+    /// Its standard deviation with all that is known.
+    pub ratio_std: Option<f64>,
     /// How the flat run ended.
     pub status_flat: &'static str,
     /// How the patterned run ended.
@@ -157,8 +171,12 @@ pub struct RatioReport {
     pub humidity_pct: f64,
     /// Measured on the flat sample.
     pub mu_flat: f64,
+    /// Its standard deviation.
+    pub mu_flat_std: f64,
     /// Measured on the patterned sample.
     pub mu_patterned: f64,
+    /// Its standard deviation.
+    pub mu_patterned_std: f64,
     /// Measured ratio, patterned over flat.
     pub ratio: f64,
     /// Its standard deviation.
@@ -184,8 +202,16 @@ pub struct ModelledRatio {
     pub dynamic_mean: f64,
     /// Ratio of the pattern as grooves.
     pub ratio_groove: Option<f64>,
+    /// Its standard deviation.
+    pub ratio_groove_std: Option<f64>,
+    /// Standard deviation of the same friction coefficient, ratio times flat friction.
+    pub mu_groove_std: Option<f64>,
     /// Ratio of square cavities of the same lengths, in space.
     pub ratio_square: Option<f64>,
+    /// Its standard deviation.
+    pub ratio_square_std: Option<f64>,
+    /// Standard deviation of the same friction coefficient.
+    pub mu_square_std: Option<f64>,
     /// Strip estimate of the same from the groove's ratio.
     pub ratio_square_estimate: Option<f64>,
     /// Largest local pressure, grooves; it grows as blocks shrink.
@@ -202,44 +228,6 @@ pub struct ModelledRatio {
     pub status: &'static str,
     /// How the solve of squares ended.
     pub status_square: &'static str,
-}
-
-/// Averages over the conditions that are reported.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Summary {
-    /// Conditions.
-    pub conditions: usize,
-    /// Mean of 1 - ratio, measured.
-    pub reduction_measured: f64,
-    /// Its standard deviation between conditions; null for a single one.
-    pub reduction_measured_std: Option<f64>,
-    /// Mean of 1 - ratio for each slope factor.
-    pub modelled: Vec<ModelledReduction>,
-    /// Modelled over measured mean reduction as grooves, surface as given; null where nothing was reduced.
-    pub explained_by_grooves: Option<f64>,
-    /// The same as square cavities, in space.
-    pub explained_by_squares: Option<f64>,
-    /// The same by the strip estimate.
-    pub explained_by_strip_estimate: Option<f64>,
-    /// Mean change of the groove's ratio from the modelled to the measured depth.
-    pub ratio_change_at_measured_depth: Option<f64>,
-    /// Mean change of the squares' ratio.
-    pub square_ratio_change_at_measured_depth: Option<f64>,
-    /// The change that is largest in size.
-    pub largest_ratio_change_at_measured_depth: Option<f64>,
-}
-
-/// Mean reductions of the model; null where a solve did not converge.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ModelledReduction {
-    /// What the slopes of the surface are multiplied by.
-    pub slope_factor: f64,
-    /// Mean of 1 - ratio as grooves.
-    pub groove: Option<f64>,
-    /// Mean of 1 - ratio as square cavities, in space.
-    pub square: Option<f64>,
-    /// The same by the strip estimate.
-    pub square_estimate: Option<f64>,
 }
 
 /// A flat measurement and the patterned one at the same condition.
@@ -282,9 +270,9 @@ impl MeasuredReport {
             speed_mm_s: ratio.speed_mm_s,
             humidity_pct: ratio.humidity_pct,
             mu_flat: ratio.mu_flat,
-            mu_flat_std: pair.flat.mu_dynamic_std,
+            mu_flat_std: ratio.mu_flat_std,
             mu_patterned: ratio.mu_patterned,
-            mu_patterned_std: pair.patterned.mu_dynamic_std,
+            mu_patterned_std: ratio.mu_patterned_std,
             ratio: ratio.ratio,
             ratio_std: ratio.ratio_std,
         }
@@ -304,7 +292,9 @@ impl RatioReport {
             speed_mm_s: SPEED_MM_S.from_si(flat.speed_m_s),
             humidity_pct: HUMIDITY_PCT.from_si(flat.humidity),
             mu_flat: flat.mu_dynamic,
+            mu_flat_std: flat.mu_dynamic_std,
             mu_patterned: patterned.mu_dynamic,
+            mu_patterned_std: patterned.mu_dynamic_std,
             ratio,
             ratio_std: ratio * relative,
             ratio_amontons_coulomb: None,
@@ -323,13 +313,20 @@ impl ModelledRatio {
     /// What `prediction` says of `pattern` on the surface of `law`.
     pub fn new(law: &ScaledLaw, pattern: &Pattern, prediction: &Prediction) -> Self {
         let (surface, square) = (&prediction.outcome.surface, &prediction.squares.surface);
+        let std = |planform: usize, of: fn(&Deviations) -> &Deviation| {
+            prediction.errors[planform].as_ref().map(|known| tidy(of(known).std))
+        };
         Self {
             slope_factor: law.slope_factor,
             rms_slope: law.rms_slope,
             area_law_factor: tidy(prediction.area_law_factor),
             dynamic_mean: tidy(prediction.dynamic_mean),
             ratio_groove: prediction.outcome.ratio,
+            ratio_groove_std: std(0, |of| &of.ratio),
+            mu_groove_std: std(0, |of| &of.mu),
             ratio_square: prediction.squares.ratio,
+            ratio_square_std: std(1, |of| &of.ratio),
+            mu_square_std: std(1, |of| &of.mu),
             ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             peak_pressure_square_mpa: PRESSURE_MPA.from_si(square.peak_pressure_pa),
@@ -358,124 +355,7 @@ pub fn squares(pattern: &Pattern) -> Pattern {
     Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)
 }
 
-impl Summary {
-    /// Averages over `rows`, of which there is at least one.
-    pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
-        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.ratio).collect();
-        let reduction_measured = mean(&measured);
-        let modelled: Vec<ModelledReduction> = slope_factors
-            .iter()
-            .map(|&slope_factor| {
-                let reduction = |ratio: fn(&ModelledRatio) -> Option<f64>| {
-                    let reductions: Option<Vec<f64>> =
-                        rows.iter().map(|row| Some(1.0 - ratio(row.at_slope(slope_factor)?)?)).collect();
-                    reductions.map(|reductions| mean(&reductions))
-                };
-                ModelledReduction {
-                    slope_factor,
-                    groove: reduction(|modelled| modelled.ratio_groove),
-                    square: reduction(|modelled| modelled.ratio_square),
-                    square_estimate: reduction(|modelled| modelled.ratio_square_estimate),
-                }
-            })
-            .collect();
-        let given = modelled.iter().find(|modelled| modelled.slope_factor == 1.0);
-        let explained =
-            |reduction: Option<f64>| Some(reduction? / reduction_measured).filter(|_| reduction_measured > 0.0);
-        let changes_of = |ratio: fn(&ModelledRatio) -> Option<f64>| -> Option<Vec<f64>> {
-            let change =
-                |row: &RatioReport| Some(ratio(row.modelled_at_measured_depth.as_ref()?)? - ratio(row.at_slope(1.0)?)?);
-            rows.iter().map(change).collect()
-        };
-        let changes = changes_of(|modelled| modelled.ratio_groove);
-        Self {
-            conditions: rows.len(),
-            reduction_measured,
-            reduction_measured_std: standard_deviation(&measured),
-            explained_by_grooves: given.and_then(|given| explained(given.groove)),
-            explained_by_squares: given.and_then(|given| explained(given.square)),
-            explained_by_strip_estimate: given.and_then(|given| explained(given.square_estimate)),
-            square_ratio_change_at_measured_depth: changes_of(|modelled| modelled.ratio_square).as_deref().map(mean),
-            ratio_change_at_measured_depth: changes.as_deref().map(mean),
-            largest_ratio_change_at_measured_depth: changes
-                .and_then(|changes| changes.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))),
-            modelled,
-        }
-    }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Standard deviation of a sample; `None` for a single value.
-fn standard_deviation(values: &[f64]) -> Option<f64> {
-    let mean = mean(values);
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
-}
-
 /// The pattern's depth in the file's unit.
 pub fn depth_um(pattern: &Pattern) -> f64 {
     LENGTH_UM.from_si(pattern.depth_m())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
-        let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
-            slope_factor,
-            rms_slope: None,
-            area_law_factor: 1.0,
-            dynamic_mean: 0.3,
-            ratio_groove,
-            ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
-            ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
-            peak_pressure_mpa: 1.0,
-            peak_pressure_square_mpa: 1.0,
-            tension_blocks: 0,
-            cavity_closed: false,
-            area_law_extrapolated: false,
-            status: "converged",
-            status_square: "converged",
-        };
-        RatioReport {
-            force_n: 50.0,
-            pressure_mpa: 0.6,
-            speed_mm_s: 2.0,
-            humidity_pct: 15.0,
-            mu_flat: 0.25,
-            mu_patterned: 0.2,
-            ratio,
-            ratio_std: 0.0,
-            ratio_amontons_coulomb: Some(1.0),
-            modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
-            modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),
-        }
-    }
-
-    #[test]
-    fn averages_known_exactly() {
-        let rows = [row(0.75, Some(1.0), 0.9375), row(0.875, Some(0.75), 0.875)];
-        let summary = Summary::new(&rows, &[0.5, 1.0]);
-        assert_eq!(summary.reduction_measured, 0.1875);
-        assert!((summary.reduction_measured_std.unwrap() - 0.125 / 2.0_f64.sqrt()).abs() < 1e-15);
-        assert_eq!((summary.modelled[0].groove, summary.modelled[1].groove), (None, Some(0.125)));
-        assert_eq!(summary.explained_by_grooves, Some(0.125 / 0.1875));
-        assert_eq!(summary.explained_by_squares, Some(0.125 * 0.125 / 0.1875));
-        assert_eq!(summary.explained_by_strip_estimate, Some(0.25 * 0.125 / 0.1875));
-        assert_eq!(summary.square_ratio_change_at_measured_depth, Some(0.125 * 0.03125));
-        assert_eq!(summary.ratio_change_at_measured_depth, Some(0.03125));
-        assert_eq!(summary.largest_ratio_change_at_measured_depth, Some(0.125));
-    }
-
-    #[test]
-    fn nothing_is_explained_where_nothing_was_reduced_or_solved() {
-        let summary = Summary::new(&[row(1.0, Some(0.9), 0.9)], &[1.0]);
-        assert_eq!((summary.explained_by_grooves, summary.reduction_measured_std), (None, None));
-        let summary = Summary::new(&[row(0.8, Some(0.9), 0.9), row(0.8, None, 0.9)], &[1.0]);
-        assert_eq!((summary.explained_by_grooves, summary.ratio_change_at_measured_depth), (None, None));
-    }
 }

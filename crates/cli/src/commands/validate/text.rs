@@ -14,37 +14,12 @@ pub fn table(report: &ValidationReport) -> String {
     for statement in &report.model {
         text += &format!("- {statement}\n");
     }
-    let mut header: Vec<String> =
-        ["F N", "P MPa", "v mm/s", "RH %", "mu flat", "mu patterned", "measured", "+-", "Amontons"]
-            .map(Into::into)
-            .into();
-    for factor in &report.slope_factors {
-        header.extend([format!("groove {factor}x"), format!("square {factor}x"), format!("strip {factor}x")]);
-    }
-    let mut table = Table::new(header.iter().map(String::as_str));
-    for row in &report.results {
-        let mut cells = vec![
-            row.force_n.to_string(),
-            fixed(Some(row.pressure_mpa), 3),
-            row.speed_mm_s.to_string(),
-            row.humidity_pct.to_string(),
-            fixed(Some(row.mu_flat), 3),
-            fixed(Some(row.mu_patterned), 3),
-            fixed(Some(row.ratio), 3),
-            fixed(Some(row.ratio_std), 3),
-            fixed(row.ratio_amontons_coulomb, 3),
-        ];
-        for &factor in &report.slope_factors {
-            let modelled = row.at_slope(factor);
-            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_groove), 3));
-            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_square), 3));
-            cells.push(fixed(modelled.and_then(|modelled| modelled.ratio_square_estimate), 3));
-        }
-        table.row(cells);
-    }
+    text += &format!("\nMeasured, +- one standard deviation\n\n{}", measured(report));
     text += &format!(
-        "\nRatios, patterned over flat, at slopes of the surface times {}; square: in space, strip: their estimate from the groove\n\n{table}\n",
-        listed(&report.slope_factors)
+        "\nModelled ratios, patterned over flat, at slopes of the surface times {}; grooves in the plane, squares in space\n{}\n\n{}\n",
+        listed(&report.slope_factors),
+        report.errors,
+        modelled(report),
     );
     for statement in &report.statements {
         text += &format!("{statement}\n");
@@ -54,6 +29,52 @@ pub fn table(report: &ValidationReport) -> String {
     }
     let in_time = report.in_time.as_ref().map(|run| format!(", of which friction in time {:.1} s", run.wall_s));
     text + &format!("\n{:.1} s on {} threads{}\n", report.wall_s, report.threads, in_time.unwrap_or_default())
+}
+
+/// The measured part, one row a condition.
+fn measured(report: &ValidationReport) -> Table {
+    let mut table =
+        Table::new(["F N", "P MPa", "v mm/s", "RH %", "mu flat", "+-", "mu patterned", "+-", "ratio", "+-"]);
+    for row in &report.results {
+        let first = [
+            row.force_n.to_string(),
+            fixed(Some(row.pressure_mpa), 3),
+            row.speed_mm_s.to_string(),
+            row.humidity_pct.to_string(),
+        ];
+        let values = [row.mu_flat, row.mu_flat_std, row.mu_patterned, row.mu_patterned_std, row.ratio, row.ratio_std];
+        table.row(first.into_iter().chain(values.map(|value| fixed(Some(value), 3))));
+    }
+    table
+}
+
+/// The model's part.
+fn modelled(report: &ValidationReport) -> Table {
+    let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "Amontons"].map(Into::into).into();
+    for factor in &report.slope_factors {
+        header.extend([format!("groove {factor}x"), "+-".into(), format!("square {factor}x"), "+-".into()]);
+    }
+    let mut table = Table::new(header.iter().map(String::as_str));
+    for row in &report.results {
+        let first = [
+            row.force_n.to_string(),
+            row.speed_mm_s.to_string(),
+            row.humidity_pct.to_string(),
+            fixed(row.ratio_amontons_coulomb, 3),
+        ];
+        let values = report.slope_factors.iter().flat_map(|&factor| {
+            let at = row.at_slope(factor);
+            let value = |of: fn(&ModelledRatio) -> Option<f64>| fixed(at.and_then(of), 3);
+            [
+                value(|at| at.ratio_groove),
+                value(|at| at.ratio_groove_std),
+                value(|at| at.ratio_square),
+                value(|at| at.ratio_square_std),
+            ]
+        });
+        table.row(first.into_iter().chain(values));
+    }
+    table
 }
 
 fn listed(values: &[f64]) -> String {
@@ -186,8 +207,9 @@ fn warnings(report: &ValidationReport) -> Vec<String> {
 /// One row per condition and slope factor, and one for the measured depth.
 pub fn csv(report: &ValidationReport) -> String {
     let mut text = String::from(
-        "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_patterned,ratio,ratio_std,ratio_amontons_coulomb,\
-         depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_square,ratio_square_estimate\n",
+        "force_n,pressure_mpa,speed_mm_s,humidity_pct,mu_flat,mu_flat_std,mu_patterned,mu_patterned_std,ratio,ratio_std,\
+         ratio_amontons_coulomb,depth_um,slope_factor,rms_slope,area_law_factor,dynamic_mean,ratio_groove,ratio_groove_std,\
+         ratio_square,ratio_square_std,ratio_square_estimate\n",
     );
     let or_empty = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
     for row in &report.results {
@@ -197,13 +219,15 @@ pub fn csv(report: &ValidationReport) -> String {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{},{}",
+                "{},{},{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{},{},{},{}",
                 row.force_n,
                 row.pressure_mpa,
                 row.speed_mm_s,
                 row.humidity_pct,
                 row.mu_flat,
+                row.mu_flat_std,
                 row.mu_patterned,
+                row.mu_patterned_std,
                 row.ratio,
                 row.ratio_std,
                 or_empty(row.ratio_amontons_coulomb),
@@ -212,7 +236,9 @@ pub fn csv(report: &ValidationReport) -> String {
                 modelled.area_law_factor,
                 modelled.dynamic_mean,
                 or_empty(modelled.ratio_groove),
+                or_empty(modelled.ratio_groove_std),
                 or_empty(modelled.ratio_square),
+                or_empty(modelled.ratio_square_std),
                 or_empty(modelled.ratio_square_estimate),
             );
         }
@@ -231,11 +257,15 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
         .iter()
         .filter(|row| row.speed_mm_s == first.speed_mm_s && row.humidity_pct == first.humidity_pct)
         .collect();
-    let column = |value: &dyn Fn(&RatioReport) -> Option<f64>| -> Vec<Option<Estimate>> {
-        rows.iter().map(|row| value(row).map(|value| Estimate { value, error: None })).collect()
+    let column = |factor: f64, of: fn(&ModelledRatio) -> (Option<f64>, Option<f64>)| -> Vec<Option<Estimate>> {
+        let estimate = |row: &&RatioReport| {
+            let (value, error) = of(row.at_slope(factor)?);
+            Some(Estimate { value: value?, error })
+        };
+        rows.iter().map(estimate).collect()
     };
     let measured = rows.iter().map(|row| Some(Estimate { value: row.ratio, error: Some(row.ratio_std) })).collect();
-    let mut columns = vec![("measured ± standard deviation".to_owned(), measured)];
+    let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
     // The surface as given and the two most different ones: more would not be told apart.
     let mut factors: Vec<f64> = [report.slope_factors.first(), Some(&1.0), report.slope_factors.last()]
         .into_iter()
@@ -245,9 +275,9 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
     factors.dedup();
     for factor in factors {
         let label = if factor == 1.0 { "grooves".to_owned() } else { format!("grooves, {factor} times the slope") };
-        columns.push((label, column(&|row| row.at_slope(factor)?.ratio_groove)));
+        columns.push((label, column(factor, |at| (at.ratio_groove, at.ratio_groove_std))));
     }
-    columns.push(("squares, in space".to_owned(), column(&|row| row.at_slope(1.0)?.ratio_square)));
+    columns.push(("squares, in space".to_owned(), column(1.0, |at| (at.ratio_square, at.ratio_square_std))));
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!(
         "Patterned over flat, {} mm/s, {} % humidity{}",

@@ -70,22 +70,25 @@ fn summary(page: &mut Page, result: &Value) {
         (Some(modelled), Some(measured)) if measured > 0.0 => fixed(Some(100.0 * modelled / measured), 0),
         _ => "-".to_owned(),
     };
-    let measured = match summary["reduction_measured_std"].as_f64() {
-        Some(std) => format!("{} ± {}", percent(&summary["reduction_measured"]), fixed(Some(100.0 * std), 1)),
-        None => percent(&summary["reduction_measured"]),
+    let with_std = |value: &Value, std: &Value| match std.as_f64() {
+        Some(std) => format!("{} ± {}", percent(value), fixed(Some(100.0 * std), 1)),
+        None => percent(value),
     };
+    let measured = with_std(&summary["reduction_measured"], &summary["reduction_measured_std"]);
     let mut rows = vec![
         vec!["measured".to_owned(), measured, "100".to_owned()],
         vec!["Amontons-Coulomb friction".to_owned(), amontons(result), "0".to_owned()],
     ];
     for model in each(summary, "modelled") {
         let factor = plain(&model["slope_factor"]);
-        for (what, key) in [("grooves", "groove"), ("squares in space", "square")] {
-            rows.push(vec![format!("{what}, slope x {factor}"), percent(&model[key]), explained(&model[key])]);
+        for (what, key, std) in [("grooves", "groove", "groove_std"), ("squares in space", "square", "square_std")] {
+            let reduction = with_std(&model[key], &model[std]);
+            rows.push(vec![format!("{what}, slope x {factor}"), reduction, explained(&model[key])]);
         }
     }
     page.table(
-        "Mean reduction of dynamic friction over the conditions; after ± the standard deviation between conditions.",
+        "Mean reduction of dynamic friction over the conditions; after ± of measured ones the standard deviation between \
+         conditions, of modelled ones that of Young's modulus and measured flat friction.",
         &["what", "reduction in %", "share of the measured in %"],
         &rows,
     );
@@ -100,32 +103,46 @@ fn amontons(result: &Value) -> String {
 }
 
 fn ratios(page: &mut Page, result: &Value) {
+    let note = text(result, "errors").replace("+-", "±");
+    for (planform, key) in [("grooves", "ratio_groove"), ("squares", "ratio_square")] {
+        planform_ratios(page, result, planform, key, &note);
+    }
+    solves(page, result);
+}
+
+/// Measured ratios beside those of one planform.
+fn planform_ratios(page: &mut Page, result: &Value, planform: &str, key: &str, note: &str) {
     let none = &Value::Null;
-    let mut header = ["force in N", "P in MPa", "speed in mm/s", "humidity in %", "measured", "Amontons-Coulomb"]
-        .map(str::to_owned)
-        .to_vec();
+    let results = each(result, "results");
+    let of_first = |row: &Value| ["speed_mm_s", "humidity_pct"].iter().all(|key| row[*key] == results[0][*key]);
+    let is_one_condition = results.iter().all(of_first);
+    let mut header = vec!["force in N", "P in MPa"];
+    if !is_one_condition {
+        header.extend(["speed in mm/s", "humidity in %"]);
+    }
+    header.extend(["measured", "Amontons-Coulomb"]);
+    let mut header: Vec<String> = header.into_iter().map(str::to_owned).collect();
     let factors = each(result, "slope_factors");
-    for planform in ["grooves", "squares"] {
-        header.extend(factors.iter().map(|factor| format!("{planform}, slope x {}", plain(factor))));
-    }
-    let has_depth = each(result, "results").iter().any(|row| row["modelled_at_measured_depth"].is_object());
+    header.extend(factors.iter().map(|factor| format!("slope x {}", plain(factor))));
+    let has_depth = results.iter().any(|row| row["modelled_at_measured_depth"].is_object());
     if has_depth {
-        let depth = plain(&result["measured_depth_um"]);
-        header.extend(["grooves", "squares"].map(|planform| format!("{planform}, {depth} µm deep")));
+        header.push(format!("{} µm deep", plain(&result["measured_depth_um"])));
     }
-    let rows: Vec<Vec<String>> = each(result, "results")
+    let error = format!("{key}_std");
+    let cell = |model: &Value| with_error(&model[key], &model[&error], 3);
+    let rows: Vec<Vec<String>> = results
         .iter()
         .map(|row| {
             let mut cells = condition(row);
+            if is_one_condition {
+                cells.truncate(2);
+            }
             cells.push(with_error(&row["ratio"], &row["ratio_std"], 3));
             cells.push(number(&row["ratio_amontons_coulomb"], 3));
             let modelled = each(row, "modelled");
-            for key in ["ratio_groove", "ratio_square"] {
-                cells.extend((0..factors.len()).map(|n| number(modelled.get(n).map_or(none, |model| &model[key]), 3)));
-            }
+            cells.extend((0..factors.len()).map(|n| cell(modelled.get(n).unwrap_or(none))));
             if has_depth {
-                let deep = &row["modelled_at_measured_depth"];
-                cells.extend(["ratio_groove", "ratio_square"].map(|key| number(&deep[key], 3)));
+                cells.push(cell(&row["modelled_at_measured_depth"]));
             }
             cells
         })
@@ -133,14 +150,14 @@ fn ratios(page: &mut Page, result: &Value) {
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     page.table(
         &format!(
-            "Ratios are dimensionless. Measured: ± one standard deviation. Modelled: the steady cell, cavities {} µm deep where \
-             nothing else is said, at the slopes of the surface times a factor; grooves in the plane, squares in space.",
+            "Ratios with {planform}, dimensionless. Measured: ± one standard deviation. Modelled: the steady cell {}, cavities {} µm \
+             deep where nothing else is said, at the slopes of the surface times a factor. {note}.",
+            if planform == "squares" { "in space" } else { "in the plane" },
             plain(&result["pattern"]["depth_um"])
         ),
         &header,
         &rows,
     );
-    solves(page, result);
 }
 
 /// Force, pressure, speed and humidity of a row.
@@ -197,21 +214,24 @@ fn friction(page: &mut Page, result: &Value) {
         .filter_map(|row| {
             let model = each(row, "modelled").iter().find(|model| model["slope_factor"] == 1.0)?;
             let flat = row["mu_flat"].as_f64()?;
-            let times = |key: &str| fixed(model[key].as_f64().map(|ratio| ratio * flat), 3);
+            let times = |key: &str, error: &str| {
+                let mu = model[key].as_f64().map_or(Value::Null, |ratio| Value::from(ratio * flat));
+                with_error(&mu, &model[error], 3)
+            };
             let mut cells = condition(row);
             cells.extend([
-                number(&row["mu_flat"], 3),
+                with_error(&row["mu_flat"], &row["mu_flat_std"], 3),
                 number(&model["area_law_factor"], 3),
                 number(&model["dynamic_mean"], 3),
-                number(&row["mu_patterned"], 3),
-                times("ratio_groove"),
-                times("ratio_square"),
+                with_error(&row["mu_patterned"], &row["mu_patterned_std"], 3),
+                times("ratio_groove", "mu_groove_std"),
+                times("ratio_square", "mu_square_std"),
             ]);
             Some(cells)
         })
         .collect();
     page.table(
-        "Dynamic friction coefficients, dimensionless. The local coefficient is the measured flat one over f: the model's flat \
+        "Dynamic friction coefficients, dimensionless, ± as above. The local coefficient is the measured flat one over f: the model's flat \
          surface slides as the measured one does.",
         &[
             "force in N",
@@ -327,25 +347,26 @@ fn in_time(page: &mut Page, result: &Value, outputs: &Outputs) {
     ]
     .map(|(name, key, peak, status)| {
         let error = format!("{key}_std");
-        let stderr = format!("{key}_stderr");
+        let of_peak = format!("{peak}_std");
         vec![
             name.to_owned(),
             with_error(of(key), of(&error), 3),
-            with_error(&run[key], &run[&stderr], 4),
-            number(&run[peak], 4),
+            with_error(&run[key], &run[&error], 4),
+            with_error(&run[peak], &run[&of_peak], 4),
             plain(&run[status]),
         ]
     });
     let ratio = vec![
         "ratio".to_owned(),
         with_error(of("ratio"), of("ratio_std"), 3),
-        with_error(&run["ratio"], &run["ratio_stderr"], 4),
+        with_error(&run["ratio"], &run["ratio_std"], 4),
         "-".to_owned(),
         "-".to_owned(),
     ];
     let rows: Vec<Vec<String>> = rows.into_iter().chain([ratio]).collect();
     page.table(
-        "Dynamic friction, dimensionless. Measured: ± one standard deviation of three repeats; modelled: ± the standard error in time.",
+        "Dynamic friction, dimensionless. Measured: ± one standard deviation of three repeats; modelled: ± one of \
+         time average, local coefficients drawn, measured flat friction and Young's modulus.",
         &["surface", "measured", "modelled", "static peak, modelled", "status"],
         &rows,
     );

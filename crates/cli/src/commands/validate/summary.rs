@@ -1,0 +1,171 @@
+//! Averages of a validation over its conditions.
+
+use serde::Serialize;
+
+use super::report::{ModelledRatio, RatioReport};
+
+/// Averages over the conditions that are reported.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Summary {
+    /// Conditions.
+    pub conditions: usize,
+    /// Mean of 1 - ratio, measured.
+    pub reduction_measured: f64,
+    /// Its standard deviation between conditions; null for a single one.
+    pub reduction_measured_std: Option<f64>,
+    /// Mean of 1 - ratio for each slope factor.
+    pub modelled: Vec<ModelledReduction>,
+    /// Modelled over measured mean reduction as grooves, surface as given; null where nothing was reduced.
+    pub explained_by_grooves: Option<f64>,
+    /// The same as square cavities, in space.
+    pub explained_by_squares: Option<f64>,
+    /// The same by the strip estimate.
+    pub explained_by_strip_estimate: Option<f64>,
+    /// Mean change of the groove's ratio from the modelled to the measured depth.
+    pub ratio_change_at_measured_depth: Option<f64>,
+    /// Mean change of the squares' ratio.
+    pub square_ratio_change_at_measured_depth: Option<f64>,
+    /// The change that is largest in size.
+    pub largest_ratio_change_at_measured_depth: Option<f64>,
+}
+
+/// Mean reductions of the model; null where a solve did not converge.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelledReduction {
+    /// What the slopes of the surface are multiplied by.
+    pub slope_factor: f64,
+    /// Mean of 1 - ratio as grooves.
+    pub groove: Option<f64>,
+    /// Its standard deviation: the mean of those of the ratios, which are off together.
+    pub groove_std: Option<f64>,
+    /// Mean of 1 - ratio as square cavities, in space.
+    pub square: Option<f64>,
+    /// Its standard deviation.
+    pub square_std: Option<f64>,
+    /// The same by the strip estimate.
+    pub square_estimate: Option<f64>,
+}
+
+impl Summary {
+    /// Averages over `rows`, of which there is at least one.
+    pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
+        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.ratio).collect();
+        let reduction_measured = mean(&measured);
+        let modelled: Vec<ModelledReduction> = slope_factors
+            .iter()
+            .map(|&slope_factor| {
+                let average = |value: fn(&ModelledRatio) -> Option<f64>| {
+                    let all: Option<Vec<f64>> = rows.iter().map(|row| value(row.at_slope(slope_factor)?)).collect();
+                    all.map(|all| mean(&all))
+                };
+                ModelledReduction {
+                    slope_factor,
+                    groove: average(|modelled| Some(1.0 - modelled.ratio_groove?)),
+                    groove_std: average(|modelled| modelled.ratio_groove_std),
+                    square: average(|modelled| Some(1.0 - modelled.ratio_square?)),
+                    square_std: average(|modelled| modelled.ratio_square_std),
+                    square_estimate: average(|modelled| Some(1.0 - modelled.ratio_square_estimate?)),
+                }
+            })
+            .collect();
+        let given = modelled.iter().find(|modelled| modelled.slope_factor == 1.0);
+        let explained =
+            |reduction: Option<f64>| Some(reduction? / reduction_measured).filter(|_| reduction_measured > 0.0);
+        let changes_of = |ratio: fn(&ModelledRatio) -> Option<f64>| -> Option<Vec<f64>> {
+            let change =
+                |row: &RatioReport| Some(ratio(row.modelled_at_measured_depth.as_ref()?)? - ratio(row.at_slope(1.0)?)?);
+            rows.iter().map(change).collect()
+        };
+        let changes = changes_of(|modelled| modelled.ratio_groove);
+        Self {
+            conditions: rows.len(),
+            reduction_measured,
+            reduction_measured_std: standard_deviation(&measured),
+            explained_by_grooves: given.and_then(|given| explained(given.groove)),
+            explained_by_squares: given.and_then(|given| explained(given.square)),
+            explained_by_strip_estimate: given.and_then(|given| explained(given.square_estimate)),
+            square_ratio_change_at_measured_depth: changes_of(|modelled| modelled.ratio_square).as_deref().map(mean),
+            ratio_change_at_measured_depth: changes.as_deref().map(mean),
+            largest_ratio_change_at_measured_depth: changes
+                .and_then(|changes| changes.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs()))),
+            modelled,
+        }
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Standard deviation of a sample; `None` for a single value.
+fn standard_deviation(values: &[f64]) -> Option<f64> {
+    let mean = mean(values);
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
+        let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
+            slope_factor,
+            rms_slope: None,
+            area_law_factor: 1.0,
+            dynamic_mean: 0.3,
+            ratio_groove,
+            ratio_groove_std: None,
+            mu_groove_std: None,
+            ratio_square_std: None,
+            mu_square_std: None,
+            ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
+            ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
+            peak_pressure_mpa: 1.0,
+            peak_pressure_square_mpa: 1.0,
+            tension_blocks: 0,
+            cavity_closed: false,
+            area_law_extrapolated: false,
+            status: "converged",
+            status_square: "converged",
+        };
+        RatioReport {
+            force_n: 50.0,
+            pressure_mpa: 0.6,
+            speed_mm_s: 2.0,
+            humidity_pct: 15.0,
+            mu_flat: 0.25,
+            mu_flat_std: 0.002,
+            mu_patterned: 0.2,
+            mu_patterned_std: 0.002,
+            ratio,
+            ratio_std: 0.0,
+            ratio_amontons_coulomb: Some(1.0),
+            modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
+            modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),
+        }
+    }
+
+    #[test]
+    fn averages_known_exactly() {
+        let rows = [row(0.75, Some(1.0), 0.9375), row(0.875, Some(0.75), 0.875)];
+        let summary = Summary::new(&rows, &[0.5, 1.0]);
+        assert_eq!(summary.reduction_measured, 0.1875);
+        assert!((summary.reduction_measured_std.unwrap() - 0.125 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!((summary.modelled[0].groove, summary.modelled[1].groove), (None, Some(0.125)));
+        assert_eq!(summary.explained_by_grooves, Some(0.125 / 0.1875));
+        assert_eq!(summary.explained_by_squares, Some(0.125 * 0.125 / 0.1875));
+        assert_eq!(summary.explained_by_strip_estimate, Some(0.25 * 0.125 / 0.1875));
+        assert_eq!(summary.square_ratio_change_at_measured_depth, Some(0.125 * 0.03125));
+        assert_eq!(summary.ratio_change_at_measured_depth, Some(0.03125));
+        assert_eq!(summary.largest_ratio_change_at_measured_depth, Some(0.125));
+    }
+
+    #[test]
+    fn nothing_is_explained_where_nothing_was_reduced_or_solved() {
+        let summary = Summary::new(&[row(1.0, Some(0.9), 0.9)], &[1.0]);
+        assert_eq!((summary.explained_by_grooves, summary.reduction_measured_std), (None, None));
+        let summary = Summary::new(&[row(0.8, Some(0.9), 0.9), row(0.8, None, 0.9)], &[1.0]);
+        assert_eq!((summary.explained_by_grooves, summary.ratio_change_at_measured_depth), (None, None));
+    }
+}
