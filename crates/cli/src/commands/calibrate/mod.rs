@@ -79,8 +79,6 @@ pub struct Purpose<'a> {
     pub layer: Layer,
     /// Seed of its local coefficients.
     pub seed: u64,
-    /// The model's error on patterned samples is wanted too.
-    pub errors: bool,
 }
 
 /// Coefficients fitted at one measurement, or for all of them.
@@ -140,8 +138,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         check_folder(folder)?;
     }
     let calibration = Calibration::read(&args.calibration)?;
-    let calibrated =
-        calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), Some(&calibration), console)?;
+    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), &calibration, console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
     }
@@ -178,8 +175,7 @@ pub fn provisional(calibration: &Calibration) -> Result<Material, CliError> {
     })
 }
 
-/// The material of a calibration, fitted as far as `purpose` needs it, and with `purpose.errors` what is known of its
-/// errors.
+/// The material of a calibration, fitted as far as `purpose` needs it, and what is known of its errors.
 pub fn material(
     path: &Path,
     calibration: &Calibration,
@@ -196,8 +192,8 @@ pub fn material(
     }
     let humidity = purpose.condition.map(|condition| condition.humidity);
     // Patterned samples at any speed tell of the model's error.
-    let judged = purpose.errors.then(|| discrepancy::narrowed(calibration, humidity));
-    let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), judged.as_ref(), console)?;
+    let judged = discrepancy::narrowed(calibration, humidity);
+    let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), &judged, console)?;
     let document = Document::new(path, calibrated.file);
     let errors = read_uncertainty(&document, &document.parse()?, humidity)?;
     Ok((calibrated.material, errors))
@@ -207,7 +203,7 @@ fn calibrate(
     path: &Path,
     calibration: &Calibration,
     (layer, seed): (Layer, u64),
-    discrepancy_of: Option<&Calibration>,
+    discrepancy_of: &Calibration,
     console: &mut Console<'_>,
 ) -> Result<Calibrated, CliError> {
     let mut facts = surface_facts(calibration, console)?;
@@ -238,10 +234,7 @@ fn calibrate(
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
-    let discrepancy = match discrepancy_of {
-        Some(measured) => discrepancy::discrepancy(measured, &input, &facts.curve)?,
-        None => None,
-    };
+    let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve)?;
     let file = write::material_toml(calibration, &input, &facts, &fit, discrepancy.as_ref())?;
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());
@@ -339,8 +332,19 @@ fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
     for note in &calibrated.material.provenance.notes {
         text += &format!("- {note}\n");
     }
-    let mut table =
-        Table::new(["F N", "P MPa", "v mm/s", "RH %", "mu measured", "+-", "mu_d", "+-", "mu_s", "model - measured"]);
+    let mut table = Table::new([
+        "F N",
+        "P MPa",
+        "v mm/s",
+        "RH %",
+        "mu measured",
+        "+-",
+        "mu_d",
+        "+-",
+        "mu_s",
+        "+-",
+        "model - measured",
+    ]);
     for (row, measured) in calibration.flat.iter().enumerate() {
         let pair = if fit.pairs.len() == 1 { fit.pairs.first() } else { fit.pairs.get(row) };
         table.row([
@@ -353,6 +357,7 @@ fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
             fixed(pair.map(|pair| pair.dynamic_mean), 4),
             fixed(pair.and_then(|pair| pair.dynamic_std_error), 4),
             fixed(pair.map(|pair| pair.static_mean), 4),
+            fixed(pair.and_then(|pair| pair.static_std_error), 4),
             fixed(fit.residuals.get(row).copied(), 4),
         ]);
     }

@@ -28,7 +28,7 @@ pub struct DiscrepancyReport {
     pub degrees_of_freedom: usize,
     /// One per target pressure.
     pub by_pressure: Vec<FactorReport>,
-    /// Largest distance of the confirming run from the target, in tolerances.
+    /// Largest distance of the confirming run from the target, in tolerances; null where nothing is demanded.
     pub misfit: Reading,
 }
 
@@ -108,6 +108,7 @@ impl DiscrepancyReport {
             .collect();
         let misfit = |read: fn(&Reading) -> Option<f64>| {
             let values: Option<Vec<f64>> = by_pressure.iter().map(|row| read(&row.confirmed)).collect();
+            let values = values.filter(|_| design.target.has_demands());
             values.map(|values| tidy(design.target.misfit(&values).max))
         };
         let misfit =
@@ -155,13 +156,14 @@ impl DiscrepancyReport {
         let list = |of: &dyn Fn(&FactorReport) -> Option<f64>| {
             self.by_pressure.iter().map(|row| fixed(of(row), 3)).collect::<Vec<_>>().join(", ")
         };
+        let misfit = self.misfit.with_discrepancy;
         if !self.used {
             return format!(
-                "\n  physics alone; times the discrepancy of the calibration's patterned samples ({}) confirmed values would be {}: \
-                 misfit {}. `discrepancy = true` in [target] aims with it\n",
+                "\n  physics alone; times the discrepancy of the calibration's patterned samples ({}) confirmed values would be {}{}. \
+                 `discrepancy = true` in [target] aims with it\n",
                 list(&|row| Some(row.factor)),
                 list(&|row| row.confirmed.with_discrepancy),
-                fixed(self.misfit.with_discrepancy, 2),
+                misfit.map_or_else(String::new, |misfit| format!(": misfit {misfit:.2}")),
             );
         }
         let mut table = Table::new([

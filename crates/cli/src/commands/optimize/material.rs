@@ -38,14 +38,8 @@ fn calibrated(
     if design.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
         return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
     }
-    let errors = design.tolerances.is_some() || design.discrepancy;
-    let purpose = Purpose {
-        condition: design.condition,
-        also_at: &design.also_at,
-        layer: design.layer,
-        seed: design.seed,
-        errors,
-    };
+    let purpose =
+        Purpose { condition: design.condition, also_at: &design.also_at, layer: design.layer, seed: design.seed };
     let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
     if design.discrepancy && uncertainty.discrepancy.is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";

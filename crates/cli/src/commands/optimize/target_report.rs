@@ -4,8 +4,9 @@ use serde::Serialize;
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 
 use crate::formats::target::{goal_name, quantity_name};
+use crate::report::errors::{ErrorsReport, PressureErrors};
 use crate::report::table::fixed;
-use crate::units::PRESSURE_MPA;
+use crate::units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -107,8 +108,12 @@ pub struct GoalReport {
     pub of: String,
     /// By the search's model.
     pub predicted: Option<f64>,
+    /// Standard deviation of a mean: the mean of those at the pressures, which are off together; null of an even one.
+    pub predicted_std: Option<f64>,
     /// By the confirming run; null where it has no value at some pressure.
     pub confirmed: Option<f64>,
+    /// Its standard deviation, likewise.
+    pub confirmed_std: Option<f64>,
     /// Highest less lowest value over the pressures, by the search's model.
     pub range_predicted: Option<f64>,
     /// The same by the confirming run.
@@ -116,10 +121,15 @@ pub struct GoalReport {
 }
 
 impl GoalReport {
-    /// The goal of `target`, where it has one, with what the search and the confirming run say.
+    /// The goal of `target`, where it has one, with what the search and the confirming run say, and their `errors`.
     #[must_use]
-    pub fn new(target: &Target, predicted: &[f64], confirmed: Option<&[f64]>) -> Option<Self> {
+    pub fn new(target: &Target, predicted: &[f64], confirmed: Option<&[f64]>, errors: &ErrorsReport) -> Option<Self> {
         let goal = target.goal()?;
+        let std_of = |of: &dyn Fn(&PressureErrors) -> Option<f64>| {
+            let all: Option<Vec<f64>> = errors.by_pressure.iter().map(of).collect();
+            all.and_then(|all| target.goal_value(&all)).filter(|_| goal != Goal::Even).map(tidy)
+        };
+        let is_ratio = target.quantity() == Quantity::Ratio;
         let quantity = match target.quantity() {
             Quantity::Ratio => "ratio",
             Quantity::DynamicFriction => "friction coefficient",
@@ -138,7 +148,9 @@ impl GoalReport {
                 Goal::Even => format!("standard deviation of the {quantity} over its mean{by}"),
             },
             predicted: target.goal_value(predicted),
+            predicted_std: std_of(&|at| at.predicted.as_ref()?.std),
             confirmed: confirmed.and_then(|values| target.goal_value(values)),
+            confirmed_std: std_of(&|at| if is_ratio { at.ratio.as_ref()?.std } else { at.mu.std }),
             range_predicted: range(predicted),
             range_confirmed: confirmed.and_then(range),
         })
@@ -148,11 +160,15 @@ impl GoalReport {
     #[must_use]
     pub fn words(&self) -> String {
         let (what, digits) = if self.goal == "even" { ("least", 5) } else { (self.goal, 4) };
+        let with_error = |value: Option<f64>, std: Option<f64>| {
+            let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));
+            fixed(value, digits) + &error
+        };
         format!(
             "{what} {}: {} predicted, {} confirmed (highest less lowest: {}, {})",
             self.of,
-            fixed(self.predicted, digits),
-            fixed(self.confirmed, digits),
+            with_error(self.predicted, self.predicted_std),
+            with_error(self.confirmed, self.confirmed_std),
             fixed(self.range_predicted, 4),
             fixed(self.range_confirmed, 4),
         )

@@ -182,7 +182,8 @@ mod tests {
             // What a fifth of Young's modulus makes of the reduction is a part of it, less in squares than in grooves.
             let [grooves, in_space] = prediction.errors.clone().map(|errors| errors.unwrap());
             assert!(grooves.ratio.std < 0.5 * (1.0 - ratio(prediction)) && in_space.ratio.std < grooves.ratio.std);
-            assert!(grooves.mu.std > 0.01 * prediction.outcome.mu_flat.unwrap() * ratio(prediction));
+            // Flat friction is known to 1 %; the ratio falls a little where it is higher.
+            assert!(grooves.mu.std > 0.008 * prediction.outcome.mu_flat.unwrap() * ratio(prediction));
         }
     }
 

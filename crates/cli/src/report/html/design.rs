@@ -147,8 +147,8 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
             &format!(
                 "Goal: the {what} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
                 text(goal, "of"),
-                number(&goal["predicted"], 5),
-                number(&goal["confirmed"], 5),
+                with_error(&goal["predicted"], &goal["predicted_std"], 5),
+                with_error(&goal["confirmed"], &goal["confirmed_std"], 5),
                 number(&goal["range_predicted"], 4),
                 number(&goal["range_confirmed"], 4)
             ),
