@@ -47,6 +47,8 @@ pub use run::{DynamicRun, Scheme};
 pub use solid::{SolidRun, SolidScheme};
 
 #[cfg(test)]
+mod any_width;
+#[cfg(test)]
 mod front_speed;
 #[cfg(test)]
 mod properties;
