@@ -55,4 +55,6 @@ mod properties;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod work_account;
+#[cfg(test)]
 mod work_balance;
