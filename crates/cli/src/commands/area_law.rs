@@ -276,7 +276,9 @@ pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64,
     if quantity.accepts(value) {
         Ok(quantity.to_si(value))
     } else {
-        Err(Diagnostic::flag(flag, value.to_string(), "is out of range").expected(quantity.to_string()))
+        // Not with three hundred digits.
+        let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
+        Err(Diagnostic::flag(flag, given, "is out of range").expected(quantity.to_string()))
     }
 }
 
