@@ -35,7 +35,7 @@ pub mod units;
 use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
 
@@ -82,7 +82,12 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
-    let arguments = match args::Arguments::try_parse_from(args) {
+    // A number below zero is out of range, not an unknown flag.
+    let mut command = args::Arguments::command()
+        .mut_subcommands(|command| command.mut_args(|argument| argument.allow_negative_numbers(true)));
+    let parsed = command.try_get_matches_from_mut(args);
+    let parsed = parsed.and_then(|found| args::Arguments::from_arg_matches(&found));
+    let arguments = match parsed.map_err(|refused| refused.format(&mut command)) {
         Ok(arguments) => arguments,
         Err(refused) => {
             // Help and version are answers, not errors.

@@ -109,6 +109,19 @@ impl Cavity {
         }
     }
 
+    /// Where the line along x at `y_m` enters and leaves its walls, in metres; the rim is no wall. `None` where
+    /// it passes by.
+    pub(crate) fn chord_x_m(&self, y_m: f64) -> Option<[f64; 2]> {
+        let face = match self.planform {
+            Planform::Disc => Outline::Disc { diameter_m: self.width_m },
+            _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
+        };
+        // On the cavity's own axes the line's normal is (sin a, cos a), and along it x falls.
+        let [cosine, sine] = self.orientation;
+        let [low_m, high_m] = face.chord_m([sine, cosine], y_m - self.centre_y_m)?;
+        Some([self.centre_x_m - high_m, self.centre_x_m - low_m])
+    }
+
     /// Corners of the rectangle that it is, or of the square around a disc, as `[x, y]`, anticlockwise
     /// from the least along both own axes, in metres.
     #[must_use]

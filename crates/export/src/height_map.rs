@@ -5,13 +5,16 @@
 
 use std::io::{self, Write};
 
-use crate::{ExportError, Heading, Laser, Layout};
+use crate::{Cavity, ExportError, Heading, Laser, Layout};
 
 /// Most pixels along a side.
 pub const MOST_PIXELS: u32 = 32_768;
 /// Pixels along the longer side, and across a cavity, where no size is given.
 const USUAL_PIXELS: f64 = 4096.0;
 const PIXELS_PER_CAVITY: f64 = 16.0;
+/// White is the face, black the cavities' depth.
+const FACE: u16 = u16::MAX;
+const FLOOR: u16 = 0;
 
 /// The raster of a height map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,21 +59,80 @@ impl HeightMap {
     /// Depth at the middle of a pixel over the cavities' depth, 0 to 1; row 0 has the largest y.
     #[must_use]
     pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
-        let [columns, rows] = self.size.map(f64::from);
-        let x_m = (f64::from(column) + 0.5 - columns / 2.0) * self.pixel_m;
-        let y_m = (rows / 2.0 - f64::from(row) - 0.5) * self.pixel_m;
-        let Some(cavity) = layout.cavity_near([x_m, y_m]) else { return 0.0 };
-        let inside_m = cavity.wall_distance_m([x_m, y_m]);
-        let slope_m = self.slope * layout.pattern().depth_m();
-        if inside_m < 0.0 {
-            0.0
-        } else if slope_m > 0.0 {
-            // The wall falls by d over d tan(taper).
-            (inside_m / slope_m).min(1.0)
-        } else {
-            1.0
+        let (x_m, y_m) = (self.x_m(column), self.y_m(row));
+        let inside_m = layout.cell([x_m, y_m]).cavities.into_iter().flatten();
+        let inside_m = inside_m.map(|cavity| cavity.wall_distance_m([x_m, y_m])).find(|&inside_m| inside_m >= 0.0);
+        inside_m.map_or(0.0, |inside_m| self.depth_inside(layout, inside_m))
+    }
+
+    /// The heights of a row's pixels as the file has them: what [`HeightMap::depth`] says of each, but a lattice
+    /// cell is looked up once and its walls are asked about where the row meets them.
+    fn row(&self, layout: &Layout, row: u32, heights: &mut [u16]) {
+        heights.fill(FACE);
+        let y_m = self.y_m(row);
+        let mut column = 0;
+        while column < heights.len() {
+            // At most MOST_PIXELS: the cast is exact.
+            let cell = layout.cell([self.x_m(column as u32), y_m]);
+            for cavity in cell.cavities.iter().flatten() {
+                self.cut(layout, cavity, y_m, heights);
+            }
+            column = self.after(cell.end_x_m).max(column + 1);
         }
     }
+
+    /// Lowers the pixels of the row at `y_m` that lie in a cavity.
+    fn cut(&self, layout: &Layout, cavity: &Cavity, y_m: f64, heights: &mut [u16]) {
+        let Some([from_m, to_m]) = cavity.chord_x_m(y_m) else { return };
+        // One more on either side: whether the outermost lie inside is for the distance to say.
+        let (first, end) = (self.after(from_m).saturating_sub(1), (self.after(to_m) + 1).min(heights.len()));
+        let wall_distance_m = |column: usize| cavity.wall_distance_m([self.x_m(column as u32), y_m]);
+        let mut columns = first..end;
+        if self.slope == 0.0 && cavity.cut_by.is_none() {
+            // Upright walls all round, and nothing but floor between the first and the last inside.
+            let inside = |&column: &usize| wall_distance_m(column) >= 0.0;
+            if let Some((first, last)) = columns.clone().find(inside).zip(columns.rfind(inside)) {
+                heights[first..=last].fill(FLOOR);
+            }
+            return;
+        }
+        for column in columns {
+            let inside_m = wall_distance_m(column);
+            if inside_m >= 0.0 {
+                heights[column] = height(self.depth_inside(layout, inside_m));
+            }
+        }
+    }
+
+    /// Depth `inside_m` from the nearest wall, 0 to 1.
+    fn depth_inside(&self, layout: &Layout, inside_m: f64) -> f64 {
+        let slope_m = self.slope * layout.pattern().depth_m();
+        // The wall falls by d over d tan(taper).
+        if slope_m > 0.0 { (inside_m / slope_m).min(1.0) } else { 1.0 }
+    }
+
+    /// Middle of a pixel along x.
+    fn x_m(&self, column: u32) -> f64 {
+        (f64::from(column) + 0.5 - f64::from(self.size[0]) / 2.0) * self.pixel_m
+    }
+
+    /// Middle of a pixel along y.
+    fn y_m(&self, row: u32) -> f64 {
+        (f64::from(self.size[1]) / 2.0 - f64::from(row) - 0.5) * self.pixel_m
+    }
+
+    /// The first column whose middle lies beyond `x_m`, but for rounding; at most one more than there are.
+    fn after(&self, x_m: f64) -> usize {
+        let columns = f64::from(self.size[0]);
+        // At most MOST_PIXELS: the cast is exact.
+        (x_m / self.pixel_m + columns / 2.0 + 0.5).floor().clamp(0.0, columns + 1.0) as usize
+    }
+}
+
+/// Height in the file of a depth from 0 to 1.
+fn height(depth: f64) -> u16 {
+    // 0 to 65535: the cast is exact.
+    ((1.0 - depth) * f64::from(FACE)).round() as u16
 }
 
 /// Writes the height map of `layout`: white (65535) is the face, black (0) the cavities' depth.
@@ -100,14 +162,12 @@ pub fn height_map(layout: &Layout, map: &HeightMap, heading: &Heading, to: &mut 
     }
     let mut writer = encoder.write_header().map_err(io::Error::other)?;
     let mut stream = writer.stream_writer().map_err(io::Error::other)?;
-    let mut line = Vec::with_capacity(2 * columns as usize);
+    let mut heights = vec![FACE; columns as usize];
+    let mut line = Vec::with_capacity(2 * heights.len());
     for row in 0..rows {
+        map.row(layout, row, &mut heights);
         line.clear();
-        for column in 0..columns {
-            // 0 to 65535: the cast is exact.
-            let height = ((1.0 - map.depth(layout, column, row)) * 65_535.0).round() as u16;
-            line.extend(height.to_be_bytes());
-        }
+        line.extend(heights.iter().flat_map(|height| height.to_be_bytes()));
         stream.write_all(&line)?;
     }
     stream.finish().map_err(io::Error::other)
@@ -116,4 +176,60 @@ pub fn height_map(layout: &Layout, map: &HeightMap, heading: &Heading, to: &mut 
 /// What a text chunk may hold: others become question marks.
 fn latin(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_pattern::{Pattern, Planform};
+
+    use super::*;
+    use crate::Outline;
+    use crate::layout::every_kind;
+
+    /// Every pixel of `layout` as its row has it and as it is alone: how many are not face.
+    fn compared(layout: &Layout, taper_deg: Option<f64>, pixel_um: f64) -> usize {
+        let laser = Laser { wall_taper_deg: taper_deg, ..Laser::default() };
+        let map = HeightMap::new(layout, &laser, Some(pixel_um)).unwrap();
+        let [columns, rows] = map.size();
+        let mut heights = vec![7; columns as usize];
+        let mut cut = 0;
+        for row in 0..rows {
+            map.row(layout, row, &mut heights);
+            for (column, &found) in heights.iter().enumerate() {
+                let alone = height(map.depth(layout, column as u32, row));
+                assert_eq!(found, alone, "{layout:?}, {taper_deg:?}, {pixel_um} um: {column} {row}");
+                cut += usize::from(found != FACE);
+            }
+        }
+        cut
+    }
+
+    #[test]
+    fn rows_hold_the_pixels_one_by_one_would() {
+        let outlines = [
+            Outline::Disc { diameter_m: 3e-3 },
+            Outline::Rectangle { length_m: 3e-3, width_m: 1.9e-3 },
+            Outline::Ring { outer_diameter_m: 3e-3, inner_diameter_m: 1.1e-3 },
+        ];
+        for (texture, outline) in every_kind().into_iter().flat_map(|kind| outlines.map(|outline| (kind, outline))) {
+            // Edges anywhere, and edges and centres on the middles of pixels.
+            for (width_m, spacing_m) in [(131.2347e-6, 369.9999e-6), (120e-6, 40e-6)] {
+                let pattern = Pattern::new(texture, width_m, spacing_m, 5.2e-6).unwrap();
+                for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
+                    // Pixels below, about and beyond cavity and pitch.
+                    for pixel_um in [10.0, 16.1, 190.0, 777.0] {
+                        let cut = [None, Some(60.0)].map(|taper_deg| compared(&layout, taper_deg, pixel_um));
+                        assert!(pixel_um > 100.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_single_cavity_wider_than_the_raster_is_all_floor() {
+        let pattern = Pattern::new(Planform::Groove, 1e-3, 1e-3, 5e-6).unwrap();
+        let layout = Layout::clipped(pattern, Outline::Rectangle { length_m: 0.5e-3, width_m: 0.2e-3 }).unwrap();
+        assert_eq!(compared(&layout, None, 10.0), 50 * 20);
+    }
 }

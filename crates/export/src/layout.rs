@@ -32,6 +32,15 @@ pub struct Layout {
     cavity_area_m2: f64,
 }
 
+/// One cell of the pattern's lattice.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    /// What is laid in it: one cavity or none, of grooves on a ring up to two parts.
+    pub(crate) cavities: [Option<Cavity>; 2],
+    /// Where it ends towards larger x at the y it was asked at, in metres.
+    pub(crate) end_x_m: f64,
+}
+
 /// How a cavity lies to the specimen's rim and hole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lies {
@@ -151,25 +160,29 @@ impl Layout {
             .flatten()
     }
 
-    /// The cavity whose lattice cell holds the point, if one is laid there; of grooves the one that holds it.
-    pub(crate) fn cavity_near(&self, [x_m, y_m]: [f64; 2]) -> Option<Cavity> {
+    /// The lattice cell that holds the point.
+    pub(crate) fn cell(&self, [x_m, y_m]: [f64; 2]) -> Cell {
         let pitch_m = self.pattern.pitch_m();
         let Some((length_m, across_m)) = self.pattern.length_m().zip(self.pattern.pitch_across_m()) else {
             let [cosine, sine] = self.pattern.texture().orientation();
             // Points lie on the specimen, whose places are bounded: the casts are exact.
-            let column = ((x_m * cosine + y_m * sine) / pitch_m).round() as i64;
-            let grooves = if self.is_clipped { [Some(self.strip(column)), None] } else { self.groove(column) };
-            return grooves.into_iter().flatten().find(|groove| groove.wall_distance_m([x_m, y_m]) >= 0.0);
+            let column = ((x_m * cosine + y_m * sine) / pitch_m).round();
+            let place = column as i64;
+            let cavities = if self.is_clipped { [Some(self.strip(place)), None] } else { self.groove(place) };
+            // x cos a + y sin a = (column +- 1/2) pitch; a groove along x never ends.
+            let end_x_m = ((column + 0.5_f64.copysign(cosine)) * pitch_m - y_m * sine) / cosine;
+            return Cell { cavities, end_x_m: if cosine == 0.0 { f64::INFINITY } else { end_x_m } };
         };
         let row = (y_m / across_m).round() as i64;
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
-        let column = (x_m / pitch_m - shift).round() as i64;
-        let cavity = self.cavity(column, row, length_m);
-        match self.lies(&cavity) {
+        let column = (x_m / pitch_m - shift).round();
+        let cavity = self.cavity(column as i64, row, length_m);
+        let laid = match self.lies(&cavity) {
             Lies::Inside => Some(cavity),
             Lies::Across if self.is_clipped => Some(Cavity { cut_by: Some(self.outline), ..cavity }),
             Lies::Across | Lies::Outside => None,
-        }
+        };
+        Cell { cavities: [laid, None], end_x_m: (column + shift + 0.5) * pitch_m }
     }
 
     /// The cavity as it is laid: whole, cut, or not at all.

@@ -1,7 +1,7 @@
 //! From an altitude map to contact area against pressure and the area law.
 
 use slipgrid_contact::closed_form::persson_area_fraction;
-use slipgrid_contact::{ContactError, Monitor, SolveOptions, Status};
+use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, Monitor, SolveOptions, Status};
 use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_topography::HeightMap;
 
@@ -12,35 +12,11 @@ pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
     22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
 ];
 
-/// Real contact area at one pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AreaPoint {
-    /// Nominal pressure, in pascals.
-    pub pressure_pa: f64,
-    /// Counted share of the surface in contact.
-    pub area_fraction: f64,
-    /// The same, corrected for the pixels along the perimeter.
-    pub area_fraction_corrected: f64,
-    /// Iterations of the contact computation; 0 for a closed form.
-    pub iterations: usize,
-    /// Its error at the end.
-    pub residual: f64,
-    /// Estimate of what is left of the error of the area; 0 for a closed form.
-    pub area_error: f64,
-    /// How it ended.
-    pub status: Status,
-}
+/// What a closed form takes.
+const CLOSED_FORM: Convergence =
+    Convergence { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
 
-/// Real contact area against pressure.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AreaCurve {
-    /// One per pressure, in the order asked for.
-    pub points: Vec<AreaPoint>,
-    /// From which pressure all of the map is in contact, in pascals.
-    pub full_contact_pressure_pa: f64,
-}
-
-/// Computes the contact area of `map` at every pressure.
+/// Computes the contact area of `map` at every pressure to `tolerance`.
 ///
 /// # Errors
 /// [`ContactError`] if a number means nothing to the contact solver.
@@ -52,20 +28,7 @@ pub fn area_curve(
     monitor: &dyn Monitor,
 ) -> Result<AreaCurve, ContactError> {
     let options = SolveOptions { tolerance, ..SolveOptions::default() };
-    let curve = slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)?;
-    let point = |point: &slipgrid_contact::AreaPoint| AreaPoint {
-        pressure_pa: point.pressure_pa,
-        area_fraction: point.area_fraction,
-        area_fraction_corrected: point.area_fraction_corrected,
-        iterations: point.convergence.iterations,
-        residual: point.convergence.residual,
-        area_error: point.area_error,
-        status: point.convergence.status,
-    };
-    Ok(AreaCurve {
-        points: curve.points.iter().map(point).collect(),
-        full_contact_pressure_pa: curve.full_contact_pressure_pa,
-    })
+    slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
 }
 
 /// The area law that `curve` implies, proportional up to `threshold_pa`.
@@ -93,10 +56,8 @@ pub fn persson_curve(
             pressure_pa,
             area_fraction,
             area_fraction_corrected: area_fraction,
-            iterations: 0,
-            residual: 0.0,
             area_error: 0.0,
-            status: Status::Converged,
+            convergence: CLOSED_FORM,
         })
     };
     pressures_pa.iter().map(point).collect()

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
 
 use super::altitude_map::SurfaceMap;
-use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
@@ -115,9 +116,9 @@ impl Request {
             factor_std: None,
             factor_persson: self.factor(persson.as_ref(), point.pressure_pa),
             area_error: point.area_error,
-            iterations: point.iterations,
-            residual: point.residual,
-            status: point.status.name(),
+            iterations: point.convergence.iterations,
+            residual: point.convergence.residual,
+            status: point.convergence.status.name(),
         };
         AreaLawReport {
             program: "slipgrid",
@@ -275,7 +276,9 @@ pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64,
     if quantity.accepts(value) {
         Ok(quantity.to_si(value))
     } else {
-        Err(Diagnostic::flag(flag, value.to_string(), "is out of range").expected(quantity.to_string()))
+        // Not with three hundred digits.
+        let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
+        Err(Diagnostic::flag(flag, given, "is out of range").expected(quantity.to_string()))
     }
 }
 

@@ -13,6 +13,7 @@ use crate::{CliError, Console, exit_code};
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     check_file(&args.output)?;
+    check_waves(args)?;
     let mut parameters = SelfAffine {
         pixels: args.pixels,
         side_m: checked("--side-mm", args.side_mm, LENGTH_MM)?,
@@ -47,6 +48,18 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
     Ok(exit_code::DONE)
 }
 
+/// Whether the pixels resolve the shortest wave; whether there are enough of them for a map is not asked here.
+fn check_waves(args: &SynthesizeArgs) -> Result<(), Diagnostic> {
+    let (longest, shortest) = args.waves;
+    let most = args.pixels.saturating_sub(1) / 2;
+    if args.pixels < 4 || shortest as usize <= most {
+        return Ok(());
+    }
+    let reason = format!("has waves that {} pixels per side do not resolve", args.pixels);
+    Err(Diagnostic::flag("--waves", format!("{longest}:{shortest}"), reason)
+        .expected(format!("at most {most} waves per side, or more --pixels")))
+}
+
 fn refuse(error: MapError) -> Diagnostic {
     Diagnostic { reason: error.to_string(), ..Diagnostic::default() }
 }
@@ -77,6 +90,13 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
 /// Cuts the cavities, says so in the comments, and returns their number.
 fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) -> Result<usize, Diagnostic> {
     let count = map.cut_cavities(pattern).map_err(refuse)?.len();
+    if count == 0 {
+        let side_um = LENGTH_UM.from_si(map.dx_m() * map.rows() as f64);
+        let given = [pattern.width_m, pattern.spacing_m, pattern.depth_m].map(|length_m| LENGTH_UM.from_si(length_m));
+        let given = given.map(|length_um| length_um.to_string()).join(",");
+        return Err(Diagnostic::flag("--cavities", given, "cuts none into this map")
+            .expected(format!("a width and a spacing that fit into its side of {side_um} um")));
+    }
     // The pattern seldom closes where the roughness does.
     comments.retain(|comment| !comment.contains("one period"));
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);

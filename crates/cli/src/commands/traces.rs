@@ -94,25 +94,25 @@ pub fn outputs(conditions: &[ConditionTraces]) -> Result<Outputs, CliError> {
     Ok(outputs)
 }
 
+/// Surface, force in N, speed in mm/s and humidity in per cent, in words.
+fn words(condition: &TraceCondition) -> [String; 4] {
+    [
+        condition.surface.name().to_owned(),
+        condition.force_n.to_string(),
+        SPEED_MM_S.from_si(condition.speed_m_s).to_string(),
+        HUMIDITY_PCT.from_si(condition.humidity).to_string(),
+    ]
+}
+
 /// A file name for a condition: `flat-200N-2mm_s-15pct`.
 fn name(condition: &TraceCondition) -> String {
-    format!(
-        "{}-{}N-{}mm_s-{}pct",
-        condition.surface.name(),
-        condition.force_n,
-        SPEED_MM_S.from_si(condition.speed_m_s),
-        HUMIDITY_PCT.from_si(condition.humidity)
-    )
+    let [surface, force, speed, humidity] = words(condition);
+    format!("{surface}-{force}N-{speed}mm_s-{humidity}pct")
 }
 
 fn title(condition: &TraceCondition) -> String {
-    format!(
-        "{} sample, {} N, {} mm/s, {} % humidity",
-        condition.surface.name(),
-        condition.force_n,
-        SPEED_MM_S.from_si(condition.speed_m_s),
-        HUMIDITY_PCT.from_si(condition.humidity)
-    )
+    let [surface, force, speed, humidity] = words(condition);
+    format!("{surface} sample, {force} N, {speed} mm/s, {humidity} % humidity")
 }
 
 fn picture(traces: &ConditionTraces) -> Result<String, CliError> {
@@ -143,15 +143,11 @@ fn table(conditions: &[ConditionTraces]) -> String {
          mu_static_time_s,stick_slip_amplitude,stick_slip_period_s,stick_slips,normal_force_n,flags\n",
     );
     for traces in conditions {
-        let condition = &traces.condition;
+        let condition = words(&traces.condition);
         for trace in &traces.traces {
             let found = &trace.findings;
             let optional = |value: Option<f64>| value.map_or_else(String::new, |value| tidy(value).to_string());
             let cells = [
-                condition.surface.name().to_owned(),
-                condition.force_n.to_string(),
-                SPEED_MM_S.from_si(condition.speed_m_s).to_string(),
-                HUMIDITY_PCT.from_si(condition.humidity).to_string(),
                 quoted(&trace.label),
                 tidy(found.window.mu).to_string(),
                 tidy(found.window.stderr).to_string(),
@@ -165,7 +161,7 @@ fn table(conditions: &[ConditionTraces]) -> String {
                 tidy(found.normal_force_n).to_string(),
                 quoted(&trace.flags.join("; ")),
             ];
-            text += &format!("{}\n", cells.join(","));
+            text += &format!("{},{}\n", condition.join(","), cells.join(","));
         }
     }
     text

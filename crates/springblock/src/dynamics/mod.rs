@@ -47,10 +47,14 @@ pub use run::{DynamicRun, Scheme};
 pub use solid::{SolidRun, SolidScheme};
 
 #[cfg(test)]
+mod any_width;
+#[cfg(test)]
 mod front_speed;
 #[cfg(test)]
 mod properties;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod work_account;
 #[cfg(test)]
 mod work_balance;

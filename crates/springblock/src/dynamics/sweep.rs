@@ -289,20 +289,15 @@ pub fn side(site: &Site, field: &Field, i: usize, j: usize, Kick { kept, kick }:
 
 #[cfg(test)]
 mod tests {
+    use super::super::any_width::{assert_same_bits, fill};
     use super::super::rows::INSIDE;
     use super::*;
 
     /// A field of `nx` columns with values of all sizes, and coefficients of a row.
     fn field(nx: usize) -> (Field, RowCoefficients) {
         let mut field = Field::at_rest(nx, 5);
-        let mut number = 1_u32;
-        for plane in field.now.iter_mut().chain(&mut field.other) {
-            // As many values on every machine and in every allocation.
-            for value in plane.rows_mut().iter_mut().take(LINE + 6 * field.stride) {
-                number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                *value = (f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3;
-            }
-        }
+        let size = LINE + 6 * field.stride;
+        fill(field.now.iter_mut().chain(&mut field.other), size);
         let sites: Vec<Site> = (0..nx)
             .map(|i| Site { springs: Springs8 { east: 1.0 / (1.0 + i as f64), ..INSIDE }, inverse_mass: 1.3 })
             .collect();
@@ -310,47 +305,53 @@ mod tests {
     }
 
     /// Everything that the sweeps write, by column and row.
-    fn swept<S: Simd>(simd: S, nx: usize) -> Vec<u64> {
-        let (mut field, coefficients) = field(nx);
-        let kick = Kick::new(0.3, 0.02);
-        let padded = coefficients.east.len();
-        let (mut force_x, mut force_y) = (vec![0.0; padded], vec![0.0; padded]);
-        let mut bits = Vec::new();
-        for row in 0..2 {
-            let forces =
-                |force_x, force_y| RowForces { coefficients: &coefficients, field: &field, row, force_x, force_y };
-            simd.vectorize(forces(&mut force_x, &mut force_y));
-            bits.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
-        }
-        let contact =
-            |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
-        simd.vectorize(contact(&mut force_x, &mut force_y));
-        bits.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
-        let inverse_mass = &coefficients.inverse_mass;
-        simd.vectorize(MoveRow { inverse_mass, field: &mut field, row: 1, kick, force_x: &force_x, force_y: &force_y });
-        simd.vectorize(InsideRows { field: &mut field, from: 2, kick });
-        for plane in &field.other {
-            for j in 1..field.ny {
-                bits.extend_from_slice(&plane.rows()[field.at(0, j)..][..nx]);
+    struct Swept {
+        nx: usize,
+    }
+
+    impl WithSimd for Swept {
+        type Output = Vec<f64>;
+
+        fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
+            let Self { nx } = self;
+            let (mut field, coefficients) = field(nx);
+            let kick = Kick::new(0.3, 0.02);
+            let padded = coefficients.east.len();
+            let (mut force_x, mut force_y) = (vec![0.0; padded], vec![0.0; padded]);
+            let mut written = Vec::new();
+            for row in 0..2 {
+                let forces =
+                    |force_x, force_y| RowForces { coefficients: &coefficients, field: &field, row, force_x, force_y };
+                simd.vectorize(forces(&mut force_x, &mut force_y));
+                written.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
             }
+            let contact =
+                |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
+            simd.vectorize(contact(&mut force_x, &mut force_y));
+            written.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
+            let inverse_mass = &coefficients.inverse_mass;
+            simd.vectorize(MoveRow {
+                inverse_mass,
+                field: &mut field,
+                row: 1,
+                kick,
+                force_x: &force_x,
+                force_y: &force_y,
+            });
+            simd.vectorize(InsideRows { field: &mut field, from: 2, kick });
+            for plane in &field.other {
+                for j in 1..field.ny {
+                    written.extend_from_slice(&plane.rows()[field.at(0, j)..][..nx]);
+                }
+            }
+            written
         }
-        bits.into_iter().map(f64::to_bits).collect()
     }
 
     #[test]
     fn vectors_of_any_width_give_the_same_bits() {
         for nx in [1, 3, 8, 50, 101] {
-            let scalar = swept(pulp::Scalar::new(), nx);
-            #[cfg(target_arch = "x86_64")]
-            {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    assert!(swept(simd, nx) == scalar, "four lanes, {nx} columns");
-                }
-                if let Some(simd) = pulp::x86::V4::try_new() {
-                    assert!(swept(simd, nx) == scalar, "eight lanes, {nx} columns");
-                }
-            }
-            assert!(scalar.iter().any(|bits| *bits != 0));
+            assert_same_bits(&format!("{nx} columns"), || Swept { nx });
         }
     }
 }

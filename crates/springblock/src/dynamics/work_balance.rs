@@ -1,9 +1,4 @@
-//! The leapfrog's account of work: what the drive gives is what friction and damping take, what springs
-//! and the load store, and kinetic energy.
-//!
-//! With displacements u_n, velocities v between them and forces at them, sums by the trapezoid rule and the
-//! kinetic energy v_- . M v_+ / 2 close to rounding, with linear springs, for any step and through every
-//! switch between rest and slip: the friction that is reported is the one that the step took.
+//! The leapfrog's account of work closes, with the friction that it reports.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_pattern::{Pattern, Planform};
@@ -13,27 +8,21 @@ use super::contact::{ContactRow, LocalLaw};
 use super::engine::{Engine, Setup};
 use super::protocol::Protocol;
 use super::strip_leapfrog::StripLeapfrog;
+use super::work_account::{Account, Instant};
 use crate::columns;
 use crate::draws;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// What an instant adds to the account.
-struct Instant {
-    u: [Vec<f64>; 2],
-    bulk_x: f64,
-    potential: f64,
-    drive: f64,
-    /// By column.
-    friction: Vec<f64>,
-    /// Mean of the velocities before and after.
-    velocity: [Vec<f64>; 2],
-}
-
-/// Displacements of all blocks, x and y.
+/// Displacements of all blocks, along x and along y.
 fn state<'scope, 'a: 'scope>(engine: &StripLeapfrog<'scope, '_, 'a>, lattice: &Lattice) -> [Vec<f64>; 2] {
     let (nx, ny) = (lattice.nx(), lattice.ny());
     [0, 1].map(|c: usize| (0..nx * ny).map(|number| engine.displacement(number % nx, number / nx)[c]).collect())
+}
+
+/// The same by block.
+fn by_block([x, y]: &[Vec<f64>; 2]) -> Vec<[f64; 2]> {
+    x.iter().zip(y).map(|(&x, &y)| [x, y]).collect()
 }
 
 /// What the account lacks, as a share of the drive's work.
@@ -51,48 +40,19 @@ fn lack(time_step: f64, periodic: bool) -> f64 {
     let mut engine = StripLeapfrog::new(&lattice, setup);
     let mut bonds = Bonds::new(&lattice, Springs::Linear);
 
-    let (mut drive_work, mut lost, mut first, mut energy) = (0.0, 0.0, None, 0.0);
-    let mut before: Option<(Instant, [Vec<f64>; 2])> = None;
+    let mut account = Account::new(&mass, damping, time_step);
     for step in 0..(2000.0 / time_step) as usize {
-        let u: [Vec<f64>; 2] = state(&engine, &lattice);
+        let u = state(&engine, &lattice);
         let bulk_x = protocol.bulk_x(step as f64 * time_step);
         bonds.evaluate(&u, bulk_x, protocol.load);
-        let (potential, drive) = (bonds.potential(&u, bulk_x, protocol.load), bonds.drive(&u, bulk_x));
+        let (potential, drive_x) = (bonds.potential(&u, bulk_x, protocol.load), bonds.drive(&u, bulk_x));
         engine.step();
-        let mut friction = vec![0.0; nx];
-        for (column, force) in lattice.contacts().zip(engine.contact_forces()) {
-            friction[column] = force.friction;
-        }
-        let next: [Vec<f64>; 2] = state(&engine, &lattice);
-        let velocity = [vec![0.0; blocks], vec![0.0; blocks]];
-        let mut now = Instant { u, bulk_x, potential, drive, friction, velocity };
-        let later = [0, 1].map(|c: usize| {
-            next[c].iter().zip(&now.u[c]).map(|(next, now)| (next - now) / time_step).collect::<Vec<f64>>()
-        });
-        if let Some((earlier, velocity)) = before {
-            drive_work += 0.5 * (earlier.drive + now.drive) * (now.bulk_x - earlier.bulk_x);
-            for i in 0..nx {
-                lost += 0.5 * (earlier.friction[i] + now.friction[i]) * (now.u[0][i] - earlier.u[0][i]);
-            }
-            energy = now.potential;
-            for c in 0..2 {
-                for number in 0..blocks {
-                    let (v, w) = (velocity[c][number], later[c][number]);
-                    energy += 0.5 * mass[number] * v * w;
-                    // gamma m times the mean velocity at either end, over the way between.
-                    let mean_velocity = 0.5 * (v + w);
-                    let way = v * time_step;
-                    lost += 0.5 * damping * mass[number] * (earlier.velocity[c][number] + mean_velocity) * way;
-                    now.velocity[c][number] = mean_velocity;
-                }
-            }
-            first.get_or_insert((energy, drive_work, lost));
-        }
-        before = Some((now, later));
+        let forces = lattice.contacts().zip(engine.contact_forces());
+        let friction = forces.map(|(column, force)| (column, [force.friction, 0.0])).collect();
+        let now = Instant { u: by_block(&u), bulk: [bulk_x, 0.0], potential, drive: [drive_x, 0.0], friction };
+        account.enter(now, &by_block(&state(&engine, &lattice)));
     }
-    let (first_energy, first_work, first_lost) = first.unwrap();
-    let drive_work = drive_work - first_work;
-    (drive_work - (lost - first_lost) - (energy - first_energy)) / drive_work
+    account.lack()
 }
 
 #[test]

@@ -2,12 +2,13 @@
 
 use serde::Serialize;
 use slipgrid_calibrate::{AreaLawScale, Parameter};
+use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
 
 use super::Fit;
 use crate::CliError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
-use crate::commands::area_curve::{AreaPoint, persson_curve};
+use crate::commands::area_curve::persson_curve;
 use crate::formats::calibration::Calibration;
 use crate::report::Table;
 use crate::report::table::fixed;

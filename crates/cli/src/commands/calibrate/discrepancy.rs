@@ -3,6 +3,7 @@
 use slipgrid_calibrate::{
     Discrepancy, DiscrepancyForm as Form, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected,
 };
+use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, Unwatched, simulate};
@@ -10,7 +11,7 @@ use toml::Spanned;
 
 use super::CalibrationInput;
 use crate::CliError;
-use crate::commands::area_curve::{AreaPoint, area_law};
+use crate::commands::area_curve::area_law;
 use crate::formats::calibration::{Calibration, DiscrepancyForm};
 use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile};
 use crate::formats::measurements::Measurement;

@@ -7,7 +7,7 @@ mod write;
 
 use std::path::Path;
 
-use slipgrid_contact::{ContactError, Status};
+use slipgrid_contact::{AreaPoint, ContactError, Status};
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
     between,
@@ -19,7 +19,7 @@ use details::FitDetails;
 use discrepancy::Report;
 
 use super::altitude_map::SurfaceMap;
-use super::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
 };
@@ -270,7 +270,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             progress.finish();
             let curve = curve.map_err(|error| Diagnostic::file(path, error.to_string()))?;
             let mut notes = surface.notes.clone();
-            let unfinished = curve.points.iter().filter(|point| point.status != Status::Converged).count();
+            let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
             }

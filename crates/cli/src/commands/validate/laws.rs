@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use slipgrid_contact::Status;
+use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
 
 use crate::commands::altitude_map::SurfaceMap;
-use crate::commands::area_curve::{AreaPoint, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use crate::commands::calibrate::CONTACT_TOLERANCE;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
@@ -92,7 +92,7 @@ pub fn scaled_laws(
                 if *synthetic || surface.synthetic { ", synthetic" } else { "" },
             )];
             notes.extend(surface.notes.iter().cloned());
-            let unfinished = curve.points.iter().filter(|point| point.status != Status::Converged).count();
+            let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
             }

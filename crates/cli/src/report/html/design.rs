@@ -118,22 +118,24 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
                 with_error(&at[key]["value"], &at[key]["std"], 4),
                 with_error(&at["mu"]["value"], &at["mu"]["std"], 4),
                 with_error(&at["mu_flat"]["value"], &at["mu_flat"]["std"], 4),
-                number(&confirmed["mu_static"], 4),
+                with_error(&at["mu_static"]["value"], &at["mu_static"]["std"], 4),
                 number(&predicted["peak_pressure_mpa"], 2),
                 plain(&confirmed["status"]),
             ]
         })
         .collect();
+    let header = "P in MPa,target,predicted,to vanishing blocks,confirmed,mu,mu flat,mu static,peak in MPa,status";
+    let (header, rows, status) = told(&header.split(',').collect::<Vec<_>>(), &rows);
     let quantity = if is_ratio { "ratio patterned over flat" } else { "dynamic friction coefficient" };
     page.table(
         &format!(
             "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
              tolerance; else {}. To vanishing blocks: estimated change of the ratio. Peak \
-             pressure grows as blocks shrink.",
+             pressure grows as blocks shrink.{status}",
             if result["discrepancy"]["used"] == true { ", times the discrepancy of patterned samples" } else { "" },
             text(&result["errors"], "meaning").trim_start_matches("+-: "),
         ),
-        &["P in MPa", "target", "predicted", "to vanishing blocks", "confirmed", "mu", "mu flat", "mu static", "peak in MPa", "status"],
+        &header,
         &rows,
     );
     uncertainty::errors(page, result);
@@ -182,12 +184,24 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     }
 }
 
+/// Header and rows without the columns that say nothing at any pressure; the last, the status, in words where it
+/// is one.
+fn told<'a>(header: &[&'a str], rows: &[Vec<String>]) -> (Vec<&'a str>, Vec<Vec<String>>, String) {
+    let status = rows.first().and_then(|row| row.last()).filter(|&status| status != "-");
+    let status = status.filter(|&status| rows.iter().all(|row| row.last() == Some(status)));
+    let words = status.map_or_else(String::new, |status| format!(" Status at every pressure: {status}."));
+    let says = |&column: &usize| rows.iter().any(|row| row.get(column).is_some_and(|cell| cell != "-"));
+    let columns: Vec<usize> = (0..header.len() - usize::from(status.is_some())).filter(says).collect();
+    let rows = rows.iter().map(|row| columns.iter().filter_map(|&column| row.get(column).cloned()).collect());
+    (columns.iter().map(|&column| header[column]).collect(), rows.collect(), words)
+}
+
 /// What is accepted at a pressure.
 fn accepted(wanted: &Value, row: usize) -> String {
     if wanted["value"].is_array() {
         let each = &wanted["tolerance"][row];
         let tolerance = if each.is_number() { each } else { &wanted["tolerance"] };
-        return with_error(&wanted["value"][row], tolerance, 4);
+        return format!("{} ± {}", plain(&wanted["value"][row]), plain(tolerance));
     }
     let (lowest, highest) = (&wanted["lowest"][row], &wanted["highest"][row]);
     match (lowest.is_number(), highest.is_number()) {

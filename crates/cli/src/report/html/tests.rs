@@ -82,7 +82,8 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
         "Target met.",
-        "0.9700 ± 0.0100",
+        "<td>0.97 ± 0.01</td>",
+        "Status at every pressure: converged.",
         "0.9616 ± 0.0012",
         "0.8355 ± 0.0008",
         "one standard deviation of time",
@@ -106,6 +107,15 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     ] {
         assert!(page.contains(said), "{said}");
     }
+    // Columns without a value take no room.
+    assert!(page.contains(">mu flat</button>") && !page.contains(">mu static</button>"));
+    assert!(!page.contains(">status</button>"));
+    let mut differing = result();
+    differing["confirmed"][0]["mu_static"] = json!(0.27);
+    differing["confirmed"][1]["status"] = json!("no_onset");
+    let differing = design(&differing, &outputs);
+    assert!(differing.contains(">mu static</button>") && differing.contains("<td>no_onset</td>"));
+    assert!(!differing.contains("Status at every"));
     // Names of different pictures do not meet, and nothing is fetched.
     assert!(page.contains("id=\"p1-frame\"") && page.contains("url(#p2-frame)") && !page.contains("\"frame\""));
     let bare = page.replace("http://www.w3.org/2000/svg", "");

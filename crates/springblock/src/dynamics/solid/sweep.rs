@@ -310,68 +310,61 @@ impl WithSimd for MoveRow<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::super::any_width::{assert_same_bits, fill};
     use super::super::stencil::Stencil;
     use super::*;
     use crate::solid::SolidLattice;
     use slipgrid_pattern::{Pattern, Planform};
 
     /// Everything that the sweeps write, on a cell of `nx` columns along both axes.
-    fn swept<S: Simd>(simd: S, nx: usize) -> Vec<u64> {
-        let um = |blocks: usize| blocks as f64 * 10e-6;
-        let cavity = (nx / 3).max(1);
-        let pattern = Pattern::new(Planform::Square, um(cavity), um(nx - cavity), um(1)).unwrap();
-        let lattice = SolidLattice::cell(&pattern, 10e-6, 4);
-        let stencil = Stencil::new(&lattice);
-        let mut field = Field::at_rest([nx, nx], 4);
-        let mut number = 1_u32;
-        let size = LINE + 5 * field.layer + LINE;
-        for plane in field.now.iter_mut().chain(&mut field.other) {
-            // As many values on every machine and in every allocation.
-            for value in plane.rows_mut().iter_mut().take(size) {
-                number = number.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-                *value = (f64::from(number) / f64::from(u32::MAX) - 0.5) * 1e-3;
+    struct Swept {
+        nx: usize,
+    }
+
+    impl WithSimd for Swept {
+        type Output = Vec<f64>;
+
+        fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
+            let Self { nx } = self;
+            let um = |blocks: usize| blocks as f64 * 10e-6;
+            let cavity = (nx / 3).max(1);
+            let pattern = Pattern::new(Planform::Square, um(cavity), um(nx - cavity), um(1)).unwrap();
+            let lattice = SolidLattice::cell(&pattern, 10e-6, 4);
+            let stencil = Stencil::new(&lattice);
+            let mut field = Field::at_rest([nx, nx], 4);
+            let size = LINE + 5 * field.layer + LINE;
+            fill(field.now.iter_mut().chain(&mut field.other), size);
+            let kick = Kick::new(0.15, 0.02);
+            let padded = stencil.contact[0].inverse_mass.len();
+            let mut force = [vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]];
+            let mut written = Vec::new();
+            let contact = stencil.contact.iter().enumerate().map(|(row, coefficients)| (0, row, coefficients));
+            let general = stencil.general.iter().map(|general| (general.layer, general.row, &general.coefficients));
+            for (layer, row, coefficients) in contact.chain(general) {
+                let forces = force.each_mut().map(Vec::as_mut_slice);
+                simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
+                written.extend(force.iter().flat_map(|force| force[..nx].to_vec()));
+                let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
+                simd.vectorize(MoveRow { inverse_mass, field: &mut field, layer, row, kick, force });
             }
-        }
-        let kick = Kick::new(0.15, 0.02);
-        let padded = stencil.contact[0].inverse_mass.len();
-        let mut force = [vec![0.0; padded], vec![0.0; padded], vec![0.0; padded]];
-        let mut bits = Vec::new();
-        let contact = stencil.contact.iter().enumerate().map(|(row, coefficients)| (0, row, coefficients));
-        let general = stencil.general.iter().map(|general| (general.layer, general.row, &general.coefficients));
-        for (layer, row, coefficients) in contact.chain(general) {
-            let forces = force.each_mut().map(Vec::as_mut_slice);
-            simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
-            bits.extend(force.iter().flat_map(|force| force[..nx].to_vec()));
-            let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-            simd.vectorize(MoveRow { inverse_mass, field: &mut field, layer, row, kick, force });
-        }
-        for (layer, ranges) in stencil.inside.iter().enumerate() {
-            for rows in ranges {
-                simd.vectorize(InsideRows { field: &mut field, layer, rows: rows.clone(), kick });
+            for (layer, ranges) in stencil.inside.iter().enumerate() {
+                for rows in ranges {
+                    simd.vectorize(InsideRows { field: &mut field, layer, rows: rows.clone(), kick });
+                }
             }
-        }
-        for plane in &field.other {
-            for (j, k) in (0..nx).flat_map(|j| (0..4).map(move |k| (j, k))) {
-                bits.extend_from_slice(&plane.rows()[field.at(0, j, k)..][..nx]);
+            for plane in &field.other {
+                for (j, k) in (0..nx).flat_map(|j| (0..4).map(move |k| (j, k))) {
+                    written.extend_from_slice(&plane.rows()[field.at(0, j, k)..][..nx]);
+                }
             }
+            written
         }
-        bits.into_iter().map(f64::to_bits).collect()
     }
 
     #[test]
     fn vectors_of_any_width_give_the_same_bits() {
         for nx in [2, 3, 8, 14, 21] {
-            let scalar = swept(pulp::Scalar::new(), nx);
-            #[cfg(target_arch = "x86_64")]
-            {
-                if let Some(simd) = pulp::x86::V3::try_new() {
-                    assert!(swept(simd, nx) == scalar, "four lanes, {nx} columns");
-                }
-                if let Some(simd) = pulp::x86::V4::try_new() {
-                    assert!(swept(simd, nx) == scalar, "eight lanes, {nx} columns");
-                }
-            }
-            assert!(scalar.iter().any(|bits| *bits != 0));
+            assert_same_bits(&format!("{nx} columns"), || Swept { nx });
         }
     }
 }

@@ -1,5 +1,4 @@
-//! The account of work in space: what the drive gives is what friction and damping take, what springs and the load
-//! store, and kinetic energy, as in the vertical plane.
+//! The account of work in space closes, along any sliding direction.
 
 use slipgrid_material::LocalFriction;
 use slipgrid_pattern::{Pattern, Planform};
@@ -7,22 +6,11 @@ use slipgrid_pattern::{Pattern, Planform};
 use super::super::contact::LocalLaw;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
+use super::super::work_account::{Account, Instant};
 use super::bonds::SolidBonds;
 use super::leapfrog::{SolidLeapfrog, SolidSetup};
 use crate::draws;
 use crate::solid::SolidLattice;
-
-/// What an instant adds to the account.
-struct Instant {
-    /// Blocks, then the bulk.
-    u: Vec<[f64; 3]>,
-    potential: f64,
-    /// Force of the drive on the bulk.
-    drive: [f64; 2],
-    friction: Vec<[f64; 2]>,
-    /// Mean of the velocities before and after.
-    velocity: Vec<[f64; 3]>,
-}
 
 /// What the account lacks, as a share of the drive's work.
 fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
@@ -44,8 +32,7 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
         (0..blocks).map(|n| engine.displacement([n % nx, n / nx % ny, n / (nx * ny)])).collect()
     };
 
-    let (mut drive_work, mut lost, mut first, mut energy) = (0.0, 0.0, None, 0.0);
-    let mut before: Option<(Instant, Vec<[f64; 3]>)> = None;
+    let mut account = Account::new(bonds.mass(), damping, time_step);
     let mut force = vec![[0.0; 3]; blocks + 1];
     for step in 0..(1000.0 / time_step) as usize {
         let mut u = state(&engine);
@@ -54,39 +41,15 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
         bonds.balance(&mut u, protocol.load);
         bonds.forces(&u, &mut force);
         let potential = bonds.energy(&u) + protocol.load * u[blocks][2];
-        let drive = [-force[blocks][0], -force[blocks][1]];
+        // The load, not the drive, moves the bulk up and down.
+        let (bulk, drive) = (u[blocks], [-force[blocks][0], -force[blocks][1], 0.0]);
         engine.step();
-        let friction = engine.contact().vectors().map(|(_, friction)| friction).collect();
-        let next = state(&engine);
-        let mut now = Instant { u, potential, drive, friction, velocity: vec![[0.0; 3]; blocks] };
-        let later: Vec<[f64; 3]> =
-            next.iter().zip(&now.u).map(|(b, a)| [0, 1, 2].map(|c: usize| (b[c] - a[c]) / time_step)).collect();
-        if let Some((earlier, velocity)) = before {
-            for c in 0..2 {
-                drive_work += 0.5 * (earlier.drive[c] + now.drive[c]) * (now.u[blocks][c] - earlier.u[blocks][c]);
-                for (number, n) in contacts.iter().enumerate() {
-                    let mean = 0.5 * (earlier.friction[number][c] + now.friction[number][c]);
-                    lost += mean * (now.u[*n][c] - earlier.u[*n][c]);
-                }
-            }
-            energy = now.potential;
-            for (n, mass) in bonds.mass().iter().enumerate() {
-                for c in 0..3 {
-                    let (v, w) = (velocity[n][c], later[n][c]);
-                    energy += 0.5 * mass * v * w;
-                    // gamma m times the mean velocity at either end, over the way between.
-                    let mean_velocity = 0.5 * (v + w);
-                    lost += 0.5 * damping * mass * (earlier.velocity[n][c] + mean_velocity) * v * time_step;
-                    now.velocity[n][c] = mean_velocity;
-                }
-            }
-            first.get_or_insert((energy, drive_work, lost));
-        }
-        before = Some((now, later));
+        let friction = contacts.iter().zip(engine.contact().vectors());
+        let friction = friction.map(|(&column, (_, [x, y]))| (column, [x, y, 0.0])).collect();
+        u.truncate(blocks);
+        account.enter(Instant { u, bulk, potential, drive, friction }, &state(&engine));
     }
-    let (first_energy, first_work, first_lost) = first.unwrap();
-    let drive_work = drive_work - first_work;
-    (drive_work - (lost - first_lost) - (energy - first_energy)) / drive_work
+    account.lack()
 }
 
 #[test]
