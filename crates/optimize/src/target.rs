@@ -161,6 +161,8 @@ pub struct Target {
     quantity: Quantity,
     demands: Vec<Demand>,
     goal: Option<Goal>,
+    /// How many conditions the demands are made at.
+    conditions: usize,
 }
 
 /// Distance of a response from the target.
@@ -212,7 +214,31 @@ impl Target {
         if goal == Some(Goal::Even) && demands.len() < 2 {
             return Err(SearchError::OnePressure);
         }
-        Ok(Self { quantity, demands, goal })
+        Ok(Self { quantity, demands, goal, conditions: 1 })
+    }
+
+    /// The same asked at each of `conditions` conditions, at least one: values are those at the first, then those at the
+    /// second and so on, each in the order of [`Target::points`]. All of them count alike.
+    #[must_use]
+    pub fn at_conditions(&self, conditions: usize) -> Self {
+        Self { conditions: conditions.max(1), ..self.clone() }
+    }
+
+    /// How many conditions the target is asked at.
+    #[must_use]
+    pub const fn conditions(&self) -> usize {
+        self.conditions
+    }
+
+    /// How many values it is compared with: one for each point at each condition.
+    #[must_use]
+    pub const fn values(&self) -> usize {
+        self.conditions * self.demands.len()
+    }
+
+    /// The demand on each value.
+    fn asked(&self) -> impl Iterator<Item = &Demand> {
+        (0..self.conditions).flat_map(|_| &self.demands)
     }
 
     /// Which number is prescribed.
@@ -221,7 +247,7 @@ impl Target {
         self.quantity
     }
 
-    /// The pressures and what is wanted there, in the order given.
+    /// The pressures and what is wanted there, in the order given: the same at every condition.
     #[must_use]
     pub fn points(&self) -> &[Demand] {
         &self.demands
@@ -269,16 +295,16 @@ impl Target {
     #[must_use]
     pub fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
         let residual: Vec<f64> = match self.goal {
-            None => self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
+            None => self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
             Some(Goal::Even) if !self.has_demands() => {
                 let mean = self.mean(values.iter().copied());
                 values.iter().map(|value| (value / mean - 1.0) / GOAL_STEP).collect()
             }
             Some(_) => return None,
         };
-        let mean_weight = self.total_weight() / self.demands.len() as f64;
+        let mean_weight = self.total_weight() / self.values() as f64;
         let weighted = |(demand, residual): (&Demand, f64)| residual * (demand.weight / mean_weight).sqrt();
-        Some(self.demands.iter().zip(residual).map(weighted).collect())
+        Some(self.asked().zip(residual).map(weighted).collect())
     }
 
     /// The same asked of `times` responses, one after the other.
@@ -286,11 +312,12 @@ impl Target {
         Self { demands: self.demands.repeat(times), ..self.clone() }
     }
 
-    /// Misfit of `values`, one per point; further values are ignored.
+    /// Misfit of `values`, one per point and condition; further values are ignored, and the largest residual of the first
+    /// ones alone is theirs.
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {
-        let values = &values[..values.len().min(self.demands.len())];
-        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let values = &values[..values.len().min(self.values())];
+        let residuals = || self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
         let max = residuals().fold(0.0, |max: f64, residual| max.max(residual.abs()));
         // rms = sqrt( sum w_i r_i^2 / sum w_i )
         let rms = self.mean(residuals().map(|residual| residual * residual)).sqrt();
@@ -313,7 +340,7 @@ impl Target {
     /// How far `values` lie beyond the places near both edges of what is accepted that a goal may go to, in tolerances:
     /// at most 0 within.
     pub(crate) fn edges(&self, values: &[f64]) -> Vec<f64> {
-        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let residuals = || self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
         let edges = |residual: f64| [residual - NEAR_THE_EDGE, -residual - NEAR_THE_EDGE];
         if self.has_demands() { residuals().flat_map(edges).collect() } else { Vec::new() }
     }
@@ -336,13 +363,12 @@ impl Target {
     }
 
     fn total_weight(&self) -> f64 {
-        self.demands.iter().map(|demand| demand.weight).sum()
+        self.asked().map(|demand| demand.weight).sum()
     }
 
     /// Mean by weight.
     fn mean(&self, numbers: impl Iterator<Item = f64>) -> f64 {
-        self.demands.iter().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>()
-            / self.total_weight()
+        self.asked().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>() / self.total_weight()
     }
 }
 
@@ -378,6 +404,29 @@ mod tests {
         assert!((misfit.max - 4.0).abs() < 1e-12);
         assert!((misfit.rms - 12.5_f64.sqrt()).abs() < 1e-12 && misfit.cost == misfit.rms);
         assert!(!misfit.is_met() && target.misfit(&[0.905, 0.795]).is_met());
+    }
+
+    #[test]
+    fn at_several_conditions_every_value_counts() {
+        let near = |value| Wanted::Near { value, tolerance: 0.01 };
+        let alone = Target::of(Quantity::Ratio, demands(&[(near(0.9), 1.0), (near(0.8), 2.0)]), None).unwrap();
+        let both = alone.at_conditions(2);
+        assert_eq!((both.points(), both.conditions(), both.values()), (alone.points(), 2, 4));
+        // Residuals 0.5, 0.5 at the first condition and 2, -1 at the second, weights 1 and 2.
+        let values = [0.905, 0.805, 0.92, 0.79];
+        let misfit = both.misfit(&values);
+        assert!((misfit.max - 2.0).abs() < 1e-9 && alone.misfit(&values).is_met() && !misfit.is_met());
+        assert!((misfit.rms - ((0.25 + 0.5 + 4.0 + 2.0) / 6.0_f64).sqrt()).abs() < 1e-9);
+        let residuals = both.residuals(&values).unwrap();
+        assert!(((residuals.iter().map(|r| r * r).sum::<f64>() / 4.0).sqrt() - misfit.cost).abs() < 1e-12);
+        assert_eq!(both.edges(&values).len(), 8);
+        // The first condition's values alone have their own largest residual.
+        assert_eq!(both.misfit(&values[..2]).max, alone.misfit(&values[..2]).max);
+        // Robust searches ask all that of every sample.
+        assert_eq!(both.repeated(3).values(), 12);
+        let lowest = Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0)]), Some(Goal::Lowest)).unwrap();
+        assert!((lowest.at_conditions(2).goal_value(&[0.8, 0.9]).unwrap() - 0.85).abs() < 1e-12);
+        assert_eq!(alone.at_conditions(1), alone);
     }
 
     #[test]
