@@ -196,7 +196,9 @@ pub fn material(
     }
     let humidity = purpose.condition.map(|condition| condition.humidity);
     // Patterned samples at any speed tell of the model's error.
-    let judged = purpose.errors.then(|| discrepancy::narrowed(calibration, humidity));
+    let humidities: Vec<f64> =
+        purpose.condition.iter().chain(purpose.also_at).map(|condition| condition.humidity).collect();
+    let judged = purpose.errors.then(|| discrepancy::narrowed(calibration, &humidities));
     let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), judged.as_ref(), console)?;
     let document = Document::new(path, calibrated.file);
     let errors = read_uncertainty(&document, &document.parse()?, humidity)?;
