@@ -6,7 +6,7 @@ mod common;
 
 use std::fs;
 
-use common::{DESIGN, Place};
+use common::{CALIBRATION, DESIGN, Place};
 use serde_json::Value;
 
 /// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.
@@ -186,6 +186,12 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     assert!(together.iter().all(|ratio| (ratio - 0.84).abs() <= 0.015), "{together:?}");
     let found = result(&place, "out/both");
     assert_eq!((&found["status"], at(&found).len()), (&"met".into(), 2));
+    // Between them ratios lie between: the ends of a range of friction stand for it.
+    let ends = [together[0].min(together[1]), together[0].max(together[1])];
+    for mean in [0.2, 0.25, 0.3, 0.35, 0.4, 0.45] {
+        let between = steady(&place, "out/both", mean)[0];
+        assert!((ends[0]..=ends[1]).contains(&between), "{mean} {between} {ends:?}");
+    }
 
     // Every design of the lattice, solved at each condition alone, says so too.
     let table = |folder: &str| -> Vec<Vec<f64>> {
@@ -284,4 +290,52 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     }
     // Some are not run in time, and say so.
     assert!(at(&one).iter().any(|at| at["in_time"] == false) && told.contains("by the steady model about the first"));
+}
+
+#[test]
+fn a_calibration_takes_in_every_condition_of_a_range() {
+    let calibration =
+        CALIBRATION.replace("flat = \"flat.csv\"", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"").replace(
+            "[fit]",
+            "[pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n[fit]",
+        );
+    // At 5 mm/s nothing is needed: the range ends before.
+    let table = |dry: f64, humid: f64| {
+        let mut text = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
+        for (humidity, mu) in [(15, 0.25 * dry), (80, 0.28 * humid)] {
+            for (force, more) in [(100, 0.99), (150, 1.0), (205, 1.01)] {
+                text += &format!("{force},2,{humidity},{},0.0025\n", mu * more);
+            }
+        }
+        text + &format!("205,5,15,{},0.0025\n", 0.3 * dry)
+    };
+    let text =
+        design("quantity = \"ratio\"\nvalue = 0.8\ntolerance = 0.08\ndiscrepancy = true", &[(2.0, 15.0, 0.27)], "");
+    let (from, to) = (text.find("[material]").unwrap(), text.find("[target]").unwrap());
+    let named = format!("{}{}", &text[..from], &text[to..]);
+    let with = |humidity: &str| {
+        let header = format!(
+            "name = \"test design\"\nmaterial = \"c.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = {humidity} }}\n"
+        );
+        named.replace("name = \"test design\"\n", &header)
+    };
+    let place = Place::with(&[
+        ("a.toml", &with("[15.0, 80.0]")),
+        ("outside.toml", &with("[15.0, 81.0]")),
+        ("c.toml", &calibration),
+        ("flat.csv", &table(1.0, 1.0)),
+        ("patterned.csv", &table(0.9, 0.8)),
+    ]);
+    let message = place.refuse(&["optimize", "outside.toml"]);
+    assert!(message.contains("outside.toml:3: condition: ") && message.contains("2 mm/s at 81 %"), "{message}");
+    place.succeed(&["optimize", "a.toml"]);
+    let found = result(&place, "out/a");
+    let [dry, humid] = &at(&found)[..] else { panic!("{}", found["conditions"]) };
+    let value = |at: &Value, key: &str| number(&at["by_pressure"][0][key]);
+    assert!((value(dry, "mu_flat") / (0.25 * 1.01) - 1.0).abs() < 0.02, "{dry}");
+    assert!((value(humid, "mu_flat") / (0.28 * 1.01) - 1.0).abs() < 0.02, "{humid}");
+    // Measured ratios are 0.9 at 15 % and 0.8 at 80 %; modelled ones hardly differ.
+    assert!((value(humid, "factor") / value(dry, "factor") / (0.8 / 0.9) - 1.0).abs() < 0.02, "{dry} {humid}");
+    assert!((number(&found["discrepancy"]["by_pressure"][0]["factor"]) - value(dry, "factor")).abs() < 1e-9);
+    assert!(value(humid, "ratio") < 0.95 * value(dry, "ratio") && found["status"] == "met");
 }

@@ -73,7 +73,7 @@ pub struct DesignReport {
     pub robustness: Option<RobustnessReport>,
     /// The designs that no other beats in every goal; null where the design file names no goals.
     pub trade_offs: Option<TradeOffsReport>,
-    /// Lowest and highest value among the designs tried that respect every constraint.
+    /// Lowest and highest value among the designs tried that respect every constraint, at the condition designed for.
     pub reachable: Vec<ReachableReport>,
     /// Which limits and bounds keep designs from a target out of reach; null otherwise.
     pub explanation: Option<ExplanationReport>,
@@ -268,8 +268,11 @@ impl DesignReport {
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
-                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}\n",
-                    range.pressure_mpa, range.lowest, range.highest
+                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}{}\n",
+                    range.pressure_mpa,
+                    range.lowest,
+                    range.highest,
+                    if self.conditions.is_some() { ", at the condition designed for" } else { "" },
                 );
             }
         }

@@ -126,6 +126,7 @@ impl GoalReport {
         };
         let weighted = target.points().windows(2).any(|pair| pair[0].weight != pair[1].weight);
         let by = if weighted { ", by weight" } else { "" };
+        let over = if target.conditions() > 1 { "pressures of all conditions" } else { "pressures" };
         let range = |values: &[f64]| {
             let (lowest, highest) =
                 (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
@@ -134,7 +135,10 @@ impl GoalReport {
         Some(Self {
             goal: goal_name(goal),
             of: match goal {
-                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{by}"),
+                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the {over}{by}"),
+                Goal::Even if target.conditions() > 1 => {
+                    format!("standard deviation of the {quantity} over the {over} over its mean{by}")
+                }
                 Goal::Even => format!("standard deviation of the {quantity} over its mean{by}"),
             },
             predicted: target.goal_value(predicted),
