@@ -38,7 +38,7 @@ pub struct TargetPoint {
 const HEIGHT: f64 = 500.0;
 const BAND: f64 = 0.22;
 /// Opacity of the spread over conditions, and the half width of its bars over that of the axis.
-const SPREAD: f64 = 0.45;
+const SPREAD: f64 = 0.75;
 const SPREAD_WIDTH: f64 = 0.007;
 /// Draws target, prediction and confirmation against pressure.
 ///

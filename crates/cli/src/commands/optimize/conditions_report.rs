@@ -22,7 +22,8 @@ pub struct ConditionsReport {
     pub worst: Option<usize>,
     /// The target holds at all of them.
     pub held: bool,
-    /// Why no pattern can meet the target at two of them; null where the target holds, and where none is known.
+    /// The two that no pattern like the best brings within the target together; null where the target holds, and where
+    /// there are none.
     pub conflict: Option<ConflictReport>,
 }
 
@@ -60,7 +61,7 @@ pub struct ConditionValue {
     pub friction_extrapolated: bool,
 }
 
-/// Two conditions at which what a pattern is compared with differs by more than the target allows.
+/// Two conditions at which values differ by more than the target allows, whatever the pattern.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ConflictReport {
     /// Nominal pressure.
@@ -69,13 +70,13 @@ pub struct ConflictReport {
     pub lowest_at: String,
     /// Where they are highest.
     pub highest_at: String,
-    /// The latter over the former at equal ratios.
+    /// Flat friction at the latter over that at the former, times the discrepancies where designs aim with them.
+    pub flat_factor: f64,
+    /// The same of the values of the best design.
     pub factor: f64,
-    /// Whether the discrepancy, which depends on humidity, is in it.
-    pub with_discrepancy: bool,
     /// Lowest and highest value accepted.
     pub accepted: [f64; 2],
-    /// The same about the same middle, so wide that both conditions fit.
+    /// The same about the same middle, so wide that both conditions of the best design fit.
     pub needed: [f64; 2],
     /// All this in one sentence.
     pub words: String,
@@ -155,13 +156,13 @@ impl Rounds {
             at,
             worst: design.target.has_demands().then(|| greatest(misfits.iter().copied())),
             held,
-            conflict: if held { None } else { self.conflict(design, &conditions) },
+            conflict: if held { None } else { self.conflict(design, &conditions, &values) },
         }))
     }
 
-    /// The two conditions, and the pressure, at which what ratios are multiplied by differs most beyond what the target
-    /// allows: ratios themselves hardly depend on the coefficients.
-    fn conflict(&self, design: &Design, conditions: &[&Condition]) -> Option<ConflictReport> {
+    /// The two conditions, and the pressure, at which values differ most beyond what the target allows, by flat friction
+    /// and by the `values` of the best design alike: ratios hardly depend on the coefficients.
+    fn conflict(&self, design: &Design, conditions: &[&Condition], values: &[f64]) -> Option<ConflictReport> {
         let count = design.target.points().len();
         let mut worst: Option<(f64, ConflictReport)> = None;
         for (pressure, point) in design.target.points().iter().enumerate() {
@@ -169,9 +170,10 @@ impl Rounds {
             let scale: Vec<f64> =
                 (0..conditions.len()).map(|place| self.model.scale(place * count + pressure)).collect();
             let (low, high) = (greatest(scale.iter().map(|s| -s)), greatest(scale.iter().copied()));
-            let factor = scale[high] / scale[low];
+            let flat_factor = scale[high] / scale[low];
+            let factor = values[high * count + pressure] / values[low * count + pressure];
             // v at the one and q v at the other lie within [a, b] for some v where q a <= b
-            let beyond = factor * lowest / highest;
+            let beyond = flat_factor.min(factor) * lowest / highest;
             if beyond <= 1.0 || worst.as_ref().is_some_and(|(most, _)| beyond <= *most) {
                 continue;
             }
@@ -182,13 +184,13 @@ impl Rounds {
                 pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
                 lowest_at: in_words(conditions[low]),
                 highest_at: in_words(conditions[high]),
+                flat_factor: tidy(flat_factor),
                 factor: tidy(factor),
-                with_discrepancy: design.discrepancy,
                 accepted: [tidy(lowest), tidy(highest)],
                 needed: [tidy(middle - tolerance), tidy(middle + tolerance)],
                 words: String::new(),
             };
-            report.words = report.in_words();
+            report.words = report.in_words(design.discrepancy);
             worst = Some((beyond, report));
         }
         worst.map(|(_, report)| report)
@@ -196,17 +198,19 @@ impl Rounds {
 }
 
 impl ConflictReport {
-    fn in_words(&self) -> String {
+    fn in_words(&self, with_discrepancy: bool) -> String {
         format!(
-            "at {} MPa {} at {} is {:.3} times that at {}, and a pattern changes both nearly alike: no design keeps both within {:.4} to \
-             {:.4}; about its middle {:.4} to {:.4} would be needed",
+            "at {} MPa {} at {} is {:.3} times that at {}, and this pattern leaves {:.3}: within {:.4} to {:.4} there is room for {:.3}; \
+             about its middle {:.4} to {:.4} would do",
             self.pressure_mpa,
-            if self.with_discrepancy { "flat friction with the discrepancy" } else { "flat friction" },
+            if with_discrepancy { "flat friction times the discrepancy" } else { "flat friction" },
             self.highest_at,
-            self.factor,
+            self.flat_factor,
             self.lowest_at,
+            self.factor,
             self.accepted[0],
             self.accepted[1],
+            self.accepted[1] / self.accepted[0],
             self.needed[0],
             self.needed[1],
         )
