@@ -44,6 +44,7 @@ fn calibrated(
     let purpose = Purpose {
         condition: design.condition,
         also_at: &design.also_at,
+        pressures_pa: &design.pressures_pa(),
         layer: design.layer,
         seed: design.seed,
         errors,
