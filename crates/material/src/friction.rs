@@ -119,6 +119,14 @@ impl Friction {
         mixed.ok_or_else(|| unknown_condition(table, condition))
     }
 
+    /// Coefficients by condition and pressure; none where one pair holds for all.
+    pub(crate) fn table(&self) -> &[ConditionFriction] {
+        match self {
+            Self::Single(_) => &[],
+            Self::PerCondition(table) => table,
+        }
+    }
+
     /// What coefficients under `condition` are made of where it was not measured itself: measured conditions about it, in
     /// words; `None` where nothing is interpolated.
     #[must_use]
@@ -163,7 +171,7 @@ fn condition_missing(table: &[ConditionFriction]) -> MaterialError {
     MaterialError::ConditionMissing { example }
 }
 
-fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Condition>) -> MaterialError {
+pub(crate) fn unknown_condition(table: &[ConditionFriction], wanted: Option<&Condition>) -> MaterialError {
     let mut available: Vec<String> = table.iter().filter_map(|row| row.condition).map(|c| c.in_words()).collect();
     available.dedup();
     MaterialError::UnknownCondition {

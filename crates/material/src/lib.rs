@@ -31,6 +31,7 @@
 
 mod area_law;
 mod condition;
+mod condition_range;
 mod elastic;
 mod error;
 mod friction;
@@ -38,6 +39,7 @@ mod modulus;
 
 pub use area_law::{AreaLaw, Piece, THRESHOLD_PRESSURE_PA};
 pub use condition::{Condition, between};
+pub use condition_range::ConditionRange;
 pub use elastic::Elastic;
 pub use error::MaterialError;
 pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};

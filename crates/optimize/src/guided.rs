@@ -60,7 +60,7 @@ pub fn search_guided(
         if left == 0 {
             break;
         }
-        let correction = guidance.correction(&grid, target.points().len(), constraints.quantities.len());
+        let correction = guidance.correction(&grid, target.values(), constraints.quantities.len());
         let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
         let along = SearchOptions { max_evaluations: left, ..*options };
         let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;

@@ -102,7 +102,7 @@ impl<'a> Evaluator<'a> {
         let failed = |reason: &str| Record::Failed(FailedTrial { design: *design, reason: reason.to_owned() });
         let record = match self.model.respond(design) {
             Ok(response) => {
-                let (expected, got) = (self.target.points().len(), response.value.len());
+                let (expected, got) = (self.target.values(), response.value.len());
                 if got != expected {
                     return Err(Interruption::Error(SearchError::WrongResponse { expected, got }));
                 }

@@ -5,7 +5,7 @@ use slipgrid_pattern::Pattern;
 /// What one design does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// The target's quantity at the target's pressures, in the target's order.
+    /// The target's quantity at the target's pressures, in the target's order, at each of its conditions in turn.
     pub value: Vec<f64>,
     /// What the constraints limit: one for each of [`Constraints::quantities`](crate::Constraints::quantities), in
     /// their order, SI units.

@@ -161,6 +161,8 @@ pub struct Target {
     quantity: Quantity,
     demands: Vec<Demand>,
     goal: Option<Goal>,
+    /// How many conditions the demands are made at.
+    conditions: usize,
 }
 
 /// Distance of a response from the target.
@@ -212,7 +214,31 @@ impl Target {
         if goal == Some(Goal::Even) && demands.len() < 2 {
             return Err(SearchError::OnePressure);
         }
-        Ok(Self { quantity, demands, goal })
+        Ok(Self { quantity, demands, goal, conditions: 1 })
+    }
+
+    /// The same asked at each of `conditions` conditions, at least one: values are those at the first, then those at the
+    /// second and so on, each in the order of [`Target::points`]. All of them count alike.
+    #[must_use]
+    pub fn at_conditions(&self, conditions: usize) -> Self {
+        Self { conditions: conditions.max(1), ..self.clone() }
+    }
+
+    /// How many conditions the target is asked at.
+    #[must_use]
+    pub const fn conditions(&self) -> usize {
+        self.conditions
+    }
+
+    /// How many values it is compared with: one for each point at each condition.
+    #[must_use]
+    pub const fn values(&self) -> usize {
+        self.conditions * self.demands.len()
+    }
+
+    /// The demand on each value.
+    fn asked(&self) -> impl Iterator<Item = &Demand> {
+        (0..self.conditions).flat_map(|_| &self.demands)
     }
 
     /// Which number is prescribed.
@@ -221,7 +247,7 @@ impl Target {
         self.quantity
     }
 
-    /// The pressures and what is wanted there, in the order given.
+    /// The pressures and what is wanted there, in the order given: the same at every condition.
     #[must_use]
     pub fn points(&self) -> &[Demand] {
         &self.demands
@@ -269,16 +295,16 @@ impl Target {
     #[must_use]
     pub fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
         let residual: Vec<f64> = match self.goal {
-            None => self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
+            None => self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
             Some(Goal::Even) if !self.has_demands() => {
                 let mean = self.mean(values.iter().copied());
                 values.iter().map(|value| (value / mean - 1.0) / GOAL_STEP).collect()
             }
             Some(_) => return None,
         };
-        let mean_weight = self.total_weight() / self.demands.len() as f64;
+        let mean_weight = self.total_weight() / self.values() as f64;
         let weighted = |(demand, residual): (&Demand, f64)| residual * (demand.weight / mean_weight).sqrt();
-        Some(self.demands.iter().zip(residual).map(weighted).collect())
+        Some(self.asked().zip(residual).map(weighted).collect())
     }
 
     /// The same asked of `times` responses, one after the other.
@@ -286,11 +312,12 @@ impl Target {
         Self { demands: self.demands.repeat(times), ..self.clone() }
     }
 
-    /// Misfit of `values`, one per point; further values are ignored.
+    /// Misfit of `values`, one per point and condition; further values are ignored, and the largest residual of the first
+    /// ones alone is theirs.
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {
-        let values = &values[..values.len().min(self.demands.len())];
-        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let values = &values[..values.len().min(self.values())];
+        let residuals = || self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
         let max = residuals().fold(0.0, |max: f64, residual| max.max(residual.abs()));
         // rms = sqrt( sum w_i r_i^2 / sum w_i )
         let rms = self.mean(residuals().map(|residual| residual * residual)).sqrt();
@@ -313,7 +340,7 @@ impl Target {
     /// How far `values` lie beyond the places near both edges of what is accepted that a goal may go to, in tolerances:
     /// at most 0 within.
     pub(crate) fn edges(&self, values: &[f64]) -> Vec<f64> {
-        let residuals = || self.demands.iter().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
+        let residuals = || self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
         let edges = |residual: f64| [residual - NEAR_THE_EDGE, -residual - NEAR_THE_EDGE];
         if self.has_demands() { residuals().flat_map(edges).collect() } else { Vec::new() }
     }
@@ -336,13 +363,12 @@ impl Target {
     }
 
     fn total_weight(&self) -> f64 {
-        self.demands.iter().map(|demand| demand.weight).sum()
+        self.asked().map(|demand| demand.weight).sum()
     }
 
     /// Mean by weight.
     fn mean(&self, numbers: impl Iterator<Item = f64>) -> f64 {
-        self.demands.iter().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>()
-            / self.total_weight()
+        self.asked().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>() / self.total_weight()
     }
 }
 
@@ -355,111 +381,4 @@ impl Misfit {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn point(pressure_pa: f64, value: f64) -> TargetPoint {
-        TargetPoint { pressure_pa, value }
-    }
-
-    fn demands(wanted: &[(Wanted, f64)]) -> Vec<Demand> {
-        let demand = |(place, &(wanted, weight)): (usize, &(Wanted, f64))| Demand {
-            pressure_pa: 1e6 * (place + 1) as f64,
-            wanted,
-            weight,
-        };
-        wanted.iter().enumerate().map(demand).collect()
-    }
-
-    #[test]
-    fn misfit_counts_in_tolerances() {
-        let target = Target::new(Quantity::Ratio, vec![point(1e6, 0.9), point(2e6, 0.8)], 0.01).unwrap();
-        let misfit = target.misfit(&[0.93, 0.76]);
-        assert!((misfit.max - 4.0).abs() < 1e-12);
-        assert!((misfit.rms - 12.5_f64.sqrt()).abs() < 1e-12 && misfit.cost == misfit.rms);
-        assert!(!misfit.is_met() && target.misfit(&[0.905, 0.795]).is_met());
-    }
-
-    #[test]
-    fn every_kind_of_demand_is_met_up_to_its_edge() {
-        let near = Wanted::Near { value: 0.9, tolerance: 0.02 };
-        let between = Wanted::Between { lowest: 0.88, highest: 0.92 };
-        let least = Wanted::AtLeast { lowest: 0.88, margin: 0.02 };
-        let most = Wanted::AtMost { highest: 0.92, margin: 0.02 };
-        for (value, residuals) in [
-            (0.86, [-2.0, -2.0, -2.0, 0.0]),
-            (0.88, [-1.0, -1.0, -1.0, 0.0]),
-            (0.9, [0.0; 4]),
-            (0.91, [0.5, 0.5, 0.0, 0.5]),
-            (0.92, [1.0, 1.0, 0.0, 1.0]),
-            (1.2, [15.0, 15.0, 0.0, 15.0]),
-        ] {
-            for (wanted, residual) in [near, between, least, most].into_iter().zip(residuals) {
-                assert!((wanted.residual(value) - residual).abs() < 1e-9, "{wanted:?} {value}");
-            }
-        }
-        assert_eq!(Wanted::Anything.residual(5.0), 0.0);
-        assert_eq!(least.band(), [Some(0.88), None]);
-        assert_eq!(most.tolerance(), Some(0.02));
-    }
-
-    #[test]
-    fn weights_count_in_the_mean_square_and_not_in_what_is_met() {
-        let near = |value| Wanted::Near { value, tolerance: 0.01 };
-        let target = Target::of(Quantity::Ratio, demands(&[(near(0.9), 3.0), (near(0.8), 1.0)]), None).unwrap();
-        // sqrt((3 * 1^2 + 1 * 2^2) / 4)
-        let values = [0.91, 0.82];
-        let misfit = target.misfit(&values);
-        assert!((misfit.max - 2.0).abs() < 1e-9 && (misfit.rms - 1.75_f64.sqrt()).abs() < 1e-9);
-        let residuals = target.residuals(&values).unwrap();
-        let rms = (residuals.iter().map(|r| r * r).sum::<f64>() / 2.0).sqrt();
-        assert!((rms - misfit.cost).abs() < 1e-12);
-    }
-
-    #[test]
-    fn goals_rank_by_their_mean_or_their_spread() {
-        let free = |goal| Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0); 2]), Some(goal)).unwrap();
-        let (low, high, uneven) = ([0.8, 0.9], [0.9, 0.9], [0.5, 1.3]);
-        let (lowest, highest, even) = (free(Goal::Lowest), free(Goal::Highest), free(Goal::Even));
-        assert!(lowest.misfit(&low).cost < lowest.misfit(&high).cost);
-        assert!(highest.misfit(&high).cost < highest.misfit(&low).cost);
-        assert_eq!(even.misfit(&high).cost, 0.0);
-        // Standard deviation 0.4 of mean 0.9, in per cent; residuals say the same.
-        assert!((even.misfit(&uneven).cost - 100.0 * 0.4 / 0.9).abs() < 1e-9);
-        let residuals = even.residuals(&uneven).unwrap();
-        assert!(((residuals.iter().map(|r| r * r).sum::<f64>() / 2.0).sqrt() - 100.0 * 0.4 / 0.9).abs() < 1e-9);
-        assert_eq!(even.goal_value(&high), Some(0.0));
-        assert!((lowest.goal_value(&low).unwrap() - 0.85).abs() < 1e-12);
-        // A hundredth less is 1 cheaper, whatever the mean.
-        for mean in [0.2, 0.9] {
-            let gain = lowest.misfit(&[mean; 2]).cost - lowest.misfit(&[mean * 0.99; 2]).cost;
-            assert!((gain - 1.005).abs() < 1e-3, "{gain}");
-        }
-        assert!(lowest.misfit(&low).is_met() && lowest.residuals(&low).is_none());
-    }
-
-    #[test]
-    fn a_goal_within_a_band_pays_more_for_leaving_it_than_it_can_gain() {
-        let between = Wanted::Between { lowest: 0.8, highest: 0.9 };
-        let target = Target::of(Quantity::Ratio, demands(&[(between, 1.0)]), Some(Goal::Lowest)).unwrap();
-        let cost = |value| target.misfit(&[value]).cost;
-        assert!(cost(0.81) < cost(0.85) && cost(0.81) < cost(0.799) && cost(0.799) < cost(0.7));
-        assert!(target.misfit(&[0.8001]).is_met() && !target.misfit(&[0.799]).is_met());
-    }
-
-    #[test]
-    fn targets_that_mean_nothing_are_refused() {
-        let new = |points, tolerance| Target::new(Quantity::Ratio, points, tolerance);
-        assert_eq!(new(vec![], 0.01), Err(SearchError::NoTargetPoints));
-        assert!(matches!(new(vec![point(1e6, 0.9); 2], 0.01), Err(SearchError::RepeatedPressure { .. })));
-        for (pressure_pa, value, tolerance) in [(0.0, 0.9, 0.01), (1e6, f64::NAN, 0.01), (1e6, 0.9, 0.0)] {
-            assert!(matches!(new(vec![point(pressure_pa, value)], tolerance), Err(SearchError::OutOfRange { .. })));
-        }
-        let of = |wanted, weight, goal| Target::of(Quantity::Ratio, demands(&[(wanted, weight)]), goal);
-        assert_eq!(of(Wanted::Anything, 1.0, None), Err(SearchError::NothingWanted));
-        assert_eq!(of(Wanted::Anything, 1.0, Some(Goal::Even)), Err(SearchError::OnePressure));
-        assert!(matches!(of(Wanted::Anything, 0.0, Some(Goal::Lowest)), Err(SearchError::OutOfRange { .. })));
-        let reversed = Wanted::Between { lowest: 0.9, highest: 0.8 };
-        assert!(matches!(of(reversed, 1.0, None), Err(SearchError::OutOfRange { .. })));
-    }
-}
+mod tests;

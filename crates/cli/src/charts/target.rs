@@ -17,6 +17,8 @@ pub struct TargetChart<'a> {
     pub confirmed: &'a [(f64, Estimate)],
     /// The flat surface in the same quantity: nominal pressure in MPa and value. May be empty.
     pub flat: &'a [[f64; 2]],
+    /// Over all conditions: nominal pressure in MPa, lowest and highest value. Empty where there is one condition.
+    pub spread: &'a [[f64; 3]],
 }
 
 /// One point of the target.
@@ -35,6 +37,9 @@ pub struct TargetPoint {
 /// Height of the picture.
 const HEIGHT: f64 = 500.0;
 const BAND: f64 = 0.22;
+/// Opacity of the spread over conditions, and the half width of its bars over that of the axis.
+const SPREAD: f64 = 0.75;
+const SPREAD_WIDTH: f64 = 0.007;
 /// Draws target, prediction and confirmation against pressure.
 ///
 /// # Errors
@@ -51,12 +56,13 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     let points = || chart.predicted.iter().chain(chart.flat).copied().chain(confirmed_points());
     let limits = || chart.target.iter().flat_map(|point| [point.value, point.lowest, point.highest]).flatten();
     let pressures = || chart.target.iter().map(|point| point.pressure_mpa).chain(points().map(|point| point[0]));
-    let values = || limits().chain(points().map(|point| point[1])).chain(bars());
+    let ends = || chart.spread.iter().flat_map(|[_, low, high]| [*low, *high]);
+    let values = || limits().chain(points().map(|point| point[1])).chain(bars()).chain(ends());
     if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
         return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
     }
 
-    let [blue, vermilion, green, ..] = PALETTE;
+    let [blue, vermilion, green, purple, ..] = PALETTE;
     let has_values = chart.target.iter().any(|point| point.value.is_some());
     let mut legend = Vec::new();
     if limits().next().is_some() {
@@ -72,6 +78,9 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         let bars = chart.confirmed.iter().any(|(_, estimate)| estimate.error.is_some());
         let label = if bars { "confirmed ± one standard deviation" } else { "confirmed" };
         legend.push((Swatch::Mark(Mark::Square, vermilion), label));
+    }
+    if !chart.spread.is_empty() {
+        legend.push((Swatch::Band(purple, SPREAD), "all conditions"));
     }
     if !chart.flat.is_empty() {
         legend.push((Swatch::Line(GREY), "flat surface"));
@@ -116,6 +125,12 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         for point in chart.target.iter().filter_map(at) {
             plot.mark(Mark::Diamond, point, None, 0.0, green)?;
         }
+        // Behind the marks: beside their error bars, and wider.
+        let half_mpa = SPREAD_WIDTH * if high_mpa > low_mpa { high_mpa - low_mpa } else { 0.1 * high_mpa.abs() };
+        for &[pressure, low, high] in chart.spread {
+            let [left, right] = [pressure - half_mpa, pressure + half_mpa];
+            plot.polygon(&[[left, low], [right, low], [right, high], [left, high]], purple, SPREAD)?;
+        }
         for &(pressure, estimate) in chart.confirmed {
             plot.mark(Mark::Square, [pressure, estimate.value], estimate.error, 0.0, vermilion)?;
         }
@@ -144,6 +159,7 @@ mod tests {
             predicted: &[],
             confirmed: &[],
             flat: &[],
+            spread: &[],
         };
         let svg = target(&bare).unwrap();
         assert!(svg.contains("\ntarget ± tolerance\n") && svg.contains("\nfriction ratio\n"));
@@ -153,6 +169,10 @@ mod tests {
         let svg = target(&full).unwrap();
         assert!(svg.contains("\npredicted\n") && svg.contains("\nconfirmed ± one standard deviation\n"));
         assert!(svg.contains("\nflat surface\n"));
+        assert!(!svg.contains("\nall conditions\n"));
+        let wide = target(&TargetChart { spread: &[[0.65, 0.955, 0.985], [2.6, 0.8, 0.81]], ..full }).unwrap();
+        assert!(wide.contains("\nall conditions\n"));
+        assert_eq!(wide.matches("<polygon").count(), svg.matches("<polygon").count() + 2);
         // One point of the target is drawn as well.
         assert!(target(&TargetChart { target: &TARGET[..1], ..full }).is_ok());
     }
@@ -161,8 +181,15 @@ mod tests {
     fn bands_may_be_open_and_goals_have_none() {
         let predicted = [[0.65, 0.9], [2.6, 0.7]];
         let chart = |target: &[TargetPoint]| {
-            let chart =
-                TargetChart { title: "t", quantity: "q", target, predicted: &predicted, confirmed: &[], flat: &[] };
+            let chart = TargetChart {
+                title: "t",
+                quantity: "q",
+                target,
+                predicted: &predicted,
+                confirmed: &[],
+                flat: &[],
+                spread: &[],
+            };
             super::target(&chart).unwrap()
         };
         let open = TARGET.map(|point| TargetPoint { value: None, lowest: None, ..point });
@@ -175,7 +202,15 @@ mod tests {
 
     #[test]
     fn a_target_without_points_is_refused() {
-        let chart = TargetChart { title: "t", quantity: "q", target: &[], predicted: &[], confirmed: &[], flat: &[] };
+        let chart = TargetChart {
+            title: "t",
+            quantity: "q",
+            target: &[],
+            predicted: &[],
+            confirmed: &[],
+            flat: &[],
+            spread: &[],
+        };
         assert!(matches!(target(&chart), Err(ChartError::Empty { .. })));
     }
 }

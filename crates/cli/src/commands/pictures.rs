@@ -216,7 +216,23 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
         predicted: &predicted,
         confirmed: &confirmed,
         flat: &flat,
+        spread: &spread(report),
     })?)
+}
+
+/// Lowest and highest value at each pressure over all conditions; empty where there is one.
+fn spread(report: &DesignReport) -> Vec<[f64; 3]> {
+    let at = report.conditions.iter().flat_map(|conditions| &conditions.at);
+    let mut spread: Vec<[f64; 3]> = Vec::new();
+    for value in at.flat_map(|condition| &condition.by_pressure) {
+        let own = if report.is_ratio() { value.ratio } else { value.mu };
+        match spread.iter_mut().find(|known| known[0] == value.pressure_mpa) {
+            Some(known) => *known = [known[0], known[1].min(own), known[2].max(own)],
+            None => spread.push([value.pressure_mpa, own, own]),
+        }
+    }
+    spread.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    spread
 }
 
 /// The gaps between contact blocks of a patterned surface: its cavities, to within a block.

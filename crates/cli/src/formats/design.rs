@@ -4,16 +4,17 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_export::Laser;
-use slipgrid_material::{Condition, Material};
+use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target};
 use slipgrid_pattern::{Arrangement, ManufacturingLimits};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
+use super::condition_ranges::{ConditionRangeFile, read_conditions};
 use super::document::Document;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
-use super::material::{ConditionFile, MaterialFile, existing, read_condition, read_file, read_material};
+use super::material::{MaterialFile, existing, read_file, read_material};
 use super::material_uncertainty::{MaterialUncertainty, read_uncertainty};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
@@ -35,8 +36,8 @@ const DEFAULT_SPEED_MM_S: f64 = 2.0;
 struct DesignFile {
     name: Option<String>,
     material: Spanned<PathOr<MaterialFile>>,
-    condition: Option<Spanned<ConditionFile>>,
-    also_at: Option<Spanned<Vec<ConditionFile>>>,
+    condition: Option<Spanned<ConditionRangeFile>>,
+    also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
     target: Spanned<TargetFile>,
     bounds: Spanned<BoundsFile>,
     #[serde(default = "plain_texture")]
@@ -94,9 +95,10 @@ pub struct Design {
     pub name: String,
     /// Where the material comes from.
     pub material: MaterialInput,
-    /// Selects coefficients per condition.
+    /// Selects coefficients per condition: the one designed for. Of a range, and of a material that has to be calibrated
+    /// first, known when [`Design::resolve`] has seen the measured ones.
     pub condition: Option<Condition>,
-    /// Further conditions at which the target must hold.
+    /// Further conditions at which the target must hold: known at the same time.
     pub also_at: Vec<Condition>,
     /// The wanted friction.
     pub target: Target,
@@ -137,6 +139,8 @@ pub struct Design {
     /// Errors of a material that is given; a calibration finds its own.
     pub uncertainty: MaterialUncertainty,
     document: Document,
+    /// Conditions as given, with their places in the file: the one designed for first.
+    ranges: Vec<(ConditionRange, std::ops::Range<usize>)>,
     condition_place: std::ops::Range<usize>,
     also_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
@@ -158,7 +162,7 @@ impl Design {
     /// As [`Design::read`].
     pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
         let file: DesignFile = document.parse()?;
-        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        let ranges = read_ranges(&document, &file)?;
         let target = read_target(&document, &file.target)?;
         let layer = read_layer(&document, &file.sample)?;
         let bounds = file.bounds.get_ref();
@@ -184,8 +188,7 @@ impl Design {
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
-        let humidity = condition.map(|condition| condition.humidity);
-        let (material, uncertainty) = read_material_input(&document, &file.material, humidity)?;
+        let (material, uncertainty) = read_material_input(&document, &file.material)?;
         if let MaterialInput::Given(material) = &material {
             read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, material)?;
         }
@@ -205,11 +208,11 @@ impl Design {
         };
         let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
         let discrepancy = file.target.get_ref().discrepancy.as_ref();
-        let design = Self {
+        let mut design = Self {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
             material,
-            condition,
-            also_at: read_also_at(&document, &file)?,
+            condition: None,
+            also_at: Vec::new(),
             target,
             space,
             discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
@@ -218,7 +221,7 @@ impl Design {
             laser,
             outline: read_specimen(&document, &file.specimen)?,
             layer,
-            speed_m_s: condition.map_or_else(|| SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S), |condition| condition.speed_m_s),
+            speed_m_s: SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S),
             seed: file.search.seed.unwrap_or(1),
             max_evaluations,
             max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
@@ -229,14 +232,16 @@ impl Design {
             tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
             trade_offs,
             uncertainty,
+            ranges,
             condition_place: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             also_place: file.also_at.as_ref().map_or(0..0, Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             discrepancy_place: discrepancy.map_or(0..0, Spanned::span),
             document,
         };
-        if let MaterialInput::Given(material) = &design.material {
-            design.loads(material)?;
+        if let MaterialInput::Given(material) = design.material.clone() {
+            design.resolve(&material.friction)?;
+            design.loads(&material)?;
             if design.discrepancy && design.uncertainty.discrepancy.is_none() {
                 return Err(
                     design.refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks")
@@ -244,6 +249,39 @@ impl Design {
             }
         }
         Ok(design)
+    }
+
+    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, and the one designed for
+    /// among those of the first.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at a range that reaches outside the measured conditions.
+    pub fn resolve(&mut self, friction: &Friction) -> Result<(), Diagnostic> {
+        let Some((first, _)) = self.ranges.first() else { return Ok(()) };
+        let mut all: Vec<Condition> = Vec::new();
+        for (range, place) in &self.ranges {
+            let refuse = |error: MaterialError| self.document.refuse(place.clone(), error.to_string());
+            for condition in friction.extremes(range).map_err(refuse)? {
+                if !all.iter().any(|known| known.matches(&condition)) {
+                    all.push(condition);
+                }
+            }
+            if self.condition.is_none() {
+                self.condition = friction.primary(first, &all);
+            }
+        }
+        let Some(condition) = self.condition else { return Ok(()) };
+        all.retain(|other| !other.matches(&condition));
+        self.also_at = all;
+        self.speed_m_s = condition.speed_m_s;
+        self.uncertainty.designed_for(Some(condition.humidity));
+        Ok(())
+    }
+
+    /// The range that the design is made for, where it is one.
+    #[must_use]
+    pub fn range(&self) -> Option<&ConditionRange> {
+        self.ranges.first().map(|(range, _)| range).filter(|range| range.is_wide())
     }
 
     /// The loads at the target's pressures, and whether each lies outside the measured range.
@@ -295,14 +333,19 @@ impl Design {
     }
 }
 
-fn read_also_at(document: &Document, file: &DesignFile) -> Result<Vec<Condition>, Diagnostic> {
-    let Some(also_at) = &file.also_at else { return Ok(Vec::new()) };
-    if file.condition.is_none() {
+/// Conditions with their places: the one designed for, then the further ones.
+fn read_ranges(
+    document: &Document,
+    file: &DesignFile,
+) -> Result<Vec<(ConditionRange, std::ops::Range<usize>)>, Diagnostic> {
+    if let (None, Some(also_at)) = (&file.condition, &file.also_at) {
         return Err(document
             .refuse(also_at.span(), "stands without the condition that is designed for")
             .expected("condition = { speed_mm_s = ..., humidity_pct = ... } beside it"));
     }
-    also_at.get_ref().iter().map(|condition| read_condition(document, condition)).collect()
+    let further = file.also_at.iter().flat_map(Spanned::get_ref);
+    let read = |range: &Spanned<ConditionRangeFile>| Ok((read_conditions(document, range.get_ref())?, range.span()));
+    file.condition.iter().chain(further).map(read).collect()
 }
 
 fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {
@@ -395,12 +438,11 @@ fn read_limits(
 fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
-    humidity: Option<f64>,
 ) -> Result<(MaterialInput, MaterialUncertainty), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
             let read = read_material(document, table, &material.span())?;
-            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(document, table, humidity)?))
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(document, table, None)?))
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
@@ -409,7 +451,7 @@ fn read_material_input(
                 return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
             let read = read_file(&path)?;
-            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(&named, &named.parse()?, humidity)?))
+            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(&named, &named.parse()?, None)?))
         }
     }
 }

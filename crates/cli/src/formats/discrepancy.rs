@@ -99,26 +99,42 @@ impl EstimateFile {
     }
 }
 
-/// The discrepancy for a humidity: its own where one was estimated, that of all conditions otherwise.
+/// The discrepancy over all conditions, and at humidities that have one of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Discrepancies {
+    all: Discrepancy,
+    by_humidity: Vec<(f64, Discrepancy)>,
+}
+
+impl Discrepancies {
+    /// The discrepancy for a humidity, from 0 to 1: its own where one was estimated, that of all conditions otherwise.
+    #[must_use]
+    pub fn at(&self, humidity: Option<f64>) -> &Discrepancy {
+        let is_own =
+            |measured: f64| humidity.is_some_and(|humidity| (humidity - measured).abs() <= 1e-6 * measured.max(1e-3));
+        self.by_humidity.iter().rfind(|(measured, _)| is_own(*measured)).map_or(&self.all, |(_, own)| own)
+    }
+}
+
+/// Reads every estimate of a table.
 ///
 /// # Errors
-/// [`Diagnostic`] if the numbers are no estimate.
-pub fn read_discrepancy(
+/// [`Diagnostic`] if the numbers of one are no estimate.
+pub fn read_discrepancies(
     document: &Document,
     file: &toml::Spanned<DiscrepancyFile>,
-    humidity: Option<f64>,
-) -> Result<Discrepancy, Diagnostic> {
+) -> Result<Discrepancies, Diagnostic> {
     let table = file.get_ref();
-    let mut chosen = &table.all;
-    for own in &table.humidity {
-        let measured = document.number(&own.humidity_pct, HUMIDITY_PCT)?;
-        if humidity.is_some_and(|humidity| (humidity - measured).abs() <= 1e-6 * measured.max(1e-3)) {
-            chosen = &own.estimate;
-        }
-    }
-    chosen.read().ok_or_else(|| {
-        document.refuse(file.span(), "holds no estimate").expected(
-            "one or two coefficients, their covariance and positive pressures, as `slipgrid calibrate` writes them",
-        )
+    let read = |estimate: &EstimateFile| {
+        estimate.read().ok_or_else(|| {
+            document.refuse(file.span(), "holds no estimate").expected(
+                "one or two coefficients, their covariance and positive pressures, as `slipgrid calibrate` writes them",
+            )
+        })
+    };
+    let own = |own: &HumidityFile| Ok((document.number(&own.humidity_pct, HUMIDITY_PCT)?, read(&own.estimate)?));
+    Ok(Discrepancies {
+        all: read(&table.all)?,
+        by_humidity: table.humidity.iter().map(own).collect::<Result<_, Diagnostic>>()?,
     })
 }

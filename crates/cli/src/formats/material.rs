@@ -8,7 +8,7 @@ use slipgrid_material::{
 };
 use toml::Spanned;
 
-use super::discrepancy::{DiscrepancyFile, read_discrepancy};
+use super::discrepancy::{DiscrepancyFile, read_discrepancies};
 use super::document::Document;
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
@@ -227,7 +227,7 @@ pub fn read_material(
     let friction = read_friction(document, &file.friction)?;
     let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
     if let Some(discrepancy) = &file.discrepancy {
-        read_discrepancy(document, discrepancy, None)?;
+        read_discrepancies(document, discrepancy)?;
     }
     Ok(Material {
         elastic,

@@ -6,7 +6,7 @@ use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
 use toml::Spanned;
 
-use super::discrepancy::read_discrepancy;
+use super::discrepancy::{Discrepancies, read_discrepancies};
 use super::document::Document;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing};
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
@@ -26,8 +26,10 @@ pub struct MaterialUncertainty {
     pub law_is_fitted: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
-    /// Measured over modelled ratio on patterned samples, for the condition asked for.
+    /// Measured over modelled ratio on patterned samples, for the condition designed for.
     pub discrepancy: Option<Discrepancy>,
+    /// The same at every humidity.
+    discrepancies: Option<Discrepancies>,
     /// The patterned samples behind it, in words.
     pub discrepancy_pattern: Option<String>,
 }
@@ -54,14 +56,15 @@ pub fn read_uncertainty(
     let modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
     let modulus_std_pa = document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
     let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
-    let discrepancy = file.discrepancy.as_ref().map(|table| read_discrepancy(document, table, humidity)).transpose()?;
+    let discrepancies = file.discrepancy.as_ref().map(|table| read_discrepancies(document, table)).transpose()?;
     Ok(MaterialUncertainty {
         friction: friction_errors(document, file.friction.get_ref(), false)?,
         static_friction: friction_errors(document, file.friction.get_ref(), true)?,
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
-        discrepancy,
+        discrepancy: discrepancies.as_ref().map(|found| found.at(humidity).clone()),
+        discrepancies,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
 }
@@ -153,6 +156,18 @@ fn rows(
 }
 
 impl MaterialUncertainty {
+    /// Measured over modelled ratio on patterned samples at a humidity, from 0 to 1: its own where one was estimated, that
+    /// of all conditions otherwise.
+    #[must_use]
+    pub fn discrepancy_at(&self, humidity: Option<f64>) -> Option<&Discrepancy> {
+        self.discrepancies.as_ref().map(|found| found.at(humidity))
+    }
+
+    /// Takes `humidity` for that of the condition designed for.
+    pub fn designed_for(&mut self, humidity: Option<f64>) {
+        self.discrepancy = self.discrepancy_at(humidity).cloned();
+    }
+
     /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,
     /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
     /// file has no standard errors for the condition.

@@ -1,6 +1,7 @@
 //! File formats: types of their own, converted once into the validated types of the library crates.
 
 pub mod calibration;
+pub mod condition_ranges;
 pub mod design;
 pub mod discrepancy;
 pub mod document;

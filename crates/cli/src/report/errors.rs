@@ -103,6 +103,13 @@ impl ErrorReport {
             own.into_iter().chain(of_material).map(|part| PartsReport { std: tidy(part.std), ..part }).collect();
         Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), parts }
     }
+
+    /// The part of the run itself: how long it lasted and what it drew.
+    #[must_use]
+    pub fn std_of_run(&self) -> f64 {
+        let own = self.parts.iter().filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS].contains(&part.input.as_str()));
+        own.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
+    }
 }
 
 impl Solved<'_> {

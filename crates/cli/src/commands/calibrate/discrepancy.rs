@@ -25,14 +25,14 @@ const LOG_MODULUS_STEP: f64 = 0.02;
 /// Ratios at one humidity from which it has an estimate of its own.
 const FEWEST_AT_HUMIDITY: usize = 3;
 
-/// `calibration` with the patterned measurements that an estimate for `humidity` rests on: those at it, or all where
-/// they are too few.
+/// `calibration` with the patterned measurements that estimates for `humidities` rest on: those at them, or all where
+/// those at one of them are too few.
 #[must_use]
-pub fn narrowed(calibration: &Calibration, humidity: Option<f64>) -> Calibration {
+pub fn narrowed(calibration: &Calibration, humidities: &[f64]) -> Calibration {
     let mut narrowed = calibration.clone();
-    narrowed.patterned.retain(|measured| humidity == Some(measured.humidity));
-    if narrowed.patterned.len() < FEWEST_AT_HUMIDITY {
-        narrowed.patterned.clone_from(&calibration.patterned);
+    let at = |humidity: f64| calibration.patterned.iter().filter(|measured| measured.humidity == humidity).count();
+    if !humidities.is_empty() && humidities.iter().all(|humidity| at(*humidity) >= FEWEST_AT_HUMIDITY) {
+        narrowed.patterned.retain(|measured| humidities.contains(&measured.humidity));
     }
     narrowed
 }

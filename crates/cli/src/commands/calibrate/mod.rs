@@ -3,6 +3,7 @@
 mod details;
 mod discrepancy;
 mod fit;
+mod needed;
 mod write;
 
 use std::path::Path;
@@ -10,7 +11,6 @@ use std::path::Path;
 use slipgrid_contact::{AreaPoint, ContactError, Status};
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
-    between,
 };
 use slipgrid_springblock::Layer;
 use slipgrid_topography::HeightMap;
@@ -75,6 +75,8 @@ pub struct Purpose<'a> {
     pub condition: Option<Condition>,
     /// Those at these conditions or about them, too.
     pub also_at: &'a [Condition],
+    /// Of these, those at the nominal pressures of the design or about them, in pascals.
+    pub pressures_pa: &'a [f64],
     /// The flat sample as modelled.
     pub layer: Layer,
     /// Seed of its local coefficients.
@@ -182,17 +184,12 @@ pub fn material(
     purpose: &Purpose<'_>,
     console: &mut Console<'_>,
 ) -> Result<(Material, MaterialUncertainty), CliError> {
-    let mut needed = calibration.clone();
-    if let (Coefficients::PerCondition, Some(condition)) = (calibration.coefficients, &purpose.condition) {
-        let of = |measured: &Measurement| Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity };
-        let measured: Vec<Condition> = calibration.flat.iter().map(of).collect();
-        let wanted = purpose.also_at.iter().chain([condition]);
-        let about: Vec<_> = wanted.filter_map(|condition| between(&measured, condition)).flatten().collect();
-        needed.flat.retain(|measured| about.iter().any(|(own, _)| own.matches(&of(measured))));
-    }
+    let needed = Calibration { flat: needed::needed(calibration, purpose), ..calibration.clone() };
     let humidity = purpose.condition.map(|condition| condition.humidity);
     // Patterned samples at any speed tell of the model's error.
-    let judged = discrepancy::narrowed(calibration, humidity);
+    let humidities: Vec<f64> =
+        purpose.condition.iter().chain(purpose.also_at).map(|condition| condition.humidity).collect();
+    let judged = discrepancy::narrowed(calibration, &humidities);
     let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), &judged, console)?;
     let document = Document::new(path, calibrated.file);
     let errors = read_uncertainty(&document, &document.parse()?, humidity)?;

@@ -66,10 +66,21 @@ impl Reading {
     }
 }
 
-/// The factors exp(d(P)) that a search aims with at `loads`: 1 where `design` does not ask for it.
+/// The factors exp(d(P)) that a search aims with at `loads`, at the condition designed for: 1 where `design` does not ask
+/// for it.
 #[must_use]
 pub fn factors(design: &Design, material: &MaterialUncertainty, loads: &[Load]) -> Vec<f64> {
-    let found = material.discrepancy.as_ref().filter(|_| design.discrepancy);
+    factors_by(design, material.discrepancy.as_ref(), loads)
+}
+
+/// The same at a humidity, with the discrepancy found there.
+#[must_use]
+pub fn factors_at(design: &Design, material: &MaterialUncertainty, humidity: Option<f64>, loads: &[Load]) -> Vec<f64> {
+    factors_by(design, material.discrepancy_at(humidity), loads)
+}
+
+fn factors_by(design: &Design, found: Option<&Discrepancy>, loads: &[Load]) -> Vec<f64> {
+    let found = found.filter(|_| design.discrepancy);
     loads.iter().map(|load| found.map_or(1.0, |found| found.factor(load.pressure_pa))).collect()
 }
 

@@ -1,200 +1,162 @@
-//! A target that must hold at several speeds and humidities: searched and confirmed at the first of them, under a target
-//! narrowed so that flat friction at the others leaves room, and judged at every one.
+//! The speeds and humidities beside the one designed for at which the target must hold: what the search is asked there,
+//! and which of them decide.
 
-use serde::Serialize;
 use slipgrid_material::{Condition, Material};
-use slipgrid_optimize::{Demand, ModelFailure, Quantity, Target, Wanted};
-use slipgrid_springblock::Load;
+use slipgrid_optimize::Target;
+use slipgrid_springblock::{Load, Simulation};
 
-use super::robustness::About;
-use super::target_report::TargetReport;
+use super::aim::{factors, factors_at};
+use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::report::table::fixed;
-use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// A condition beside the one designed for.
-struct Other {
-    condition: Condition,
-    /// Its mu_d over that of the condition designed for, at each load.
-    share: Vec<f64>,
-    outside: Vec<bool>,
+#[derive(Clone, Debug)]
+pub struct Further {
+    /// Speed and humidity.
+    pub condition: Condition,
+    /// The target's pressures with the coefficients that hold here.
+    pub loads: Vec<Load>,
+    /// Whether each pressure lies outside the measured range.
+    pub outside: Vec<bool>,
+    /// The confirming run of the best design here, where it was run in time.
+    pub confirmed: Option<Simulation>,
 }
 
-/// The conditions beside the one designed for, and the target that they and it were asked to meet.
-pub struct Others {
-    asked: Target,
-    all: Vec<Other>,
-}
-
-/// What the design does at the other conditions.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ConditionsReport {
-    /// The target at every condition; that of the search is narrowed where it is a friction coefficient.
-    pub asked: TargetReport,
-    /// How the values were obtained.
-    pub meaning: &'static str,
-    /// One per condition.
-    pub at: Vec<ConditionReport>,
-    /// The target holds at all of them.
-    pub held: bool,
-}
-
-/// What the design does at one of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ConditionReport {
-    /// Sliding speed.
-    pub speed_mm_s: f64,
-    /// Relative humidity.
-    pub humidity_pct: f64,
-    /// One per target pressure.
-    pub by_pressure: Vec<ConditionValue>,
-    /// Largest distance from the target, in tolerances.
-    pub misfit: f64,
-}
-
-/// Values at one pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ConditionValue {
-    /// Nominal pressure.
-    pub pressure_mpa: f64,
-    /// Ratio, as it is compared with the target.
-    pub ratio: f64,
-    /// Dynamic friction, likewise.
-    pub mu: f64,
-    /// The pressure lies outside the measured range of the coefficients.
-    pub friction_extrapolated: bool,
-}
-
-const MEANING: &str = "at further conditions: the confirming run's ratio with what the steady model makes of other coefficients, times \
-                       the flat friction calibrated there";
-
-impl Others {
-    /// The further conditions of `design`, whose coefficients at the first are those of `loads`.
-    ///
-    /// # Errors
-    /// [`CliError`] for a condition outside those measured.
-    pub fn new(design: &Design, material: &Material, loads: &[Load]) -> Result<Self, CliError> {
-        let mut all = Vec::new();
-        for condition in &design.also_at {
-            let (own, outside) = design.loads_at(material, condition)?;
-            let share = |(own, first): (&Load, &Load)| own.friction.dynamic_mean() / first.friction.dynamic_mean();
-            all.push(Other { condition: *condition, share: own.iter().zip(loads).map(share).collect(), outside });
-        }
-        Ok(Self { asked: design.target.clone(), all })
+/// The conditions of `design` beside the one designed for.
+///
+/// # Errors
+/// [`CliError`] for a condition outside those measured.
+pub fn further(design: &Design, material: &Material) -> Result<Vec<Further>, CliError> {
+    let mut all = Vec::new();
+    for condition in &design.also_at {
+        let (loads, outside) = design.loads_at(material, condition)?;
+        all.push(Further { condition: *condition, loads, outside, confirmed: None });
     }
+    Ok(all)
+}
 
-    /// The target at the condition designed for under which it holds at all: friction goes with that of the flat sample,
-    /// the ratio hardly changes.
-    ///
-    /// # Errors
-    /// [`CliError`] where nothing at the first condition is accepted at all of them.
-    pub fn narrowed(&self, design: &Design) -> Result<Target, CliError> {
-        if self.all.is_empty() || self.asked.quantity() == Quantity::Ratio {
-            return Ok(self.asked.clone());
+/// What values are multiplied by before they are compared with the target: at each of `loads` of the condition designed for,
+/// then at those of each of `further`, with the discrepancy of its humidity.
+#[must_use]
+pub fn all_factors(design: &Design, material: &MaterialUncertainty, loads: &[Load], further: &[Further]) -> Vec<f64> {
+    let at = |further: &Further| factors_at(design, material, Some(further.condition.humidity), &further.loads);
+    factors(design, material, loads).into_iter().chain(further.iter().flat_map(at)).collect()
+}
+
+/// A condition in words.
+pub fn in_words(condition: &Condition) -> String {
+    let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+    format!("{} mm/s, {} %", tidy(speed), tidy(humidity))
+}
+
+/// The largest misfit of each condition's share of `values`.
+pub fn misfits(target: &Target, values: &[f64]) -> Vec<f64> {
+    values.chunks(target.points().len()).map(|own| target.at_conditions(1).misfit(own).max).collect()
+}
+
+/// The place of the greatest, the first of equals; 0 without any.
+pub fn greatest(numbers: impl Iterator<Item = f64>) -> usize {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (place, number) in numbers.enumerate() {
+        if number > best.1 {
+            best = (place, number);
         }
-        let demands: Option<Vec<Demand>> =
-            self.asked.points().iter().enumerate().map(|(place, point)| self.narrowed_at(place, point)).collect();
-        let refuse = |reason: String| CliError::from(design.refuse(reason));
-        let demands = demands.ok_or_else(|| {
-            refuse(
-                "flat friction differs so much between condition and also_at that no design is accepted at all"
-                    .to_owned(),
-            )
-        })?;
-        Target::of(self.asked.quantity(), demands, self.asked.goal()).map_err(|error| refuse(error.to_string()))
     }
+    best.0
+}
 
-    fn narrowed_at(&self, place: usize, point: &Demand) -> Option<Demand> {
-        let shares = || self.all.iter().map(|other| other.share[place]).chain([1.0]);
-        let [lowest, highest] = point.wanted.band();
-        // v s >= lowest and v s <= highest for every s
-        let lowest = lowest.map(|edge| shares().map(|share| edge / share).fold(0.0, f64::max));
-        let highest = highest.map(|edge| shares().map(|share| edge / share).fold(f64::INFINITY, f64::min));
-        let wanted = match (point.wanted, lowest, highest) {
-            (Wanted::AtLeast { margin, .. }, Some(lowest), _) => Wanted::AtLeast { lowest, margin },
-            (Wanted::AtMost { margin, .. }, _, Some(highest)) => Wanted::AtMost { highest, margin },
-            (_, Some(lowest), Some(highest)) if lowest < highest => Wanted::Between { lowest, highest },
-            (_, Some(_), Some(_)) => return None,
-            (wanted, ..) => wanted,
+/// Places of the conditions that decide, of `values` at each pressure of each condition: those with the lowest and the highest
+/// value at some pressure, and the one with the largest misfit. The first of equals, in order, each once.
+fn decisive(target: &Target, values: &[f64]) -> Vec<usize> {
+    let count = target.points().len();
+    let at = |pressure: usize| values.iter().skip(pressure).step_by(count).copied();
+    let mut places = vec![greatest(misfits(target, values).into_iter())];
+    places.extend((0..count).flat_map(|p| [greatest(at(p).map(|value| -value)), greatest(at(p))]));
+    places.sort_unstable();
+    places.dedup();
+    places
+}
+
+impl Rounds {
+    /// The target's quantity at each load of each condition, the one designed for first: by the confirming runs, and where
+    /// none was made by the steady model about that at the condition designed for. Absent where a run gave none.
+    pub(super) fn confirmed_each(&self) -> Vec<Option<f64>> {
+        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Vec::new() };
+        let first = self.model.confirmed(0, confirmed);
+        let of = |(place, at): (usize, &Further)| match &at.confirmed {
+            Some(run) => self.model.confirmed(place + 1, run),
+            None => self.model.about(place + 1, &best.response.value, &first),
         };
-        Some(Demand { wanted, ..*point })
+        let further: Vec<Option<f64>> = self.further.iter().enumerate().flat_map(of).collect();
+        first.into_iter().chain(further).collect()
     }
 
-    /// What the design of `about` does at the further conditions, times `factors`; `None` without any, and where the
-    /// confirming run has no friction.
-    ///
-    /// # Errors
-    /// [`CliError::Other`] where the model has no answer.
-    pub fn report(&self, about: &About<'_>, factors: &[f64]) -> Result<Option<ConditionsReport>, CliError> {
-        let known: Option<Vec<(f64, f64)>> = about
-            .confirmed
-            .loads
-            .iter()
-            .map(|load| Some((load.ratio?, load.flat.as_ref().and_then(|flat| flat.mu_dynamic)?)))
-            .collect();
-        let Some(known) = known.filter(|_| !self.all.is_empty()) else { return Ok(None) };
-        let failed = |failure: ModelFailure| CliError::Other(format!("also_at: {failure}"));
-        let steady = |share: &[f64]| {
-            let relative: Vec<f64> = share.iter().map(|share| share - 1.0).collect();
-            about.model.ratios_where(about.pattern, &relative, about.model.area_law().cloned()).map_err(failed)
-        };
-        let first = steady(&vec![1.0; known.len()])?;
-        let mut at = Vec::new();
-        for other in &self.all {
-            let own = steady(&other.share)?;
-            let by_pressure: Vec<ConditionValue> = self
-                .asked
-                .points()
-                .iter()
-                .enumerate()
-                .map(|(place, point)| {
-                    let (confirmed, flat) = known[place];
-                    let ratio = (confirmed + own[place] - first[place]) * factors[place];
-                    ConditionValue {
-                        pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-                        ratio: tidy(ratio),
-                        mu: tidy(ratio * flat * other.share[place]),
-                        friction_extrapolated: other.outside[place],
-                    }
-                })
-                .collect();
-            let is_ratio = self.asked.quantity() == Quantity::Ratio;
-            let values: Vec<f64> =
-                by_pressure.iter().map(|value| if is_ratio { value.ratio } else { value.mu }).collect();
-            at.push(ConditionReport {
-                speed_mm_s: SPEED_MM_S.from_si(other.condition.speed_m_s),
-                humidity_pct: HUMIDITY_PCT.from_si(other.condition.humidity),
-                by_pressure,
-                misfit: tidy(self.asked.misfit(&values).max),
-            });
-        }
-        let held = at.iter().all(|at| at.misfit <= 1.0);
-        Ok(Some(ConditionsReport { asked: (&self.asked).into(), meaning: MEANING, at, held }))
+    /// The further conditions that decide and were not run in time, by their places among the further ones.
+    pub(super) fn undecided(&self, design: &Design) -> Vec<usize> {
+        let Some(values) = self.confirmed_values() else { return Vec::new() };
+        let places = decisive(&design.target, &values).into_iter().filter_map(|place| place.checked_sub(1));
+        places.filter(|place| self.further[*place].confirmed.is_none()).collect()
     }
-}
 
-impl ConditionsReport {
-    /// One line a condition.
-    #[must_use]
-    pub fn lines(&self) -> Vec<String> {
-        let mut lines = vec![self.meaning.to_owned()];
-        lines.extend(self.at.iter().map(|at| {
-            let each = |of: fn(&ConditionValue) -> f64| {
-                at.by_pressure.iter().map(|value| fixed(Some(of(value)), 4)).collect::<Vec<_>>().join(", ")
+    /// The further condition with the largest misfit of all, where it was not run in time.
+    pub(super) fn worst_undecided(&self, design: &Design) -> Option<usize> {
+        let values = self.confirmed_values()?;
+        let place = greatest(misfits(&design.target, &values).into_iter()).checked_sub(1)?;
+        self.further[place].confirmed.is_none().then_some(place)
+    }
+
+    /// What is said of the conditions beside what the confirming run says of itself.
+    pub(super) fn condition_statements(&self, design: &Design) -> Vec<String> {
+        let Some(first) = design.condition.as_ref().filter(|_| !self.further.is_empty()) else { return Vec::new() };
+        let count = self.further.len() + 1;
+        let mut statements = Vec::new();
+        if let Some(range) = design.range() {
+            let ends = |[lowest, highest]: [f64; 2]| {
+                if lowest < highest {
+                    format!("{} to {}", tidy(lowest), tidy(highest))
+                } else {
+                    tidy(lowest).to_string()
+                }
             };
-            let outside = at.by_pressure.iter().any(|value| value.friction_extrapolated);
-            format!(
-                "  {} mm/s, {} %: ratio {}; mu {}; misfit {}{}{}",
-                at.speed_mm_s,
-                at.humidity_pct,
-                each(|value| value.ratio),
-                each(|value| value.mu),
-                fixed(Some(at.misfit), 2),
-                if at.misfit > 1.0 { ": target missed" } else { "" },
-                if outside { " (a pressure lies outside those measured)" } else { "" },
-            )
-        }));
-        lines
+            statements.push(format!(
+                "{} mm/s and {} % of humidity: friction is lowest and highest at its ends and at measured conditions inside, since \
+                 coefficients are linear in between; designed for and reported at {}, of these the measured one with the most \
+                 pressures nearest the middle",
+                ends(range.speed_m_s().map(|speed| SPEED_MM_S.from_si(speed))),
+                ends(range.humidity().map(|humidity| HUMIDITY_PCT.from_si(humidity))),
+                in_words(first),
+            ));
+        }
+        statements.push(format!(
+            "searched for {count} conditions at once, each with its own coefficients; limits hold at all of them"
+        ));
+        if design.target.quantity() == slipgrid_optimize::Quantity::DynamicFriction {
+            statements.push(format!(
+                "flat friction at further conditions: that of the flat sample in time at {} times the ratio of the coefficients",
+                in_words(first)
+            ));
+        }
+        statements
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_optimize::{Quantity, TargetPoint};
+
+    #[test]
+    fn the_lowest_and_the_highest_at_each_pressure_and_the_worst_decide() {
+        let points = [1e6, 2e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.9 }).to_vec();
+        let target = Target::new(Quantity::Ratio, points, 0.01).unwrap().at_conditions(4);
+        // Lowest and highest at the first pressure: 1, 0; at the second 1, 3. The worst: 3.
+        let values = [0.93, 0.90, 0.89, 0.89, 0.90, 0.90, 0.90, 0.95];
+        assert_eq!(decisive(&target, &values), [0, 1, 3]);
+        assert!(misfits(&target, &values).iter().zip([3.0, 1.0, 0.0, 5.0]).all(|(a, b)| (a - b).abs() < 1e-9));
+        // Of equals the first.
+        assert_eq!(decisive(&target, &[0.9; 8]), [0]);
     }
 }

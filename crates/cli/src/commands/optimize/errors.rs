@@ -1,13 +1,14 @@
 //! The error beside every number of a design.
 
-use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Slopes};
+use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
+use slipgrid_material::Condition;
 use slipgrid_optimize::Quantity;
 use slipgrid_springblock::{Scene, Simulation};
 
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::report::errors::{ErrorReport, ErrorsReport, Solved};
+use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors, Solved};
 use crate::units::tidy;
 
 /// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
@@ -22,11 +23,7 @@ pub fn of_design(
     confirmed: &Simulation,
     predicted: &[f64],
 ) -> Result<ErrorsReport, CliError> {
-    let mut knowledge = material
-        .knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())
-        .map_err(|error| CliError::Other(error.to_string()))?;
-    let discrepancy = material.discrepancy.as_ref().filter(|_| design.discrepancy);
-    knowledge.discrepancy = discrepancy.map(|found| DiscrepancyAt::each(found, &scene.loads));
+    let knowledge = knowledge(design, material, scene, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &knowledge);
     let solved = Solved { scene, simulation: confirmed, knowledge: &knowledge, slopes: &slopes };
     let mut rows = solved.errors();
@@ -39,4 +36,71 @@ pub fn of_design(
     }
     let unknown = solved.unknown(material, &rows);
     Ok(ErrorsReport::new(rows, unknown, design.discrepancy))
+}
+
+/// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.
+fn knowledge(
+    design: &Design,
+    material: &MaterialUncertainty,
+    scene: &Scene,
+    condition: Option<&Condition>,
+) -> Result<Knowledge, CliError> {
+    let known = material
+        .knowledge(scene.area_law.as_ref(), &scene.loads, condition)
+        .map_err(|error| CliError::Other(error.to_string()))?;
+    let humidity = condition.map(|condition| condition.humidity);
+    let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
+    Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(found, &scene.loads)), ..known })
+}
+
+/// Standard deviations at one pressure of a further condition; absent where nothing is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FurtherErrors {
+    /// Of the ratio.
+    pub ratio: Option<f64>,
+    /// Of dynamic friction.
+    pub mu: Option<f64>,
+    /// Of the flat sample's.
+    pub mu_flat: Option<f64>,
+}
+
+/// Errors at the loads of `scene` under `condition`: of `run` where it was run in time; else of the steady model's
+/// `ratios` and the flat sample's `mu_flat`, about the run that `first` has the errors of.
+///
+/// # Errors
+/// [`CliError::Other`] for an area law that cannot be moved.
+pub fn of_condition(
+    design: &Design,
+    material: &MaterialUncertainty,
+    (scene, condition): (&Scene, &Condition),
+    run: Option<&Simulation>,
+    (ratios, mu_flat): (&[f64], &[f64]),
+    first: &ErrorsReport,
+) -> Result<Vec<FurtherErrors>, CliError> {
+    let knowledge = knowledge(design, material, scene, Some(condition))?;
+    let slopes = Slopes::new(scene, &knowledge);
+    if let Some(simulation) = run {
+        let rows = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes }.errors();
+        let std = |of: Option<ErrorReport>| of.and_then(|of| of.std);
+        let errors =
+            |row: PressureErrors| FurtherErrors { ratio: std(row.ratio), mu: row.mu.std, mu_flat: std(row.mu_flat) };
+        return Ok(rows.into_iter().map(errors).collect());
+    }
+    let at = |place: usize| -> Option<FurtherErrors> {
+        let about = first.at(place)?;
+        let of = slopes.deviations(place, ratios[place], mu_flat[place], &knowledge)?;
+        let factor = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
+        // What the run at the first condition left open, in proportion.
+        let with = |run: Option<&ErrorReport>, value: f64, own: f64| {
+            let share = run.and_then(|run| Some(run.std_of_run() / run.value?));
+            Some(own.hypot(share.unwrap_or(0.0) * value)).filter(|std| *std > 0.0)
+        };
+        let ratio = ratios[place] * factor;
+        Some(FurtherErrors {
+            ratio: with(about.ratio.as_ref(), ratio, of.ratio.std),
+            mu: with(Some(&about.mu), ratio * mu_flat[place], of.mu.std),
+            mu_flat: with(about.mu_flat.as_ref(), mu_flat[place], of.flat.std),
+        })
+    };
+    Ok((0..scene.loads.len()).map(|place| at(place).unwrap_or_default()).collect())
 }

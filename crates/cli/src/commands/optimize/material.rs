@@ -10,14 +10,14 @@ use crate::formats::design::{Design, MaterialInput};
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::{CliError, Console};
 
-/// The material of `design` and what is known of its errors.
+/// The material of `design` and what is known of its errors; the conditions of the design are known then.
 ///
 /// # Errors
 /// [`CliError`] for a calibration that is refused or fails.
-pub fn of_design(design: &Design, console: &mut Console<'_>) -> Result<(Material, MaterialUncertainty), CliError> {
-    let (mut material, uncertainty) = match &design.material {
-        MaterialInput::Given(material) => (material.as_ref().clone(), design.uncertainty.clone()),
-        MaterialInput::Calibration(path) => calibrated(path, design, console)?,
+pub fn of_design(design: &mut Design, console: &mut Console<'_>) -> Result<(Material, MaterialUncertainty), CliError> {
+    let (mut material, uncertainty) = match design.material.clone() {
+        MaterialInput::Given(material) => (*material, design.uncertainty.clone()),
+        MaterialInput::Calibration(path) => calibrated(&path, design, console)?,
     };
     let conditions = design.condition.iter().chain(&design.also_at);
     let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
@@ -28,18 +28,25 @@ pub fn of_design(design: &Design, console: &mut Console<'_>) -> Result<(Material
 /// The material of the calibration file at `path`, as far as `design` needs it.
 fn calibrated(
     path: &Path,
-    design: &Design,
+    design: &mut Design,
     console: &mut Console<'_>,
 ) -> Result<(Material, MaterialUncertainty), CliError> {
     let calibration = Calibration::read(path)?;
     // A pressure or condition that was not measured is refused before anything is computed.
-    design.loads(&provisional(&calibration)?)?;
+    let measured = provisional(&calibration)?;
+    design.resolve(&measured.friction)?;
+    design.loads(&measured)?;
     let has_patterned = calibration.pattern.is_some() && !calibration.patterned.is_empty();
     if design.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
         return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
     }
-    let purpose =
-        Purpose { condition: design.condition, also_at: &design.also_at, layer: design.layer, seed: design.seed };
+    let purpose = Purpose {
+        condition: design.condition,
+        also_at: &design.also_at,
+        pressures_pa: &design.pressures_pa(),
+        layer: design.layer,
+        seed: design.seed,
+    };
     let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
     if design.discrepancy && uncertainty.discrepancy.is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";

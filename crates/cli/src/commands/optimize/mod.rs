@@ -2,6 +2,8 @@
 
 mod aim;
 mod conditions;
+mod conditions_report;
+mod confirmation;
 mod errors;
 mod explanation;
 mod files;
@@ -36,7 +38,6 @@ use crate::output::{Outputs, check_folder};
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json};
 use crate::{CliError, Console, exit_code};
-use conditions::Others;
 use files::DesignScene;
 use report::{MisfitReport, Timings, patterns};
 use rounds::Rounds;
@@ -50,19 +51,19 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(&folder)?;
     let mut timings = Timings::default();
 
-    let (material, uncertainty) = material::of_design(&design, console)?;
+    let (material, uncertainty) = material::of_design(&mut design, console)?;
     let (loads, outside) = design.loads(&material)?;
-    let others = Others::new(&design, &material, &loads)?;
-    design.target = others.narrowed(&design)?;
+    let further = conditions::further(&design, &material)?;
+    design.target = design.target.at_conditions(1 + further.len());
     let with_table = args.table || design.table;
     if with_table {
         table::check(&design)?;
     }
     timings.material = started.elapsed().as_secs_f64();
 
-    let mut found = Rounds::new(&design, &material, loads.clone(), console, &mut timings)?;
-    let factors = aim::factors(&design, &uncertainty, &loads);
-    found.model.aim_with(factors.clone());
+    let factors = conditions::all_factors(&design, &uncertainty, &loads, &further);
+    let mut found = Rounds::new(&design, &material, loads.clone(), further, console, &mut timings)?;
+    found.model.aim_with(factors);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
@@ -83,9 +84,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
-    let conditions = others.report(&about, &factors)?;
-    let held = conditions.as_ref().is_none_or(|conditions| conditions.held);
-    let status = if held || found.status != Status::Met { found.status } else { Status::Unreachable };
+    let conditions = found.conditions_report(&design, &uncertainty, &errors, &outside)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -127,13 +126,14 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let is_solid = found.model.is_solid();
     let sectioned = Some(&pattern).filter(|_| !is_solid);
     let mut model = confirmed.model.clone();
+    model.extend(found.condition_statements(&design));
     model.extend(found.statements());
     model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {
         program: "slipgrid",
         version: VERSION,
         name: design.name.clone(),
-        status: status.name(),
+        status: found.status.name(),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
         dimensions: if is_solid { 3 } else { 2 },
@@ -142,7 +142,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         extent: found.confirming.extent.name(),
         target,
         predicted: load_reports(predicted, sectioned, &outside),
-        predicted_value: best.response.value.clone(),
+        predicted_value: best.response.value[..loads.len()].to_vec(),
         confirmed: load_reports(confirmed, sectioned, &outside),
         discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, value, &loads, confirmed),
         goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors),
@@ -179,7 +179,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let text = if args.json { json(&report)? } else { report.summary() };
     console.out.write_all(text.as_bytes())?;
     console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
-    Ok(match status {
+    Ok(match found.status {
         Status::Met => exit_code::DONE,
         Status::Unreachable => exit_code::UNREACHABLE,
         Status::Budget => exit_code::BUDGET,

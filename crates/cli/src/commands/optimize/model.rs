@@ -4,8 +4,8 @@ use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome, Simulation,
-    SolidModel, Status, Unwatched, simulate,
+    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome,
+    Simulation, SolidModel, Status, Unwatched, simulate,
 };
 
 use super::limited::Limited;
@@ -23,17 +23,21 @@ const MOST_CELL_BYTES: f64 = (1_u64 << 30) as f64;
 
 /// Friction of a design by the steady cell, with what confirming runs found the model to miss.
 pub struct SteadyCell {
+    /// With the loads of the condition designed for.
     scene: Scene,
+    /// With the loads of every condition, those of the condition designed for first: what designs are asked of. They
+    /// differ in the local coefficients alone, so one factorization serves all.
+    asked: Scene,
     solver: Solver,
     /// The same in larger blocks, where space makes it worth while.
     guide: Option<(Scene, Solver)>,
-    /// Dynamic friction of the flat sample at each load, where the target is dynamic friction itself:
+    /// Dynamic friction of the flat sample at each load of each condition, where the target is dynamic friction itself:
     /// the ratio hardly depends on time, friction itself lies above steady sliding.
     flat_mu: Option<Vec<f64>>,
-    /// What values are multiplied by at each load before they are compared with the target: 1, or the discrepancy's
-    /// factor.
+    /// What values are multiplied by at each load of each condition before they are compared with the target: 1, or the
+    /// discrepancy's factor.
     aim: Vec<f64>,
-    /// Added to the model's value at each pressure: dynamic minus steady at a confirmed design.
+    /// Added to the model's value at each load of each condition: dynamic minus steady at a confirmed design.
     correction: Vec<f64>,
     limited: Limited,
     study: Study,
@@ -64,10 +68,12 @@ impl Solver {
 }
 
 impl SteadyCell {
-    /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`. With `flat_mu`,
-    /// the dynamic friction of the flat sample at each load, it gives dynamic friction, without it the ratio.
+    /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`, and at the same
+    /// pressures of `further` conditions. With `flat_mu`, the dynamic friction of the flat sample at each load of the
+    /// scene, it gives dynamic friction, without it the ratio; flat friction elsewhere is that times the ratio of the
+    /// coefficients.
     #[must_use]
-    pub fn new(scene: &Scene, space: &DesignSpace, flat_mu: Option<Vec<f64>>) -> Self {
+    pub fn new(scene: &Scene, further: &[&[Load]], space: &DesignSpace, flat_mu: Option<Vec<f64>>) -> Self {
         let dimensions = scene.run.dimensions.unwrap_or_else(|| space.texture().dimensions());
         let run = RunOptions {
             fidelity: Fidelity::Steady,
@@ -76,6 +82,18 @@ impl SteadyCell {
             ..RunOptions::default()
         };
         let scene = Scene { pattern: None, run, ..scene.clone() };
+        let loads: Vec<Load> =
+            scene.loads.iter().chain(further.iter().flat_map(|loads| loads.iter())).copied().collect();
+        let flat_mu = flat_mu.map(|flat_mu| {
+            // mu_flat = mu_d f(P): at one pressure it goes as mu_d
+            let at = |(place, load): (usize, &Load)| {
+                let first = place % scene.loads.len();
+                flat_mu[first] * load.friction.dynamic_mean() / scene.loads[first].friction.dynamic_mean()
+            };
+            loads.iter().enumerate().map(at).collect()
+        });
+        let count = loads.len();
+        let asked = Scene { loads, ..scene.clone() };
         let rows = scene.layer.rows();
         let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
         let serves = |factor: &usize| {
@@ -84,7 +102,7 @@ impl SteadyCell {
                 && shortest_pitch_m >= LEAST_GUIDE_PITCH * scene.layer.block_m * *factor as f64
         };
         let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| dimensions == 3).map(|factor| {
-            let mut coarse = scene.clone();
+            let mut coarse = asked.clone();
             coarse.layer.block_m *= factor as f64;
             // The cell knows no specimen: any whole number of blocks does.
             coarse.layer.length_m = coarse.layer.height_m;
@@ -92,18 +110,25 @@ impl SteadyCell {
             (coarse, solver)
         });
         Self {
-            solver: Solver::new(&scene, dimensions),
+            solver: Solver::new(&asked, dimensions),
             guide,
             flat_mu,
-            aim: vec![1.0; scene.loads.len()],
-            correction: vec![0.0; scene.loads.len()],
+            aim: vec![1.0; count],
+            correction: vec![0.0; count],
             scene,
+            asked,
             limited: Limited::default(),
             study: Study::default(),
         }
     }
 
-    /// Values are multiplied by `factor`, one per load, from here on: those of the model and those of confirming runs.
+    /// The scene with the loads of every condition.
+    #[must_use]
+    pub const fn asked(&self) -> &Scene {
+        &self.asked
+    }
+
+    /// Values are multiplied by `factor`, one per load of each condition, from here on: those of the model and those of confirming runs.
     pub fn aim_with(&mut self, factor: Vec<f64>) {
         self.aim = factor;
     }
@@ -174,36 +199,51 @@ impl SteadyCell {
         Ok(open(Self::answer(&scene, &solver, design)?)?.ratio)
     }
 
-    /// What the model alone says of `design`: not corrected, not kept.
+    /// What the model alone says of `design` at every condition: not corrected, not kept.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        open(Self::answer(&self.scene, &self.solver, design)?)
+        open(Self::answer(&self.asked, &self.solver, design)?)
+    }
+
+    /// Largest local pressure of `design` at each load of each condition, in pascals.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design cannot be computed.
+    pub fn peak_pressures_pa(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.solver.solve(design)?.iter().map(|outcome| outcome.surface.peak_pressure_pa).collect())
     }
 
     /// The same material and loads in the vertical plane, without limits.
     #[must_use]
     pub fn in_plane(&self) -> Self {
-        let mut scene = self.scene.clone();
-        scene.run.dimensions = Some(2);
+        let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
+        (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
         Self {
-            solver: Solver::new(&scene, 2),
+            solver: Solver::new(&asked, 2),
             guide: None,
             flat_mu: self.flat_mu.clone(),
             aim: self.aim.clone(),
-            correction: vec![0.0; scene.loads.len()],
+            correction: vec![0.0; asked.loads.len()],
             limited: Limited::default(),
             study: Study::default(),
             scene,
+            asked,
         }
     }
 
-    /// What a ratio is multiplied by at `load` before it is compared with the target: the flat sample's dynamic friction
+    /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the flat sample's dynamic friction
     /// where that is wanted, and the discrepancy's factor where designs aim with it.
     #[must_use]
     pub fn scale(&self, load: usize) -> f64 {
         self.aim[load] * self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
+    }
+
+    /// What values are multiplied by at `load`, of all conditions one after the other: 1, or the discrepancy's factor.
+    #[must_use]
+    pub fn factor(&self, load: usize) -> f64 {
+        self.aim[load]
     }
 
     /// The area law that designs are solved with.
@@ -212,12 +252,11 @@ impl SteadyCell {
         self.scene.area_law.as_ref()
     }
 
-    /// Takes the difference between `confirmed` and what the search took for `predicted` as the
-    /// model's error at every design, and returns the largest change of it. Pressures where either is
-    /// absent keep their correction.
-    pub fn correct(&mut self, predicted: &[f64], confirmed: &Simulation) -> f64 {
+    /// Takes the difference between `confirmed` and what the search took for `predicted` as the model's error at every
+    /// design, and returns the largest change of it. Values, one per load of each condition, that either has not keep their
+    /// correction.
+    pub fn correct(&mut self, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
         let mut largest = 0.0_f64;
-        let confirmed = self.confirmed(confirmed);
         for (correction, (predicted, confirmed)) in self.correction.iter_mut().zip(predicted.iter().zip(confirmed)) {
             if let Some(confirmed) = confirmed {
                 largest = largest.max((confirmed - predicted).abs());
@@ -227,11 +266,26 @@ impl SteadyCell {
         largest
     }
 
-    /// The target's quantity by a confirming run as it is compared with the target, absent where it gave none.
+    /// The target's quantity by a confirming run at the condition of place `condition` as it is compared with the target,
+    /// absent where it gave none.
     #[must_use]
-    pub fn confirmed(&self, simulation: &Simulation) -> Vec<Option<f64>> {
+    pub fn confirmed(&self, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
         let value = |load: &LoadOutcome| if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
-        simulation.loads.iter().zip(&self.aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
+        let aim = &self.aim[condition * self.scene.loads.len()..];
+        simulation.loads.iter().zip(aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
+    }
+
+    /// What the steady model makes of the confirmed values `first` at the condition designed for at that of place
+    /// `condition`, which the search took for `predicted`: its ratio is off by as much as there.
+    #[must_use]
+    pub fn about(&self, condition: usize, predicted: &[f64], first: &[Option<f64>]) -> Vec<Option<f64>> {
+        let count = self.scene.loads.len();
+        let at = |(place, confirmed): (usize, &Option<f64>)| {
+            let own = condition * count + place;
+            // v + s dr, dr = (v_1 - predicted v_1) / s_1
+            Some(predicted[own] + ((*confirmed)? - predicted[place]) * self.scale(own) / self.scale(place))
+        };
+        first.iter().enumerate().map(at).collect()
     }
 
     /// `candidate` by the model as it stands: confirming runs may have corrected it since.
@@ -291,7 +345,7 @@ fn open(answer: Answer) -> Result<Answer, ModelFailure> {
 
 impl ForwardModel for SteadyCell {
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        self.ask(&self.scene, &self.solver, design)
+        self.ask(&self.asked, &self.solver, design)
     }
 }
 
@@ -300,7 +354,7 @@ mod tests {
     use super::*;
     use slipgrid_material::Elastic;
     use slipgrid_pattern::Planform;
-    use slipgrid_springblock::{Layer, Load};
+    use slipgrid_springblock::Layer;
 
     fn scene() -> Scene {
         let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
@@ -328,7 +382,7 @@ mod tests {
             let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
             for flat in [None, Some(flat_mu.to_vec())] {
                 let run = RunOptions { dimensions, ..RunOptions::default() };
-                let model = SteadyCell::new(&Scene { run, ..scene() }, &space(planform), flat.clone());
+                let model = SteadyCell::new(&Scene { run, ..scene() }, &[], &space(planform), flat.clone());
                 assert_eq!((model.is_solid(), model.scene(&design).dimensions()), (expected == 3, expected));
                 let response = model.respond(&design).unwrap();
                 let simulation = model.simulate(&design).unwrap();
@@ -337,7 +391,7 @@ mod tests {
                     assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
                 }
                 let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-                let answer = SteadyCell::answer(&model.scene, &model.solver, &design).unwrap();
+                let answer = SteadyCell::answer(&model.asked, &model.solver, &design).unwrap();
                 assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < 1e-9 && response.limited.is_empty());
                 let points = simulation
                     .loads
@@ -348,14 +402,14 @@ mod tests {
             }
         }
         let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
-        let model = SteadyCell::new(&scene(), &space(Planform::Groove), None);
+        let model = SteadyCell::new(&scene(), &[], &space(Planform::Groove), None);
         assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
     }
 
     #[test]
     fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
         let design = Pattern::new(Planform::Square, 130e-6, 170e-6, 20e-6).unwrap();
-        let mut model = SteadyCell::new(&scene(), &space(Planform::Square), None);
+        let mut model = SteadyCell::new(&scene(), &[], &space(Planform::Square), None);
         let own = model.respond(&design).unwrap().value;
         let guided = |model: &SteadyCell| {
             let (guide, block_m) = model.guide().unwrap();
@@ -368,27 +422,69 @@ mod tests {
         for load in &mut confirmed.loads {
             load.ratio = load.ratio.map(|ratio| ratio - 0.002);
         }
+        let confirmed = model.confirmed(0, &confirmed);
         model.correct(&own, &confirmed);
         assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < 1e-9));
         // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
-        assert!(SteadyCell::new(&scene(), &space(Planform::Groove), None).guide().is_none());
+        assert!(SteadyCell::new(&scene(), &[], &space(Planform::Groove), None).guide().is_none());
         let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
-        let blocks_m = SteadyCell::new(&scene(), &narrow, None).guide().map(|(_, block_m)| block_m);
+        let blocks_m = SteadyCell::new(&scene(), &[], &narrow, None).guide().map(|(_, block_m)| block_m);
         assert!((blocks_m.unwrap() - 20e-6).abs() < 1e-12);
     }
 
     #[test]
     fn a_corrected_model_gives_what_was_confirmed() {
         let design = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let mut model = SteadyCell::new(&scene(), &space(Planform::Groove), None);
+        let mut model = SteadyCell::new(&scene(), &[], &space(Planform::Groove), None);
         let before = model.respond(&design).unwrap().value;
         let mut confirmed = model.simulate(&design).unwrap();
         for load in &mut confirmed.loads {
             load.ratio = load.ratio.map(|ratio| ratio + 0.003);
         }
+        let confirmed = model.confirmed(0, &confirmed);
         assert!((model.correct(&before, &confirmed) - 0.003).abs() < 1e-9);
         let after = model.respond(&design).unwrap().value;
         assert!(after.iter().zip(&before).all(|(after, before)| (after - before - 0.003).abs() < 1e-9));
         assert!(model.correct(&after, &confirmed) < 1e-9);
+    }
+
+    #[test]
+    fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_worst_of_all() {
+        let scene = scene();
+        let louder: Vec<Load> = scene
+            .loads
+            .iter()
+            .map(|load| Load { friction: LocalFriction::new(0.4, 0.36, 0.05).unwrap(), ..*load })
+            .collect();
+        let design = Pattern::new(Planform::Groove, 130e-6, 170e-6, 20e-6).unwrap();
+        let flat_mu = vec![0.28, 0.25];
+        let mut model = SteadyCell::new(&scene, &[&louder], &space(Planform::Groove), Some(flat_mu.clone()));
+        model.aim_with(vec![1.0, 1.0, 0.9, 0.8]);
+        let there = Scene { loads: louder, ..scene.clone() };
+        let alone = |scene: &Scene| SteadyCell::new(scene, &[], &space(Planform::Groove), None);
+        let own = [alone(&scene), alone(&there)].map(|model| model.steady(&design).unwrap());
+        let both = model.steady(&design).unwrap();
+        assert_eq!(both.ratio, [&own[0].ratio[..], &own[1].ratio[..]].concat());
+        assert!(own[1].ratio[1] != own[0].ratio[1]);
+        let worst = own[0].peak_pressure_mpa.max(own[1].peak_pressure_mpa);
+        assert_eq!((both.peak_pressure_mpa, own[1].peak_pressure_mpa), (worst, worst));
+        assert_eq!(both.least_pressure, own[0].least_pressure.min(own[1].least_pressure));
+        let value = model.respond(&design).unwrap().value;
+        for (place, factor) in [0.9, 0.8].into_iter().enumerate() {
+            let expected = own[1].ratio[place] * flat_mu[place] * 0.36 / 0.27 * factor;
+            assert!((value[2 + place] - expected).abs() < 1e-12, "{value:?}");
+        }
+        // What the first condition's ratio is off, the second's is off too.
+        let first: Vec<Option<f64>> = (0..2).map(|load| Some(value[load] + 0.01 * flat_mu[load])).collect();
+        let about = model.about(1, &value, &first);
+        for (place, factor) in [0.9, 0.8].into_iter().enumerate() {
+            let expected = value[2 + place] + 0.01 * flat_mu[place] * 0.36 / 0.27 * factor;
+            assert!((about[place].unwrap() - expected).abs() < 1e-12, "{about:?}");
+        }
+        assert_eq!(model.about(1, &value, &[None, Some(0.3)])[0], None);
+        let all = [first, about].concat();
+        model.correct(&value, &all);
+        let after = model.respond(&design).unwrap().value;
+        assert!(after.iter().zip(&all).all(|(after, wanted)| (after - wanted.unwrap()).abs() < 1e-12));
     }
 }

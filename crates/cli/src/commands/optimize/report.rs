@@ -7,7 +7,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
-use super::conditions::ConditionsReport;
+use super::conditions_report::ConditionsReport;
 use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
@@ -50,7 +50,7 @@ pub struct DesignReport {
     pub predicted: Vec<LoadReport>,
     /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
     /// sample's dynamic friction where that is wanted, times the discrepancy where designs aim with it, with what an
-    /// earlier confirming run corrected.
+    /// earlier confirming run corrected; at the condition designed for.
     pub predicted_value: Vec<f64>,
     /// The confirming run at the target's pressures.
     pub confirmed: Vec<LoadReport>,
@@ -59,7 +59,7 @@ pub struct DesignReport {
     /// What patterned samples of the calibration say of the model's error, and what comes of it; null where none are
     /// known.
     pub discrepancy: Option<DiscrepancyReport>,
-    /// What the design does at further conditions; null where none are named.
+    /// What the design does at every condition; null where there is one.
     pub conditions: Option<ConditionsReport>,
     /// What became of the goal; null without one.
     pub goal: Option<GoalReport>,
@@ -73,7 +73,7 @@ pub struct DesignReport {
     pub robustness: Option<RobustnessReport>,
     /// The designs that no other beats in every goal; null where the design file names no goals.
     pub trade_offs: Option<TradeOffsReport>,
-    /// Lowest and highest value among the designs tried that respect every constraint.
+    /// Lowest and highest value among the designs tried that respect every constraint, at the condition designed for.
     pub reachable: Vec<ReachableReport>,
     /// Which limits and bounds keep designs from a target out of reach; null otherwise.
     pub explanation: Option<ExplanationReport>,
@@ -130,12 +130,12 @@ pub struct StoredDesign {
     pub seed: u64,
 }
 
-/// Largest distances from the target, in tolerances: up to 1 where it is met.
+/// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MisfitReport {
     /// Of the search's model.
     pub predicted: f64,
-    /// Of the confirming run; null where it has no value at some pressure.
+    /// Of the confirming runs; null where one has no value at some pressure.
     pub confirmed: Option<f64>,
 }
 
@@ -165,6 +165,8 @@ pub struct Timings {
     pub table: f64,
     /// Confirming.
     pub confirm: f64,
+    /// Confirming at further conditions.
+    pub confirm_further: f64,
     /// Slopes and tolerances at the design.
     pub uncertainty: f64,
     /// Comparing designs by the goals of `[trade_offs]`.
@@ -280,10 +282,16 @@ impl DesignReport {
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
-                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}\n",
-                    range.pressure_mpa, range.lowest, range.highest
+                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}{}\n",
+                    range.pressure_mpa,
+                    range.lowest,
+                    range.highest,
+                    if self.conditions.is_some() { ", at the condition designed for" } else { "" },
                 );
             }
+        }
+        for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
+            text += &format!("  why: {}\n", conflict.words);
         }
         for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
             text += &format!("  why: {reason}\n");
@@ -316,7 +324,7 @@ impl DesignReport {
             timings.material,
             timings.flat,
             timings.search,
-            timings.confirm,
+            timings.confirm + timings.confirm_further,
             timings.uncertainty,
             timings.trade_offs,
             timings.export

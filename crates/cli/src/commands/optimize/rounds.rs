@@ -11,10 +11,9 @@ use slipgrid_optimize::{
     search, search_guided,
 };
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{
-    self as springblock, Extent, Fidelity, Load, LoadOutcome, RunOptions, Scene, SceneError, Simulation, simulate,
-};
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
+use super::conditions::Further;
 use super::explanation::ExplanationReport;
 use super::flat::flat_friction;
 use super::limited::Limited;
@@ -47,7 +46,10 @@ pub(super) struct Rounds {
     pub(super) out_of_time: bool,
     pub(super) best: Option<Candidate>,
     pub(super) predicted: Option<Simulation>,
+    /// The confirming run at the condition designed for.
     pub(super) confirmed: Option<Simulation>,
+    /// The other conditions, with confirming runs of their own where they decide.
+    pub(super) further: Vec<Further>,
     pub(super) alternatives: Vec<Pattern>,
     pub(super) explanation: Option<ExplanationReport>,
     pub(super) reachable: Vec<ReachableReport>,
@@ -63,19 +65,13 @@ pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
 
-/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
-/// fewer scatter the ratio by more than a tenth of the usual tolerance.
-const LEAST_CONTACTS: f64 = 400.0;
-
-/// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
-const MOST_TRAVEL_M: f64 = 8e-6;
-
 impl Rounds {
     /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
     pub(super) fn new(
         design: &Design,
         material: &Material,
         loads: Vec<Load>,
+        further: Vec<Further>,
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<Self, CliError> {
@@ -110,8 +106,9 @@ impl Rounds {
             }
         };
         timings.flat = started.elapsed().as_secs_f64();
+        let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
         Ok(Self {
-            model: SteadyCell::new(&scene, &design.space, flat_mu),
+            model: SteadyCell::new(&scene, &elsewhere, &design.space, flat_mu),
             guidance: Guidance::new(),
             confirming,
             scene,
@@ -124,6 +121,7 @@ impl Rounds {
             best: None,
             predicted: None,
             confirmed: None,
+            further,
             alternatives: Vec::new(),
             explanation: None,
             reachable: Vec::new(),
@@ -147,6 +145,10 @@ impl Rounds {
             self.best = Some(outcome.best);
             if !unchanged {
                 self.confirm(design, &pattern, console, timings)?;
+            }
+            // Further runs are as dear: not of a design that misses by what is known already.
+            if self.is_confirmed(design) {
+                self.confirm_further(design, console, timings)?;
             }
             let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
             // What is even by the steady model need not be in time: searched again with what the first run taught.
@@ -172,7 +174,8 @@ impl Rounds {
                 break;
             }
         }
-        Ok(())
+        // What is reported stands on them, too.
+        self.confirm_further(design, console, timings)
     }
 
     /// Keeps every answer in the file at `path`, and with `resume` begins with those that it holds.
@@ -183,7 +186,7 @@ impl Rounds {
         resume: bool,
         console: &mut Console<'_>,
     ) -> Result<(), CliError> {
-        let depends_on = subject::depends_on(&self.scene, design.space.texture());
+        let depends_on = subject::depends_on(self.model.asked(), design.space.texture());
         let study = Study::in_file(path.clone(), depends_on, resume)?;
         if study.resumed() > 0 {
             console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));
@@ -217,10 +220,8 @@ impl Rounds {
 
     /// Corrects the model at the confirmed design; returns the largest change.
     pub(super) fn correct(&mut self) -> f64 {
-        match (&self.best, &self.confirmed) {
-            (Some(best), Some(confirmed)) => self.model.correct(&best.response.value, confirmed),
-            _ => 0.0,
-        }
+        let confirmed = self.confirmed_each();
+        self.best.as_ref().map_or(0.0, |best| self.model.correct(&best.response.value, &confirmed))
     }
 
     pub(super) fn search(
@@ -287,43 +288,16 @@ impl Rounds {
         Ok(outcome)
     }
 
-    pub(super) fn confirm(
-        &mut self,
-        design: &Design,
-        pattern: &Pattern,
-        console: &Console<'_>,
-        timings: &mut Timings,
-    ) -> Result<(), CliError> {
-        let refuse = |error: SceneError| design.refuse(error.to_string());
-        let predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.confirming.sliding_m = self.scene.run.sliding_m;
-        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
-        let bar = Progress::start("confirmation", console.quiet);
-        let confirmed = loop {
-            let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
-            let confirmed = simulate(&scene, &bar).map_err(refuse)?;
-            let sliding = |load: &LoadOutcome| load.surface.status != springblock::Status::NoOnset;
-            if confirmed.loads.iter().all(sliding) || self.confirming.sliding_m >= MOST_TRAVEL_M {
-                break confirmed;
-            }
-            // Slender lands shear further before the last block slips.
-            self.confirming.sliding_m *= 2.0;
-        };
-        timings.confirm += bar.finish();
-        self.predicted = Some(predicted);
-        self.confirmed = Some(confirmed);
-        Ok(())
-    }
-
-    /// Largest distance of the confirming run from the target, in tolerances; `None` where it has
-    /// no value at some pressure.
+    /// Largest distance of the confirming runs from the target, at all conditions, in tolerances; `None` where one has no
+    /// value at some pressure.
     pub(super) fn confirmed_misfit(&self, design: &Design) -> Option<f64> {
         Some(design.target.misfit(&self.confirmed_values()?).max)
     }
 
-    /// The target's quantity by the confirming run; `None` where it has no value at some pressure.
+    /// The target's quantity by the confirming runs, at each pressure of each condition; `None` where one has no value at
+    /// some pressure.
     pub(super) fn confirmed_values(&self) -> Option<Vec<f64>> {
-        self.model.confirmed(self.confirmed.as_ref()?).into_iter().collect()
+        self.confirmed_each().into_iter().collect::<Option<Vec<f64>>>().filter(|values| !values.is_empty())
     }
 
     pub(super) fn is_confirmed(&self, design: &Design) -> bool {

@@ -13,7 +13,7 @@ use crate::formats::target::quantity_name;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use crate::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use crate::{CliError, Console};
 
 /// Step of the depth where no burst gives one, in metres.
@@ -198,8 +198,14 @@ pub fn table(
 fn csv(design: &Design, patterns: &[Pattern], answers: &[Result<Candidate, ModelFailure>]) -> String {
     let quantity = quantity_name(design.target.quantity());
     let mut text = "width_um,spacing_um,depth_um".to_owned();
-    for point in design.target.points() {
-        text += &format!(",{quantity}_at_{}_mpa", PRESSURE_MPA.from_si(point.pressure_pa));
+    let elsewhere = design.also_at.iter().map(|condition| {
+        let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+        format!("_{}_mm_s_{}_pct", tidy(speed), tidy(humidity))
+    });
+    for condition in std::iter::once(String::new()).chain(elsewhere) {
+        for point in design.target.points() {
+            text += &format!(",{quantity}_at_{}_mpa{condition}", PRESSURE_MPA.from_si(point.pressure_pa));
+        }
     }
     for limit in &design.constraints.quantities {
         let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
@@ -221,7 +227,7 @@ fn csv(design: &Design, patterns: &[Pattern], answers: &[Result<Candidate, Model
                 text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.cost);
             }
             Err(_) => {
-                let columns = design.target.points().len() + design.constraints.quantities.len() + 2;
+                let columns = design.target.values() + design.constraints.quantities.len() + 2;
                 text += &format!("{},false\n", ",".repeat(columns));
             }
         }

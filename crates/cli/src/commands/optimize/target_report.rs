@@ -127,7 +127,7 @@ impl GoalReport {
         let goal = target.goal()?;
         let std_of = |of: &dyn Fn(&PressureErrors) -> Option<f64>| {
             let all: Option<Vec<f64>> = errors.by_pressure.iter().map(of).collect();
-            all.and_then(|all| target.goal_value(&all)).filter(|_| goal != Goal::Even).map(tidy)
+            all.and_then(|all| target.at_conditions(1).goal_value(&all)).filter(|_| goal != Goal::Even).map(tidy)
         };
         let is_ratio = target.quantity() == Quantity::Ratio;
         let quantity = match target.quantity() {
@@ -136,6 +136,7 @@ impl GoalReport {
         };
         let weighted = target.points().windows(2).any(|pair| pair[0].weight != pair[1].weight);
         let by = if weighted { ", by weight" } else { "" };
+        let over = if target.conditions() > 1 { "pressures of all conditions" } else { "pressures" };
         let range = |values: &[f64]| {
             let (lowest, highest) =
                 (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
@@ -144,7 +145,10 @@ impl GoalReport {
         Some(Self {
             goal: goal_name(goal),
             of: match goal {
-                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{by}"),
+                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the {over}{by}"),
+                Goal::Even if target.conditions() > 1 => {
+                    format!("standard deviation of the {quantity} over the {over} over its mean{by}")
+                }
                 Goal::Even => format!("standard deviation of the {quantity} over its mean{by}"),
             },
             predicted: target.goal_value(predicted),

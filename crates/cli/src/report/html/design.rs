@@ -5,7 +5,7 @@ use slipgrid_export::NOT_MODELLED;
 
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
-use super::{background, uncertainty};
+use super::{background, conditions, uncertainty};
 use crate::output::Outputs;
 
 /// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
@@ -97,7 +97,12 @@ fn dimensions(page: &mut Page, result: &Value) {
 fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     page.heading(2, "Target, prediction, confirmation");
     if let Some(svg) = outputs.text("target.svg") {
-        page.picture(&svg, "Target band, predicted, confirmed and flat values against pressure");
+        page.picture(&svg, if result["conditions"].is_object() {
+            "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
+             highest value over all conditions"
+        } else {
+            "Target band, predicted, confirmed and flat values against pressure"
+        });
     }
     let wanted = &result["target"];
     let is_ratio = text(wanted, "quantity") == "ratio";
@@ -140,7 +145,7 @@ fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
     );
     uncertainty::errors(page, result);
     uncertainty::discrepancy(page, result);
-    uncertainty::conditions(page, result);
+    conditions::conditions(page, result);
     let goal = &result["goal"];
     if goal.is_object() {
         let what = if goal["goal"] == "even" { "least" } else { text(goal, "goal") };

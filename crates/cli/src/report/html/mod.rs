@@ -9,6 +9,7 @@
 //! the same result gives the same bytes.
 
 mod background;
+mod conditions;
 mod design;
 mod page;
 mod section;

@@ -16,7 +16,7 @@ fn result() -> serde_json::Value {
         ],
         "errors": {"meaning": "+-: one standard deviation of time", "includes": ["time"], "by_pressure": [
             {"pressure_mpa": 0.65, "predicted": {"value": 0.9616, "std": 0.0012}, "ratio": {"value": 0.9637, "std": 0.0002},
-             "mu": {"value": 0.24, "std": null}},
+             "mu": {"value": 0.24, "std": null}, "mu_flat": {"value": 0.25, "std": 0.002}},
             {"pressure_mpa": 2.6, "predicted": {"value": 0.8315, "std": null},
              "ratio": {"value": 0.8355, "std": 0.0008, "parts": [{"input": "time", "std": 0.0007}]}, "mu": {"value": null, "std": null}}
         ]},
@@ -111,7 +111,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert!(page.contains(">mu flat</button>") && !page.contains(">mu static</button>"));
     assert!(!page.contains(">status</button>"));
     let mut differing = result();
-    differing["confirmed"][0]["mu_static"] = json!(0.27);
+    differing["errors"]["by_pressure"][0]["mu_static"] = json!({"value": 0.27, "std": 0.003});
     differing["confirmed"][1]["status"] = json!("no_onset");
     let differing = design(&differing, &outputs);
     assert!(differing.contains(">mu static</button>") && differing.contains("<td>no_onset</td>"));

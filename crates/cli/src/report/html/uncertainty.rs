@@ -118,33 +118,6 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
     );
 }
 
-/// What the design does at further conditions, where the result says it.
-pub(super) fn conditions(page: &mut Page, result: &Value) {
-    let found = &result["conditions"];
-    let rows: Vec<Vec<String>> = each(found, "at")
-        .iter()
-        .flat_map(|at| each(at, "by_pressure").iter().map(move |value| (at, value)))
-        .map(|(at, value)| {
-            vec![
-                plain(&at["speed_mm_s"]),
-                plain(&at["humidity_pct"]),
-                plain(&value["pressure_mpa"]),
-                number(&value["ratio"], 4),
-                number(&value["mu"], 4),
-                number(&at["misfit"], 2),
-            ]
-        })
-        .collect();
-    page.table(
-        &format!(
-            "Values {}. Misfit: largest distance from the target at that condition in tolerances; up to 1 is met.",
-            text(found, "meaning")
-        ),
-        &["speed in mm/s", "humidity in %", "P in MPa", "ratio", "mu", "misfit"],
-        &rows,
-    );
-}
-
 /// What samples made after the design do, where the result says it.
 pub(super) fn robustness(page: &mut Page, result: &Value) {
     let found = &result["robustness"];

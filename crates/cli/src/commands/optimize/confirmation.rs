@@ -1,0 +1,84 @@
+//! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
+
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{LoadOutcome, RunOptions, Scene, SceneError, Simulation, Status, simulate};
+
+use super::conditions::in_words;
+use super::report::Timings;
+use super::rounds::Rounds;
+use crate::formats::design::Design;
+use crate::progress::Progress;
+use crate::{CliError, Console};
+
+/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
+/// fewer scatter the ratio by more than a tenth of the usual tolerance.
+const LEAST_CONTACTS: f64 = 400.0;
+
+/// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
+const MOST_TRAVEL_M: f64 = 8e-6;
+
+/// `scene` in time, and how it was run: slender lands shear further before the last block slips.
+fn in_time(mut scene: Scene, bar: &Progress) -> Result<(Simulation, RunOptions), SceneError> {
+    loop {
+        let simulation = simulate(&scene, bar)?;
+        let sliding = |load: &LoadOutcome| load.surface.status != Status::NoOnset;
+        if simulation.loads.iter().all(sliding) || scene.run.sliding_m >= MOST_TRAVEL_M {
+            return Ok((simulation, scene.run));
+        }
+        scene.run.sliding_m *= 2.0;
+    }
+}
+
+impl Rounds {
+    /// Runs `pattern` in time at the condition designed for.
+    pub(super) fn confirm(
+        &mut self,
+        design: &Design,
+        pattern: &Pattern,
+        console: &Console<'_>,
+        timings: &mut Timings,
+    ) -> Result<(), CliError> {
+        let refuse = |error: SceneError| design.refuse(error.to_string());
+        let predicted = self.model.simulate(pattern).map_err(refuse)?;
+        self.confirming.sliding_m = self.scene.run.sliding_m;
+        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
+        let bar = Progress::start("confirmation", console.quiet);
+        let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
+        let (confirmed, run) = in_time(scene, &bar).map_err(refuse)?;
+        timings.confirm += bar.finish();
+        self.confirming = run;
+        self.predicted = Some(predicted);
+        self.confirmed = Some(confirmed);
+        for further in &mut self.further {
+            further.confirmed = None;
+        }
+        Ok(())
+    }
+
+    /// Runs the best design in time at further conditions, each at its own speed: those of the lowest and the highest value at
+    /// some pressure and of the largest misfit, by what is known so far, and then for as long as the largest misfit stands
+    /// at one that was not run.
+    pub(super) fn confirm_further(
+        &mut self,
+        design: &Design,
+        console: &Console<'_>,
+        timings: &mut Timings,
+    ) -> Result<(), CliError> {
+        let Some(pattern) = self.best.as_ref().map(|best| best.design) else { return Ok(()) };
+        let mut wanted = self.undecided(design);
+        while !wanted.is_empty() {
+            for place in wanted {
+                let at = &self.further[place];
+                let bar = Progress::start(&format!("confirmation at {}", in_words(&at.condition)), console.quiet);
+                let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
+                let (loads, speed_m_s) = (at.loads.clone(), at.condition.speed_m_s);
+                let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
+                let (confirmed, _) = in_time(scene, &bar).map_err(|error| design.refuse(error.to_string()))?;
+                timings.confirm_further += bar.finish();
+                self.further[place].confirmed = Some(confirmed);
+            }
+            wanted = self.worst_undecided(design).into_iter().collect();
+        }
+        Ok(())
+    }
+}

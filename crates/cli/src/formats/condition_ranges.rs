@@ -1,0 +1,39 @@
+//! Speeds and humidities at which a design must do what it is made for: each a number, or from a lowest to a highest.
+
+use serde::Deserialize;
+use slipgrid_material::ConditionRange;
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{Numbers, list};
+use crate::diagnostic::Diagnostic;
+use crate::units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
+
+/// A condition, or a range of them, as a design writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConditionRangeFile {
+    speed_mm_s: Spanned<Numbers>,
+    humidity_pct: Spanned<Numbers>,
+}
+
+/// Reads a condition or a range of them.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range, lists of another length than two, and ends in the wrong order.
+pub fn read_conditions(document: &Document, file: &ConditionRangeFile) -> Result<ConditionRange, Diagnostic> {
+    let speed_m_s = ends(document, &file.speed_mm_s, SPEED_MM_S)?;
+    let humidity = ends(document, &file.humidity_pct, HUMIDITY_PCT)?;
+    ConditionRange::new(speed_m_s, humidity).map_err(|error| document.refuse(file.speed_mm_s.span(), error.to_string()))
+}
+
+fn ends(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) -> Result<[f64; 2], Diagnostic> {
+    const EXPECTED: &str = "one number, or [lowest, highest]";
+    let read = list(document, values, quantity)?;
+    match (values.get_ref(), &read[..]) {
+        (Numbers::One(_), [one]) => Ok([*one; 2]),
+        (_, [lowest, highest]) if lowest <= highest => Ok([*lowest, *highest]),
+        (_, [_, _]) => Err(document.refuse(values.span(), "has its larger number first").expected(EXPECTED)),
+        _ => Err(document.refuse(values.span(), format!("is a list of {}", read.len())).expected(EXPECTED)),
+    }
+}
