@@ -163,6 +163,8 @@ pub struct Target {
     goal: Option<Goal>,
     /// How many conditions the demands are made at.
     conditions: usize,
+    /// Values at one condition, after which those at the next begin.
+    period: usize,
 }
 
 /// Distance of a response from the target.
@@ -172,8 +174,8 @@ pub struct Misfit {
     pub max: f64,
     /// Root mean square of the residuals, by weight.
     pub rms: f64,
-    /// What the search minimizes: the root mean square; with a goal that goal, in per cent, with the price of coming
-    /// near the edge of what is accepted.
+    /// What the search minimizes: the root mean square, at the condition where it is largest; with a goal that goal, in
+    /// per cent, with the price of coming near the edge of what is accepted.
     pub cost: f64,
 }
 
@@ -214,11 +216,12 @@ impl Target {
         if goal == Some(Goal::Even) && demands.len() < 2 {
             return Err(SearchError::OnePressure);
         }
-        Ok(Self { quantity, demands, goal, conditions: 1 })
+        let period = demands.len();
+        Ok(Self { quantity, demands, goal, conditions: 1, period })
     }
 
     /// The same asked at each of `conditions` conditions, at least one: values are those at the first, then those at the
-    /// second and so on, each in the order of [`Target::points`]. All of them count alike.
+    /// second and so on, each in the order of [`Target::points`]. What the search minimizes is that of the worst of them.
     #[must_use]
     pub fn at_conditions(&self, conditions: usize) -> Self {
         Self { conditions: conditions.max(1), ..self.clone() }
@@ -239,6 +242,16 @@ impl Target {
     /// The demand on each value.
     fn asked(&self) -> impl Iterator<Item = &Demand> {
         (0..self.conditions).flat_map(|_| &self.demands)
+    }
+
+    /// Of `values` those at one condition after the other, each with its demand.
+    fn by_condition<'a>(&'a self, values: &'a [f64]) -> impl Iterator<Item = Vec<(&'a Demand, f64)>> {
+        let of = move |condition: usize| -> Vec<(&'a Demand, f64)> {
+            let is_own = move |(place, _): &(usize, _)| place / self.period % self.conditions == condition;
+            let pairs = self.asked().zip(values.iter().copied()).enumerate();
+            pairs.filter(is_own).map(|(_, pair)| pair).collect()
+        };
+        (0..self.conditions).map(of).filter(|own| !own.is_empty())
     }
 
     /// Which number is prescribed.
@@ -280,29 +293,41 @@ impl Target {
         }
     }
 
-    /// What the goal is about: the mean value, or for an even one standard deviation over mean.
+    /// What the goal is about: the mean value, or for an even one standard deviation over mean; at the condition where that
+    /// is worst.
     #[must_use]
     pub fn goal_value(&self, values: &[f64]) -> Option<f64> {
-        let mean = self.mean(values.iter().copied());
-        Some(match self.goal? {
-            Goal::Lowest | Goal::Highest => mean,
-            // s / m = sqrt( sum w_i (v_i - m)^2 / sum w_i ) / m
-            Goal::Even => self.mean(values.iter().map(|value| (value - mean).powi(2))).sqrt() / mean,
-        })
+        let goal = self.goal?;
+        let of = |own: Vec<(&Demand, f64)>| {
+            let mean = mean(own.iter().copied());
+            match goal {
+                Goal::Lowest | Goal::Highest => mean,
+                // s / m = sqrt( sum w_i (v_i - m)^2 / sum w_i ) / m
+                Goal::Even => {
+                    self::mean(own.iter().map(|(demand, value)| (*demand, (value - mean).powi(2)))).sqrt() / mean
+                }
+            }
+        };
+        let worst = if goal == Goal::Highest { f64::min } else { f64::max };
+        self.by_condition(values).map(of).reduce(worst)
     }
 
-    /// Residuals whose root mean square is the cost of `values`; `None` where it is none.
+    /// Residuals whose root mean square is the cost of `values` at one condition, and at several that of all their costs;
+    /// `None` where it is none.
     #[must_use]
     pub fn residuals(&self, values: &[f64]) -> Option<Vec<f64>> {
         let residual: Vec<f64> = match self.goal {
             None => self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value)).collect(),
             Some(Goal::Even) if !self.has_demands() => {
-                let mean = self.mean(values.iter().copied());
-                values.iter().map(|value| (value / mean - 1.0) / GOAL_STEP).collect()
+                let means: Vec<f64> = self.by_condition(values).map(|own| mean(own.into_iter())).collect();
+                let of = |(place, value): (usize, &f64)| {
+                    (value / means[place / self.period % self.conditions] - 1.0) / GOAL_STEP
+                };
+                values.iter().enumerate().map(of).collect()
             }
             Some(_) => return None,
         };
-        let mean_weight = self.total_weight() / self.values() as f64;
+        let mean_weight = self.demands.iter().map(|demand| demand.weight).sum::<f64>() / self.demands.len() as f64;
         let weighted = |(demand, residual): (&Demand, f64)| residual * (demand.weight / mean_weight).sqrt();
         Some(self.asked().zip(residual).map(weighted).collect())
     }
@@ -317,12 +342,17 @@ impl Target {
     #[must_use]
     pub fn misfit(&self, values: &[f64]) -> Misfit {
         let values = &values[..values.len().min(self.values())];
-        let residuals = || self.asked().zip(values).map(|(demand, value)| demand.wanted.residual(*value));
-        let max = residuals().fold(0.0, |max: f64, residual| max.max(residual.abs()));
+        let square = |(demand, value): (&'_ Demand, f64)| demand.wanted.residual(value).powi(2);
+        let asked = || self.asked().zip(values.iter().copied());
+        let max = asked().fold(0.0, |max: f64, (demand, value)| max.max(demand.wanted.residual(value).abs()));
         // rms = sqrt( sum w_i r_i^2 / sum w_i )
-        let rms = self.mean(residuals().map(|residual| residual * residual)).sqrt();
+        let rms = mean(asked().map(|pair| (pair.0, square(pair)))).sqrt();
         let near_the_edge = || self.edge_price() * (max - NEAR_THE_EDGE).max(0.0);
-        let cost = self.goal_cost(values).map_or(rms, |goal| goal + near_the_edge());
+        let worst = || {
+            let of = |own: Vec<(&Demand, f64)>| mean(own.into_iter().map(|pair| (pair.0, square(pair)))).sqrt();
+            if self.conditions == 1 { rms } else { self.by_condition(values).map(of).fold(0.0, f64::max) }
+        };
+        let cost = self.goal_cost(values).map_or_else(worst, |goal| goal + near_the_edge());
         Misfit { max, rms, cost }
     }
 
@@ -361,15 +391,15 @@ impl Target {
         });
         EDGE_STEEPNESS * widest.fold(GOAL_STEP, f64::max) / GOAL_STEP
     }
+}
 
-    fn total_weight(&self) -> f64 {
-        self.asked().map(|demand| demand.weight).sum()
-    }
-
-    /// Mean by weight.
-    fn mean(&self, numbers: impl Iterator<Item = f64>) -> f64 {
-        self.asked().zip(numbers).map(|(demand, number)| demand.weight * number).sum::<f64>() / self.total_weight()
-    }
+/// Mean of numbers by the weight of their demands.
+fn mean<'a>(numbers: impl Iterator<Item = (&'a Demand, f64)>) -> f64 {
+    let add = |[sum, weight]: [f64; 2], (demand, number): (&Demand, f64)| {
+        [sum + demand.weight * number, weight + demand.weight]
+    };
+    let [sum, weight] = numbers.fold([0.0; 2], add);
+    sum / weight
 }
 
 impl Misfit {

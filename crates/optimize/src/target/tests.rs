@@ -34,14 +34,30 @@ fn at_several_conditions_every_value_counts() {
     assert!((misfit.max - 2.0).abs() < 1e-9 && alone.misfit(&values).is_met() && !misfit.is_met());
     assert!((misfit.rms - ((0.25 + 0.5 + 4.0 + 2.0) / 6.0_f64).sqrt()).abs() < 1e-9);
     let residuals = both.residuals(&values).unwrap();
-    assert!(((residuals.iter().map(|r| r * r).sum::<f64>() / 4.0).sqrt() - misfit.cost).abs() < 1e-12);
+    assert!(((residuals.iter().map(|r| r * r).sum::<f64>() / 4.0).sqrt() - misfit.rms).abs() < 1e-12);
+    // The search minimizes that of the worst condition.
+    assert!(
+        (misfit.cost - 2.0_f64.sqrt()).abs() < 1e-9
+            && misfit.cost == both.misfit(&[&values[2..], &values[..2]].concat()).cost
+    );
     assert_eq!(both.edges(&values).len(), 8);
     // The first condition's values alone have their own largest residual.
     assert_eq!(both.misfit(&values[..2]).max, alone.misfit(&values[..2]).max);
     // Robust searches ask all that of every sample.
     assert_eq!(both.repeated(3).values(), 12);
     let lowest = Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0)]), Some(Goal::Lowest)).unwrap();
-    assert!((lowest.at_conditions(2).goal_value(&[0.8, 0.9]).unwrap() - 0.85).abs() < 1e-12);
+    assert_eq!(lowest.at_conditions(2).goal_value(&[0.8, 0.9]), Some(0.9));
+    let highest = Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0)]), Some(Goal::Highest)).unwrap();
+    assert_eq!(highest.at_conditions(2).goal_value(&[0.8, 0.9]), Some(0.8));
+    // Even over the pressures at each condition, whatever lies between conditions.
+    let even = Target::of(Quantity::Ratio, demands(&[(Wanted::Anything, 1.0); 2]), Some(Goal::Even)).unwrap();
+    let even = even.at_conditions(2);
+    assert_eq!((even.goal_value(&[0.8, 0.8, 0.9, 0.9]), even.misfit(&[0.8, 0.8, 0.9, 0.9]).cost), (Some(0.0), 0.0));
+    assert!(even.residuals(&[0.8, 0.8, 0.9, 0.9]).unwrap().iter().all(|residual| *residual == 0.0));
+    assert!((even.goal_value(&[0.8, 0.8, 0.5, 1.3]).unwrap() - 0.4 / 0.9).abs() < 1e-12);
+    // Samples of robust searches, one after the other, each at both conditions: the worst over its samples.
+    let samples = lowest.at_conditions(2).repeated(2);
+    assert!((samples.goal_value(&[0.8, 0.9, 0.6, 0.7]).unwrap() - 0.8).abs() < 1e-12);
     assert_eq!(alone.at_conditions(1), alone);
 }
 

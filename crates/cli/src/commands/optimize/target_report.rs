@@ -114,7 +114,7 @@ pub struct GoalReport {
     pub confirmed: Option<f64>,
     /// Its standard deviation, likewise.
     pub confirmed_std: Option<f64>,
-    /// Highest less lowest value over the pressures, by the search's model.
+    /// Highest less lowest value over the pressures, at the condition where that is most, by the search's model.
     pub range_predicted: Option<f64>,
     /// The same by the confirming run.
     pub range_confirmed: Option<f64>,
@@ -136,20 +136,19 @@ impl GoalReport {
         };
         let weighted = target.points().windows(2).any(|pair| pair[0].weight != pair[1].weight);
         let by = if weighted { ", by weight" } else { "" };
-        let over = if target.conditions() > 1 { "pressures of all conditions" } else { "pressures" };
+        let at = if target.conditions() > 1 { ", at the worst condition" } else { "" };
         let range = |values: &[f64]| {
-            let (lowest, highest) =
-                (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
-            Some(highest - lowest)
+            let of = |own: &[f64]| {
+                let (lowest, highest) = (own.iter().copied().reduce(f64::min)?, own.iter().copied().reduce(f64::max)?);
+                Some(highest - lowest)
+            };
+            values.chunks(target.points().len()).filter_map(of).reduce(f64::max)
         };
         Some(Self {
             goal: goal_name(goal),
             of: match goal {
-                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the {over}{by}"),
-                Goal::Even if target.conditions() > 1 => {
-                    format!("standard deviation of the {quantity} over the {over} over its mean{by}")
-                }
-                Goal::Even => format!("standard deviation of the {quantity} over its mean{by}"),
+                Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{by}{at}"),
+                Goal::Even => format!("standard deviation of the {quantity} over its mean{by}{at}"),
             },
             predicted: target.goal_value(predicted),
             predicted_std: std_of(&|at| at.predicted.as_ref()?.std),
