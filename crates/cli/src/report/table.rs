@@ -50,6 +50,13 @@ pub fn fixed(value: Option<f64>, digits: usize) -> String {
     }
 }
 
+/// A number with its error after `+-`, where that is known.
+#[must_use]
+pub fn with_error(value: f64, std: Option<f64>, digits: usize) -> String {
+    let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));
+    fixed(Some(value), digits) + &error
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -12,7 +12,7 @@ use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::ErrorsReport;
-use crate::report::table::fixed;
+use crate::report::table::{fixed, with_error};
 use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// What the design does at every condition.
@@ -262,8 +262,7 @@ impl ConditionsReport {
             let each = |of: fn(&ConditionValue) -> (f64, Option<f64>)| {
                 let words = |value: &ConditionValue| {
                     let (value, std) = of(value);
-                    let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), 4)));
-                    fixed(Some(value), 4) + &error
+                    with_error(value, std, 4)
                 };
                 at.by_pressure.iter().map(words).collect::<Vec<_>>().join(", ")
             };

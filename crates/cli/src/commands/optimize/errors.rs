@@ -2,14 +2,18 @@
 
 use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
 use slipgrid_material::Condition;
-use slipgrid_optimize::Quantity;
+use slipgrid_optimize::{Quantity, ReachableRange, Status};
+use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, Simulation};
+
+use super::report::ReachableReport;
+use super::rounds::Rounds;
 
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors, Solved};
-use crate::units::tidy;
+use crate::units::{PRESSURE_MPA, tidy};
 
 /// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
 /// The design itself is taken as exact.
@@ -103,4 +107,38 @@ pub fn of_condition(
         })
     };
     Ok((0..scene.loads.len()).map(|place| at(place).unwrap_or_default()).collect())
+}
+
+/// What designs within bounds and limits reach at each pressure of the condition designed for, with errors where the target
+/// is not met: then they decide.
+///
+/// # Errors
+/// [`CliError::Other`] for an area law that cannot be moved.
+pub(super) fn of_reachable(
+    design: &Design,
+    material: &MaterialUncertainty,
+    found: &Rounds,
+) -> Result<Vec<ReachableReport>, CliError> {
+    let is_open = found.status != Status::Met;
+    let knowledge = knowledge(design, material, &found.scene, design.condition.as_ref())?;
+    let std = |place: usize, pattern: &Pattern, value: f64| {
+        let slopes = Slopes::new(&found.model.scene(pattern), &knowledge);
+        // A value is a ratio times what the target's quantity takes it by.
+        let (scale, factor) = (found.model.scale(place), found.model.factor(place));
+        let of = slopes.deviations(place, value / scale, scale / factor, &knowledge)?;
+        Some(match design.target.quantity() {
+            Quantity::Ratio => of.ratio,
+            Quantity::DynamicFriction => of.mu,
+        })
+        .filter(|of| !of.parts.is_empty())
+        .map(|of| tidy(of.std))
+    };
+    let report = |(place, range): (usize, &ReachableRange)| ReachableReport {
+        pressure_mpa: PRESSURE_MPA.from_si(range.pressure_pa),
+        lowest: range.lowest,
+        lowest_std: is_open.then(|| std(place, &range.lowest_design, range.lowest)).flatten(),
+        highest: range.highest,
+        highest_std: is_open.then(|| std(place, &range.highest_design, range.highest)).flatten(),
+    };
+    Ok(found.reachable.iter().enumerate().map(report).collect())
 }

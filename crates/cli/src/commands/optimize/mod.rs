@@ -153,7 +153,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         sensitivities: slopes,
         robustness: spread,
         trade_offs: traded,
-        reachable: found.reachable.clone(),
+        reachable: errors::of_reachable(&design, &uncertainty, &found)?,
         explanation: found.explanation.clone(),
         table,
         alternatives: patterns(&found.alternatives),

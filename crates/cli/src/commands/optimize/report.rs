@@ -19,7 +19,7 @@ use crate::report::Table;
 use crate::report::errors::{ErrorReport, ErrorsReport};
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
 use crate::report::specimen::SpecimenReport;
-use crate::report::table::fixed;
+use crate::report::table::{fixed, with_error};
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -146,8 +146,12 @@ pub struct ReachableReport {
     pub pressure_mpa: f64,
     /// Lowest value.
     pub lowest: f64,
+    /// Its standard deviation by what is known of the material; null where nothing is, and where the target is met.
+    pub lowest_std: Option<f64>,
     /// Highest value.
     pub highest: f64,
+    /// Its standard deviation.
+    pub highest_std: Option<f64>,
 }
 
 /// Seconds by stage.
@@ -282,10 +286,10 @@ impl DesignReport {
         if self.status != "met" {
             for range in &self.reachable {
                 text += &format!(
-                    "  at {} MPa designs within bounds and limits reach {:.4} to {:.4}{}\n",
+                    "  at {} MPa designs within bounds and limits reach {} to {}{}\n",
                     range.pressure_mpa,
-                    range.lowest,
-                    range.highest,
+                    with_error(range.lowest, range.lowest_std, 4),
+                    with_error(range.highest, range.highest_std, 4),
                     if self.conditions.is_some() { ", at the condition designed for" } else { "" },
                 );
             }

@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Candidate, Goal, Guidance, Quantity, SearchError, SearchOptions, SearchOutcome, SearchProgress, Stage, Status,
-    search, search_guided,
+    Candidate, Goal, Guidance, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome, SearchProgress,
+    Stage, Status, search, search_guided,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
@@ -18,13 +18,13 @@ use super::explanation::ExplanationReport;
 use super::flat::flat_friction;
 use super::limited::Limited;
 use super::model::SteadyCell;
-use super::report::{ImprovementReport, ReachableReport, Timings};
+use super::report::{ImprovementReport, Timings};
 use super::robust_search::{self, RobustChoice};
 use super::study::Study;
 use super::subject;
 use crate::formats::design::Design;
 use crate::progress::Progress;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use crate::units::{LENGTH_UM, tidy};
 use crate::{CliError, Console};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
@@ -52,7 +52,7 @@ pub(super) struct Rounds {
     pub(super) further: Vec<Further>,
     pub(super) alternatives: Vec<Pattern>,
     pub(super) explanation: Option<ExplanationReport>,
-    pub(super) reachable: Vec<ReachableReport>,
+    pub(super) reachable: Vec<ReachableRange>,
     pub(super) history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     pub(super) choice: Option<RobustChoice>,
@@ -276,15 +276,7 @@ impl Rounds {
         }
         self.failed_trials += outcome.failed_trials.len();
         self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
-        self.reachable = outcome
-            .reachable
-            .iter()
-            .map(|range| ReachableReport {
-                pressure_mpa: PRESSURE_MPA.from_si(range.pressure_pa),
-                lowest: range.lowest,
-                highest: range.highest,
-            })
-            .collect();
+        self.reachable.clone_from(&outcome.reachable);
         Ok(outcome)
     }
 

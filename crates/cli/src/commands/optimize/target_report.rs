@@ -5,7 +5,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 
 use crate::formats::target::{goal_name, quantity_name};
 use crate::report::errors::{ErrorsReport, PressureErrors};
-use crate::report::table::fixed;
+use crate::report::table::{fixed, with_error};
 use crate::units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.
@@ -163,15 +163,14 @@ impl GoalReport {
     #[must_use]
     pub fn words(&self) -> String {
         let (what, digits) = if self.goal == "even" { ("least", 5) } else { (self.goal, 4) };
-        let with_error = |value: Option<f64>, std: Option<f64>| {
-            let error = std.map_or_else(String::new, |std| format!(" +- {}", fixed(Some(std), digits)));
-            fixed(value, digits) + &error
+        let value = |value: Option<f64>, std: Option<f64>| {
+            value.map_or_else(|| fixed(None, digits), |value| with_error(value, std, digits))
         };
         format!(
             "{what} {}: {} predicted, {} confirmed (highest less lowest: {}, {})",
             self.of,
-            with_error(self.predicted, self.predicted_std),
-            with_error(self.confirmed, self.confirmed_std),
+            value(self.predicted, self.predicted_std),
+            value(self.confirmed, self.confirmed_std),
             fixed(self.range_predicted, 4),
             fixed(self.range_confirmed, 4),
         )

@@ -264,7 +264,10 @@ fn search(page: &mut Page, result: &Value) {
     );
     let reachable: Vec<Vec<String>> = each(result, "reachable")
         .iter()
-        .map(|range| vec![plain(&range["pressure_mpa"]), number(&range["lowest"], 4), number(&range["highest"], 4)])
+        .map(|range| {
+            let end = |key: &str, error: &str| with_error(&range[key], &range[error], 4);
+            vec![plain(&range["pressure_mpa"]), end("lowest", "lowest_std"), end("highest", "highest_std")]
+        })
         .collect();
     page.table(
         "Lowest and highest value among the designs tried that respect every constraint.",
