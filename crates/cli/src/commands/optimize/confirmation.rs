@@ -4,8 +4,8 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{LoadOutcome, RunOptions, Scene, SceneError, Simulation, Status, simulate};
 
 use super::conditions::in_words;
-use super::report::Timings;
 use super::rounds::Rounds;
+use super::stages::Timings;
 use crate::formats::design::Design;
 use crate::progress::Progress;
 use crate::{CliError, Console};

@@ -1,12 +1,12 @@
 //! The error beside every number of a design.
 
+use serde::Serialize;
 use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
 use slipgrid_material::Condition;
 use slipgrid_optimize::{Quantity, ReachableRange, Status};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, Simulation};
 
-use super::report::ReachableReport;
 use super::rounds::Rounds;
 
 use crate::CliError;
@@ -107,6 +107,21 @@ pub fn of_condition(
         })
     };
     Ok((0..scene.loads.len()).map(|place| at(place).unwrap_or_default()).collect())
+}
+
+/// What designs within bounds and limits can do at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReachableReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Lowest value.
+    pub lowest: f64,
+    /// Its standard deviation by what is known of the material; null where nothing is, and where the target is met.
+    pub lowest_std: Option<f64>,
+    /// Highest value.
+    pub highest: f64,
+    /// Its standard deviation.
+    pub highest_std: Option<f64>,
 }
 
 /// What designs within bounds and limits reach at each pressure of the condition designed for, with errors where the target

@@ -9,8 +9,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use super::model::SteadyCell;
-use super::report::Timings;
 use super::rounds::Rounds;
+use super::stages::Timings;
 use crate::formats::design::Design;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
@@ -79,17 +79,16 @@ impl From<&Candidate> for NearestReport {
 impl Rounds {
     /// Says why the target is out of reach, where it is.
     pub(super) fn explain(
-        &mut self,
+        &self,
         design: &Design,
         console: &Console<'_>,
         timings: &mut Timings,
-    ) -> Result<(), CliError> {
-        let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(()) };
+    ) -> Result<Option<ExplanationReport>, CliError> {
+        let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
         let bar = Progress::start("why not", console.quiet);
         let explanation = explanation(design, &self.model, &self.model.judged(design, best));
         timings.explain = bar.finish();
-        self.explanation = explanation.map_err(|error| CliError::Other(error.to_string()))?;
-        Ok(())
+        explanation.map_err(|error| CliError::Other(error.to_string()))
     }
 }
 

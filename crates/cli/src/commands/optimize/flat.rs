@@ -2,9 +2,12 @@
 
 use slipgrid_springblock::{Extent, RunOptions, Scene, SceneError, simulate};
 
-use super::rounds::WARM_TRAVEL_M;
 use crate::Console;
 use crate::progress::Progress;
+
+/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
+/// run goes on until its standard error is small enough.
+pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
 
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
 pub fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {

@@ -8,6 +8,7 @@ mod errors;
 mod explanation;
 mod files;
 mod flat;
+mod further;
 mod limited;
 mod material;
 mod model;
@@ -17,9 +18,11 @@ mod robustness;
 mod robustness_report;
 mod rounds;
 mod sensitivity;
+mod stages;
 mod study;
 mod subject;
 mod table;
+mod target_picture;
 mod target_report;
 mod trade_offs;
 
@@ -39,8 +42,9 @@ use crate::report::simulation::{MaterialReport, PatternReport, load_reports, mod
 use crate::report::{VERSION, csv, json};
 use crate::{CliError, Console, exit_code};
 use files::DesignScene;
-use report::{MisfitReport, Timings, patterns};
+use report::{MisfitReport, patterns};
 use rounds::Rounds;
+use stages::Timings;
 use target_report::{GoalReport, TargetReport};
 
 /// Searches, confirms, writes and reports.
@@ -53,7 +57,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
     let (material, uncertainty) = material::of_design(&mut design, console)?;
     let (loads, outside) = design.loads(&material)?;
-    let further = conditions::further(&design, &material)?;
+    let further = further::further(&design, &material)?;
     design.target = design.target.at_conditions(1 + further.len());
     let with_table = args.table || design.table;
     if with_table {
@@ -61,13 +65,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     timings.material = started.elapsed().as_secs_f64();
 
-    let factors = conditions::all_factors(&design, &uncertainty, &loads, &further);
+    let factors = further::all_factors(&design, &uncertainty, &loads, &further);
     let mut found = Rounds::new(&design, &material, loads.clone(), further, console, &mut timings)?;
     found.model.aim_with(factors);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
-    found.explain(&design, console, &mut timings)?;
+    let explanation = found.explain(&design, console, &mut timings)?;
     let table = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
     let Rounds { best, predicted, confirmed, .. } = &found;
     let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
@@ -154,7 +158,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         robustness: spread,
         trade_offs: traded,
         reachable: errors::of_reachable(&design, &uncertainty, &found)?,
-        explanation: found.explanation.clone(),
+        explanation,
         table,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
@@ -172,7 +176,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         threads: console.threads,
         seed: design.seed,
     };
-    outputs.add("target.svg", pictures::target(&report)?);
+    outputs.add("target.svg", target_picture::target(&report)?);
     outputs.add("result.json", json(&report)?);
     super::pages::design(&report, &mut outputs)?;
     outputs.write(&folder)?;

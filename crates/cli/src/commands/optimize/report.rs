@@ -8,9 +8,11 @@ use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
 use super::conditions_report::ConditionsReport;
+use super::errors::ReachableReport;
 use super::explanation::ExplanationReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
+use super::stages::{ImprovementReport, Timings};
 use super::table::TableReport;
 use super::target_report::{GoalReport, TargetReport};
 use super::trade_offs::TradeOffsReport;
@@ -137,59 +139,6 @@ pub struct MisfitReport {
     pub predicted: f64,
     /// Of the confirming runs; null where one has no value at some pressure.
     pub confirmed: Option<f64>,
-}
-
-/// What designs within bounds and limits can do at one pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ReachableReport {
-    /// Nominal pressure.
-    pub pressure_mpa: f64,
-    /// Lowest value.
-    pub lowest: f64,
-    /// Its standard deviation by what is known of the material; null where nothing is, and where the target is met.
-    pub lowest_std: Option<f64>,
-    /// Highest value.
-    pub highest: f64,
-    /// Its standard deviation.
-    pub highest_std: Option<f64>,
-}
-
-/// Seconds by stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Timings {
-    /// Reading or calibrating the material.
-    pub material: f64,
-    /// The flat sample in time, where the target is dynamic friction itself.
-    pub flat: f64,
-    /// Searching.
-    pub search: f64,
-    /// Finding out why the target is out of reach.
-    pub explain: f64,
-    /// The table of designs, where asked for.
-    pub table: f64,
-    /// Confirming.
-    pub confirm: f64,
-    /// Confirming at further conditions.
-    pub confirm_further: f64,
-    /// Slopes and tolerances at the design.
-    pub uncertainty: f64,
-    /// Comparing designs by the goals of `[trade_offs]`.
-    pub trade_offs: f64,
-    /// Drawing and tabulating.
-    pub export: f64,
-}
-
-/// The best design after a number of evaluations.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ImprovementReport {
-    /// The search, counted from 1.
-    pub round: usize,
-    /// Evaluations of this search up to and including the improvement.
-    pub evaluation: usize,
-    /// Largest distance from the target in tolerances, by the search's model.
-    pub misfit: f64,
-    /// Every limit is respected.
-    pub feasible: bool,
 }
 
 impl DesignReport {

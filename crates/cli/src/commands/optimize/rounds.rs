@@ -13,13 +13,12 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
-use super::conditions::Further;
-use super::explanation::ExplanationReport;
-use super::flat::flat_friction;
+use super::flat::{WARM_TRAVEL_M, flat_friction};
+use super::further::Further;
 use super::limited::Limited;
 use super::model::SteadyCell;
-use super::report::{ImprovementReport, Timings};
 use super::robust_search::{self, RobustChoice};
+use super::stages::{ImprovementReport, Timings};
 use super::study::Study;
 use super::subject;
 use crate::formats::design::Design;
@@ -51,16 +50,11 @@ pub(super) struct Rounds {
     /// The other conditions, with confirming runs of their own where they decide.
     pub(super) further: Vec<Further>,
     pub(super) alternatives: Vec<Pattern>,
-    pub(super) explanation: Option<ExplanationReport>,
     pub(super) reachable: Vec<ReachableRange>,
     pub(super) history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     pub(super) choice: Option<RobustChoice>,
 }
-
-/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
-/// run goes on until its standard error is small enough.
-pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
 
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
@@ -123,7 +117,6 @@ impl Rounds {
             confirmed: None,
             further,
             alternatives: Vec::new(),
-            explanation: None,
             reachable: Vec::new(),
             history: Vec::new(),
             choice: None,

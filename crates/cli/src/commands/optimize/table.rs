@@ -6,8 +6,8 @@ use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 
 use super::model::SteadyCell;
-use super::report::Timings;
 use super::rounds::Rounds;
+use super::stages::Timings;
 use crate::formats::design::Design;
 use crate::formats::target::quantity_name;
 use crate::output::Outputs;

@@ -10,8 +10,8 @@ use slipgrid_springblock::{
 };
 
 use super::laws::ScaledLaw;
-use super::model::{FlatPoint, knowledge};
-use super::report::{AreaTable, TimeReport, squares};
+use super::model::{FlatPoint, knowledge, squares};
+use super::report::{AreaTable, TimeReport};
 use crate::charts::{
     AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
     friction_trace, interface_pressure,

@@ -4,6 +4,7 @@ mod figures;
 mod laws;
 mod model;
 mod published;
+mod ratios;
 mod report;
 mod summary;
 mod text;
@@ -12,10 +13,9 @@ use slipgrid_pattern::{Pattern, Planform};
 
 use figures::{Figures, area_tables};
 use laws::{ScaledLaws, scaled_laws};
-use model::{Body, Case, FlatPoint, predict};
-use report::{
-    MeasuredReport, ModelledRatio, Pair, RatioReport, ValidationReport, depth_um, pairs, same_condition, squares,
-};
+use model::{Body, Case, FlatPoint, predict, squares};
+use ratios::{ModelledRatio, Pair, RatioReport, depth_um, pairs, same_condition};
+use report::{MeasuredReport, ValidationReport};
 use summary::Summary;
 
 use super::area_law::checked;

@@ -5,10 +5,9 @@ use std::path::Path;
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{Deviations, Knowledge, ScaleError, Slopes};
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome, SolidModel};
 
-use super::report::squares;
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
 use crate::progress::Progress;
@@ -144,10 +143,15 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         .collect())
 }
 
+/// Square cavities of `pattern`'s lengths.
+pub fn squares(pattern: &Pattern) -> Pattern {
+    // Lengths that made a pattern make another one.
+    Pattern::new(Planform::Square, pattern.width_m(), pattern.spacing_m(), pattern.depth_m()).unwrap_or(*pattern)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_pattern::Planform;
 
     /// A short layer, so that the test takes milliseconds.
     const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6 };

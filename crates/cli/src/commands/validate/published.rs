@@ -1,6 +1,7 @@
 //! What the source says in words and numbers, beside what its own tables and this model give.
 
-use super::report::{MeasuredReport, PublishedReport, RatioReport, ValidationReport};
+use super::ratios::RatioReport;
+use super::report::{MeasuredReport, PublishedReport, ValidationReport};
 use crate::report::table::fixed;
 
 /// How calibrations name the source of the statements.

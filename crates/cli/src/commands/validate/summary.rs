@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::report::{ModelledRatio, RatioReport};
+use super::ratios::{ModelledRatio, RatioReport};
 
 /// Averages over the conditions that are reported.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::report::{ModelledRatio, RatioReport, ValidationReport};
+use super::ratios::{ModelledRatio, RatioReport};
+use super::report::ValidationReport;
 use crate::CliError;
 use crate::charts::{self, Estimate, RatioSeries, RatiosChart};
 use crate::report::Table;

@@ -1,0 +1,41 @@
+//! What the stages of a job took and what they brought.
+
+use serde::Serialize;
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Timings {
+    /// Reading or calibrating the material.
+    pub material: f64,
+    /// The flat sample in time, where the target is dynamic friction itself.
+    pub flat: f64,
+    /// Searching.
+    pub search: f64,
+    /// Finding out why the target is out of reach.
+    pub explain: f64,
+    /// The table of designs, where asked for.
+    pub table: f64,
+    /// Confirming.
+    pub confirm: f64,
+    /// Confirming at further conditions.
+    pub confirm_further: f64,
+    /// Slopes and tolerances at the design.
+    pub uncertainty: f64,
+    /// Comparing designs by the goals of `[trade_offs]`.
+    pub trade_offs: f64,
+    /// Drawing and tabulating.
+    pub export: f64,
+}
+
+/// The best design after a number of evaluations.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ImprovementReport {
+    /// The search, counted from 1.
+    pub round: usize,
+    /// Evaluations of this search up to and including the improvement.
+    pub evaluation: usize,
+    /// Largest distance from the target in tolerances, by the search's model.
+    pub misfit: f64,
+    /// Every limit is respected.
+    pub feasible: bool,
+}

@@ -1,0 +1,73 @@
+//! The picture of a target and of what a design makes of it.
+
+use super::report::DesignReport;
+use crate::CliError;
+use crate::charts::{self, Estimate, TargetChart, TargetPoint};
+
+/// Target, prediction and confirmation against pressure.
+///
+/// # Errors
+/// [`CliError::Other`] if the picture cannot be drawn.
+pub fn target(report: &DesignReport) -> Result<String, CliError> {
+    let wanted = &report.target;
+    let mut points: Vec<TargetPoint> = wanted
+        .pressure_mpa
+        .iter()
+        .enumerate()
+        .map(|(row, &pressure_mpa)| TargetPoint {
+            pressure_mpa,
+            value: wanted.value.as_ref().map(|values| values[row]),
+            lowest: wanted.lowest[row],
+            highest: wanted.highest[row],
+        })
+        .collect();
+    points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
+    let mut predicted: Vec<[f64; 2]> =
+        wanted.pressure_mpa.iter().zip(&report.predicted_value).map(|(&pressure, &value)| [pressure, value]).collect();
+    predicted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let mut confirmed: Vec<(f64, Estimate)> = report
+        .target
+        .pressure_mpa
+        .iter()
+        .enumerate()
+        .filter_map(|(row, &pressure_mpa)| {
+            let found = report.confirmed_at(row)?;
+            Some((pressure_mpa, Estimate { value: found.value?, error: found.std }))
+        })
+        .collect();
+    confirmed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut flat: Vec<[f64; 2]> = report
+        .confirmed
+        .iter()
+        .filter_map(|load| Some([load.pressure_mpa, if report.is_ratio() { 1.0 } else { load.mu_flat? }]))
+        .collect();
+    flat.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    Ok(charts::target(&TargetChart {
+        title: &report.name,
+        quantity: if report.is_ratio() {
+            "Dynamic friction, patterned over flat"
+        } else {
+            "Dynamic friction coefficient"
+        },
+        target: &points,
+        predicted: &predicted,
+        confirmed: &confirmed,
+        flat: &flat,
+        spread: &spread(report),
+    })?)
+}
+
+/// Lowest and highest value at each pressure over all conditions; empty where there is one.
+fn spread(report: &DesignReport) -> Vec<[f64; 3]> {
+    let at = report.conditions.iter().flat_map(|conditions| &conditions.at);
+    let mut spread: Vec<[f64; 3]> = Vec::new();
+    for value in at.flat_map(|condition| &condition.by_pressure) {
+        let own = if report.is_ratio() { value.ratio } else { value.mu };
+        match spread.iter_mut().find(|known| known[0] == value.pressure_mpa) {
+            Some(known) => *known = [known[0], known[1].min(own), known[2].max(own)],
+            None => spread.push([value.pressure_mpa, own, own]),
+        }
+    }
+    spread.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    spread
+}
