@@ -50,7 +50,7 @@ fn a_patterned_sample_of_full_height_slides_alike() {
 }
 
 #[test]
-#[ignore = "a quarter of an hour or more: the paper's integration on the whole sample"]
+#[ignore = "eight minutes: the paper's integration on the whole sample"]
 fn the_whole_patterned_sample_slides_alike() {
     let pattern = slipgrid_tests::published_groove().unwrap();
     let mut scene = polymer_scene(Some(pattern), &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();

@@ -221,7 +221,7 @@ fn ten_thousand_spoiled_files_are_refused_or_read() {
 }
 
 #[test]
-#[ignore = "minutes"]
+#[ignore = "half a minute"]
 fn two_million_spoiled_files_are_refused_or_read() {
     for seed in 1..=200 {
         spoil_everything(2000, 100 * seed);

@@ -2,7 +2,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
     /// A number outside its meaning; SI units.
-    #[error("{quantity} is {value}: expected {expected}")]
+    #[error("{quantity} is {}: expected {expected}", plain(*value))]
     OutOfRange {
         /// Which number.
         quantity: &'static str,
@@ -141,7 +141,7 @@ pub enum ReadError {
         lines: usize,
     },
     /// A point off the regular grid that the others lie on.
-    #[error("line {line}: {axis} = {value} lies between grid lines {step} apart: expected a regular grid")]
+    #[error("line {line}: {axis} = {} lies between grid lines {} apart: expected a regular grid", plain(*value), plain(*step))]
     OffGrid {
         /// The line.
         line: usize,
@@ -153,7 +153,7 @@ pub enum ReadError {
         step: f64,
     },
     /// All points share one coordinate.
-    #[error("all points have {axis} = {value}: expected a grid of at least 2 x 2")]
+    #[error("all points have {axis} = {}: expected a grid of at least 2 x 2", plain(*value))]
     OneLine {
         /// `x` or `y`.
         axis: &'static str,
@@ -161,7 +161,7 @@ pub enum ReadError {
         value: f64,
     },
     /// Two points at one place.
-    #[error("line {line}: x = {x}, y = {y} was given on line {earlier} already: expected one height per point")]
+    #[error("line {line}: x = {}, y = {} was given on line {earlier} already: expected one height per point", plain(*x), plain(*y))]
     Duplicate {
         /// The later line.
         line: usize,
@@ -174,7 +174,9 @@ pub enum ReadError {
     },
     /// So few points that the grid found cannot be the one measured on.
     #[error(
-        "{points} points on a grid of {rows:.0} x {cols:.0}: expected at least one point in {most_nodes_per_point} grid nodes"
+        "{points} points on a grid of {} x {}: expected at least one point in {most_nodes_per_point} grid nodes",
+        plain(rows.round()),
+        plain(cols.round())
     )]
     Sparse {
         /// Points given.
@@ -269,4 +271,26 @@ pub enum ReadError {
     /// The numbers make no map.
     #[error(transparent)]
     Map(#[from] MapError),
+}
+
+/// A number as people write it: with an exponent where it would take many digits.
+fn plain(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || (1e-6..1e9).contains(&size) || !size.is_finite() {
+        value.to_string()
+    } else {
+        format!("{value:e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_number_takes_a_line_of_digits() {
+        for (value, text) in [(1e300, "1e300"), (-2.5e-9, "-2.5e-9"), (0.25, "0.25"), (0.0, "0"), (1.5e6, "1500000")] {
+            assert_eq!(plain(value), text);
+        }
+    }
 }
