@@ -11,12 +11,12 @@ pub struct TargetChart<'a> {
     pub quantity: &'a str,
     /// The target, pressures increasing.
     pub target: &'a [TargetPoint],
-    /// Predicted: nominal pressure in MPa and value.
-    pub predicted: &'a [[f64; 2]],
+    /// Predicted: nominal pressure in MPa and value with its standard deviation.
+    pub predicted: &'a [(f64, Estimate)],
     /// Confirmed: nominal pressure in MPa and value with its standard deviation.
     pub confirmed: &'a [(f64, Estimate)],
-    /// The flat surface in the same quantity: nominal pressure in MPa and value. May be empty.
-    pub flat: &'a [[f64; 2]],
+    /// The flat surface in the same quantity: nominal pressure in MPa and value with its standard deviation. May be empty.
+    pub flat: &'a [(f64, Estimate)],
     /// Over all conditions: nominal pressure in MPa, lowest and highest value. Empty where there is one condition.
     pub spread: &'a [[f64; 3]],
 }
@@ -37,6 +37,8 @@ pub struct TargetPoint {
 /// Height of the picture.
 const HEIGHT: f64 = 500.0;
 const BAND: f64 = 0.22;
+/// From a mark to the error bar beside it where another's stands on it, in units of the page.
+const BESIDE: f64 = 11.0;
 /// Opacity of the spread over conditions, and the half width of its bars over that of the axis.
 const SPREAD: f64 = 0.75;
 const SPREAD_WIDTH: f64 = 0.007;
@@ -46,18 +48,18 @@ const SPREAD_WIDTH: f64 = 0.007;
 /// [`ChartError`] if there is no target or a value is not finite.
 pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
     check(chart.title, chart.target.iter().map(|point| &point.pressure_mpa))?;
-    let confirmed_points = || chart.confirmed.iter().map(|&(pressure, estimate)| [pressure, estimate.value]);
+    let estimates = || chart.predicted.iter().chain(chart.flat).chain(chart.confirmed);
     let bars = || {
-        chart.confirmed.iter().flat_map(|&(_, Estimate { value, error })| {
+        estimates().flat_map(|&(_, Estimate { value, error })| {
             let error = error.unwrap_or(0.0);
             [value - error, value + error]
         })
     };
-    let points = || chart.predicted.iter().chain(chart.flat).copied().chain(confirmed_points());
     let limits = || chart.target.iter().flat_map(|point| [point.value, point.lowest, point.highest]).flatten();
-    let pressures = || chart.target.iter().map(|point| point.pressure_mpa).chain(points().map(|point| point[0]));
+    let pressures =
+        || chart.target.iter().map(|point| point.pressure_mpa).chain(estimates().map(|(pressure, _)| *pressure));
     let ends = || chart.spread.iter().flat_map(|[_, low, high]| [*low, *high]);
-    let values = || limits().chain(points().map(|point| point[1])).chain(bars()).chain(ends());
+    let values = || limits().chain(bars()).chain(ends());
     if let Some(value) = pressures().chain(values()).find(|value| !value.is_finite()) {
         return Err(ChartError::NotFinite { title: chart.title.to_owned(), value });
     }
@@ -72,7 +74,9 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         legend.push((Swatch::Mark(Mark::Diamond, green), "target"));
     }
     if !chart.predicted.is_empty() {
-        legend.push((Swatch::Mark(Mark::Ring, blue), "predicted"));
+        let bars = chart.predicted.iter().any(|(_, estimate)| estimate.error.is_some());
+        let label = if bars { "predicted ± one standard deviation" } else { "predicted" };
+        legend.push((Swatch::Mark(Mark::Ring, blue), label));
     }
     if !chart.confirmed.is_empty() {
         let bars = chart.confirmed.iter().any(|(_, estimate)| estimate.error.is_some());
@@ -115,9 +119,10 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         if !band.is_empty() {
             plot.polygon(&band, green, BAND)?;
         }
-        plot.line(chart.flat, GREY, 1.6)?;
-        for &point in chart.flat {
-            plot.mark(Mark::Triangle, point, None, 0.0, GREY)?;
+        let flat: Vec<[f64; 2]> = chart.flat.iter().map(|(pressure, estimate)| [*pressure, estimate.value]).collect();
+        plot.line(&flat, GREY, 1.6)?;
+        for &(pressure, estimate) in chart.flat {
+            plot.mark(Mark::Triangle, [pressure, estimate.value], estimate.error, 0.0, GREY)?;
         }
         let at = |point: &TargetPoint| Some([point.pressure_mpa, point.value?]);
         let wanted: Vec<[f64; 2]> = widened().filter_map(at).collect();
@@ -134,8 +139,11 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
         for &(pressure, estimate) in chart.confirmed {
             plot.mark(Mark::Square, [pressure, estimate.value], estimate.error, 0.0, vermilion)?;
         }
-        for &point in chart.predicted {
-            plot.mark(Mark::Ring, point, None, 0.0, blue)?;
+        for &(pressure, estimate) in chart.predicted {
+            plot.mark(Mark::Ring, [pressure, estimate.value], None, 0.0, blue)?;
+            if let Some(error) = estimate.error {
+                plot.error_bar([pressure, estimate.value], error, -BESIDE, blue)?;
+            }
         }
         Ok(())
     })
@@ -165,7 +173,8 @@ mod tests {
         assert!(svg.contains("\ntarget ± tolerance\n") && svg.contains("\nfriction ratio\n"));
         assert!(!svg.contains("\npredicted\n") && !svg.contains("\nflat surface\n"));
         let confirmed = [(0.65, Estimate { value: 0.971, error: Some(0.002) })];
-        let full = TargetChart { predicted: &[[0.65, 0.972]], confirmed: &confirmed, flat: &[[0.65, 1.0]], ..bare };
+        let alone = |value| [(0.65, Estimate { value, error: None })];
+        let full = TargetChart { predicted: &alone(0.972), confirmed: &confirmed, flat: &alone(1.0), ..bare };
         let svg = target(&full).unwrap();
         assert!(svg.contains("\npredicted\n") && svg.contains("\nconfirmed ± one standard deviation\n"));
         assert!(svg.contains("\nflat surface\n"));
@@ -179,7 +188,8 @@ mod tests {
 
     #[test]
     fn bands_may_be_open_and_goals_have_none() {
-        let predicted = [[0.65, 0.9], [2.6, 0.7]];
+        let predicted =
+            [(0.65, 0.9), (2.6, 0.7)].map(|(pressure, value)| (pressure, Estimate { value, error: Some(0.02) }));
         let chart = |target: &[TargetPoint]| {
             let chart = TargetChart {
                 title: "t",
@@ -197,7 +207,7 @@ mod tests {
         assert!(svg.contains("\naccepted\n") && svg.contains("<polygon") && !svg.contains("\ntarget\n"));
         let free = open.map(|point| TargetPoint { highest: None, ..point });
         let svg = chart(&free);
-        assert!(!svg.contains("accepted") && svg.contains("\npredicted\n"));
+        assert!(!svg.contains("accepted") && svg.contains("\npredicted ± one standard deviation\n"));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use super::report::DesignReport;
 use crate::CliError;
 use crate::charts::{self, Estimate, TargetChart, TargetPoint};
+use crate::report::errors::ErrorReport;
 
 /// Target, prediction and confirmation against pressure.
 ///
@@ -22,26 +23,22 @@ pub fn target(report: &DesignReport) -> Result<String, CliError> {
         })
         .collect();
     points.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
-    let mut predicted: Vec<[f64; 2]> =
-        wanted.pressure_mpa.iter().zip(&report.predicted_value).map(|(&pressure, &value)| [pressure, value]).collect();
-    predicted.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut confirmed: Vec<(f64, Estimate)> = report
-        .target
-        .pressure_mpa
-        .iter()
-        .enumerate()
-        .filter_map(|(row, &pressure_mpa)| {
-            let found = report.confirmed_at(row)?;
-            Some((pressure_mpa, Estimate { value: found.value?, error: found.std }))
-        })
-        .collect();
-    confirmed.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut flat: Vec<[f64; 2]> = report
-        .confirmed
-        .iter()
-        .filter_map(|load| Some([load.pressure_mpa, if report.is_ratio() { 1.0 } else { load.mu_flat? }]))
-        .collect();
-    flat.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let estimates = |of: &dyn Fn(usize) -> Option<Estimate>| {
+        let at = |(row, pressure_mpa): (usize, &f64)| Some((*pressure_mpa, of(row)?));
+        let mut all: Vec<(f64, Estimate)> = wanted.pressure_mpa.iter().enumerate().filter_map(at).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    };
+    let estimate = |found: &ErrorReport| Some(Estimate { value: found.value?, error: found.std });
+    let predicted = estimates(&|row| estimate(report.errors.at(row)?.predicted.as_ref()?));
+    let confirmed = estimates(&|row| estimate(report.confirmed_at(row)?));
+    let flat = estimates(&|row| {
+        if report.is_ratio() {
+            Some(Estimate { value: 1.0, error: None })
+        } else {
+            estimate(report.errors.at(row)?.mu_flat.as_ref()?)
+        }
+    });
     Ok(charts::target(&TargetChart {
         title: &report.name,
         quantity: if report.is_ratio() {
