@@ -19,13 +19,14 @@
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
 //! | [`estimate`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
+//! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
 //! its ratio to mu_d is an assumption ([`Problem::static_over_dynamic`]) and the fit says so.
 //!
 //! Where no map is given, the pressure scale of the area law can be fitted as well ([`AreaLawScale`]).
 //!
-//! This crate knows no pattern and opens no files.
+//! This crate fits nothing to patterned samples and opens no files.
 //!
 //! ```no_run
 //! use slipgrid_calibrate::{Coefficients, Measurement, Problem, calibrate};
