@@ -168,6 +168,56 @@ impl Discrepancy {
         [1.0, x].into_iter().take(self.coefficients.len()).collect()
     }
 
+    /// The discrepancy `share` of the way from this one to `other`, which rests on samples of its own: the logarithm of the
+    /// factor is linear in between. `None` where one is linear in pressure and the other is not.
+    #[must_use]
+    pub fn towards(&self, other: &Self, share: f64) -> Option<Self> {
+        if self.coefficients.len() != other.coefficients.len() {
+            return None;
+        }
+        let (first, second) = (self, other.about(self.reference_pressure_pa));
+        let mix = |a: f64, b: f64| (1.0 - share) * a + share * b;
+        let all = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| mix(*a, *b)).collect::<Vec<f64>>();
+        // cov((1 - t) a + t b) = (1 - t)^2 cov(a) + t^2 cov(b)
+        let covariance = first.covariance.iter().zip(&second.covariance).map(|(left, right)| {
+            left.iter().zip(right).map(|(a, b)| (1.0 - share).powi(2) * a + share.powi(2) * b).collect()
+        });
+        let ([from, to], [other_from, other_to]) = (first.pressure_range_pa, second.pressure_range_pa);
+        Some(Self {
+            coefficients: all(&first.coefficients, &second.coefficients),
+            covariance: covariance.collect(),
+            reference_pressure_pa: first.reference_pressure_pa,
+            scatter: mix(first.scatter, second.scatter),
+            modulus_sensitivity: all(&first.modulus_sensitivity, &second.modulus_sensitivity),
+            modulus_relative_std: first.modulus_relative_std,
+            // What both were measured at.
+            pressure_range_pa: [from.max(other_from), to.min(other_to)],
+            chi_square: first.chi_square + second.chi_square,
+            degrees_of_freedom: first.degrees_of_freedom.min(second.degrees_of_freedom),
+        })
+    }
+
+    /// The same with another reference pressure P1: a + b (P - P0) / P0 = (a + b (P1 - P0) / P0) + (b P1 / P0) (P - P1) / P1.
+    fn about(&self, reference_pressure_pa: f64) -> Self {
+        if self.coefficients.len() < 2 {
+            return Self { reference_pressure_pa, ..self.clone() };
+        }
+        let row = self.row(reference_pressure_pa);
+        let rows = [row, vec![0.0, reference_pressure_pa / self.reference_pressure_pa]];
+        let moved = |values: &[f64]| rows.iter().map(|row| dot(row, values)).collect::<Vec<f64>>();
+        let columns: Vec<Vec<f64>> = self.covariance.iter().map(|line| moved(line)).collect();
+        let covariance = rows
+            .iter()
+            .map(|row| (0..2).map(|j| row.iter().zip(&columns).map(|(x, line)| x * line[j]).sum()).collect());
+        Self {
+            coefficients: moved(&self.coefficients),
+            covariance: covariance.collect(),
+            modulus_sensitivity: moved(&self.modulus_sensitivity),
+            reference_pressure_pa,
+            ..self.clone()
+        }
+    }
+
     /// The factor on a modelled ratio at `pressure_pa`.
     #[must_use]
     pub fn factor(&self, pressure_pa: f64) -> f64 {
@@ -344,5 +394,42 @@ mod tests {
         for (n, t) in [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (10, 2.228), (30, 2.042)] {
             assert!((student_95(n) - t).abs() < 0.01, "{n}: {}", student_95(n));
         }
+    }
+
+    #[test]
+    fn between_two_the_factor_is_linear_in_its_logarithm_and_errors_are_shared() {
+        let points = |at: [f64; 4], measured: [f64; 4]| -> Vec<RatioPoint> {
+            let point = |(pressure_mpa, measured): (f64, f64)| RatioPoint {
+                pressure_pa: pressure_mpa * 1e6,
+                measured,
+                measured_std: 0.01,
+                modelled: 0.95,
+                modulus_sensitivity: 0.05 * pressure_mpa,
+            };
+            at.into_iter().zip(measured).map(point).collect()
+        };
+        let dry = points([0.6, 1.2, 1.8, 2.4], [0.80, 0.84, 0.79, 0.83]);
+        let humid = points([0.8, 1.4, 2.0, 3.2], [0.70, 0.76, 0.72, 0.69]);
+        for form in [DiscrepancyForm::Constant, DiscrepancyForm::Linear] {
+            let [a, b] = [&dry, &humid].map(|points| estimate(points, form, 0.2).unwrap());
+            let between = a.towards(&b, 0.25).unwrap();
+            for pressure_pa in [0.7e6, 1.5e6, 3e6] {
+                let [own, left, right] = [&between, &a, &b].map(|of| of.factor(pressure_pa).ln());
+                assert!((own - 0.75 * left - 0.25 * right).abs() < 1e-12);
+                // Independent errors of the fits, with their shares; what a stiffer surface takes away likewise.
+                let variance = |of: &Discrepancy| {
+                    let row = of.row(pressure_pa);
+                    of.covariance.iter().zip(&row).map(|(line, x)| x * dot(line, &row)).sum::<f64>()
+                };
+                let expected = 0.75_f64.powi(2) * variance(&a) + 0.25_f64.powi(2) * variance(&b);
+                assert!((variance(&between) / expected - 1.0).abs() < 1e-9);
+                let [own, left, right] = [&between, &a, &b].map(|of| of.modulus_sensitivity_at(pressure_pa));
+                assert!((own - 0.75 * left - 0.25 * right).abs() < 1e-12);
+            }
+            assert_eq!(between.pressure_range_pa, [0.8e6, 2.4e6]);
+            assert!((between.scatter - 0.75 * a.scatter - 0.25 * b.scatter).abs() < 1e-12);
+        }
+        let constant = estimate(&dry, DiscrepancyForm::Constant, 0.2).unwrap();
+        assert_eq!(constant.towards(&estimate(&humid, DiscrepancyForm::Linear, 0.2).unwrap(), 0.5), None);
     }
 }

@@ -63,7 +63,7 @@ pub fn read_uncertainty(
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
-        discrepancy: discrepancies.as_ref().map(|found| found.at(humidity).clone()),
+        discrepancy: discrepancies.as_ref().map(|found| found.at(humidity)),
         discrepancies,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
@@ -156,16 +156,16 @@ fn rows(
 }
 
 impl MaterialUncertainty {
-    /// Measured over modelled ratio on patterned samples at a humidity, from 0 to 1: its own where one was estimated, that
-    /// of all conditions otherwise.
+    /// Measured over modelled ratio on patterned samples at a humidity, from 0 to 1: its own where one was estimated, what
+    /// lies between those of two about it, that of all conditions otherwise.
     #[must_use]
-    pub fn discrepancy_at(&self, humidity: Option<f64>) -> Option<&Discrepancy> {
+    pub fn discrepancy_at(&self, humidity: Option<f64>) -> Option<Discrepancy> {
         self.discrepancies.as_ref().map(|found| found.at(humidity))
     }
 
     /// Takes `humidity` for that of the condition designed for.
     pub fn designed_for(&mut self, humidity: Option<f64>) {
-        self.discrepancy = self.discrepancy_at(humidity).cloned();
+        self.discrepancy = self.discrepancy_at(humidity);
     }
 
     /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,

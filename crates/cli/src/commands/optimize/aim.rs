@@ -76,7 +76,7 @@ pub fn factors(design: &Design, material: &MaterialUncertainty, loads: &[Load]) 
 /// The same at a humidity, with the discrepancy found there.
 #[must_use]
 pub fn factors_at(design: &Design, material: &MaterialUncertainty, humidity: Option<f64>, loads: &[Load]) -> Vec<f64> {
-    factors_by(design, material.discrepancy_at(humidity), loads)
+    factors_by(design, material.discrepancy_at(humidity).as_ref(), loads)
 }
 
 fn factors_by(design: &Design, found: Option<&Discrepancy>, loads: &[Load]) -> Vec<f64> {

@@ -54,7 +54,7 @@ fn knowledge(
         .map_err(|error| CliError::Other(error.to_string()))?;
     let humidity = condition.map(|condition| condition.humidity);
     let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
-    Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(found, &scene.loads)), ..known })
+    Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
 }
 
 /// Standard deviations at one pressure of a further condition; absent where nothing is known.
