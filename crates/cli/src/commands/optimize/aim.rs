@@ -4,13 +4,16 @@
 use serde::Serialize;
 use slipgrid_calibrate::Discrepancy;
 use slipgrid_calibrate::uncertainty::DiscrepancyAt;
-use slipgrid_springblock::{Load, Simulation};
+use slipgrid_springblock::Load;
+
+use super::errors::DesignErrors;
 
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
-use crate::report::table::fixed;
+use crate::report::errors::{ErrorReport, PressureErrors};
+use crate::report::table::{fixed, with_error};
 use crate::units::{PRESSURE_MPA, tidy};
 
 /// Modelled values with and without the discrepancy of the calibration's patterned samples.
@@ -29,7 +32,7 @@ pub struct DiscrepancyReport {
     /// One per target pressure.
     pub by_pressure: Vec<FactorReport>,
     /// Largest distance of the confirming run from the target, in tolerances; null where nothing is demanded.
-    pub misfit: Reading,
+    pub misfit: MisfitReading,
 }
 
 /// The discrepancy at one pressure.
@@ -51,9 +54,22 @@ pub struct FactorReport {
     pub mu: Reading,
 }
 
-/// One value read twice; null where there is none.
+/// One value read twice, each with its standard deviation; null where there is none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Reading {
+    /// By the physics alone.
+    pub physics: Option<f64>,
+    /// Its standard deviation.
+    pub physics_std: Option<f64>,
+    /// Times the discrepancy's factor.
+    pub with_discrepancy: Option<f64>,
+    /// Its standard deviation.
+    pub with_discrepancy_std: Option<f64>,
+}
+
+/// A misfit read twice; null where there is none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MisfitReading {
     /// By the physics alone.
     pub physics: Option<f64>,
     /// Times the discrepancy's factor.
@@ -61,8 +77,12 @@ pub struct Reading {
 }
 
 impl Reading {
-    fn of(physics: Option<f64>, factor: f64) -> Self {
-        Self { physics: physics.map(tidy), with_discrepancy: physics.map(|value| tidy(value * factor)) }
+    /// Both values with their errors, as text.
+    fn cells(&self) -> [String; 2] {
+        let cell = |value: Option<f64>, std: Option<f64>| {
+            value.map_or_else(|| fixed(None, 4), |value| with_error(value, std, 4))
+        };
+        [cell(self.physics, self.physics_std), cell(self.with_discrepancy, self.with_discrepancy_std)]
     }
 }
 
@@ -85,35 +105,37 @@ fn factors_by(design: &Design, found: Option<&Discrepancy>, loads: &[Load]) -> V
 }
 
 impl DiscrepancyReport {
-    /// Both readings of `predicted`, the target's quantity as the search took it, and of `confirmed`; `None` for a
-    /// material of which no patterned samples are known.
+    /// Both readings of the values that `errors` holds; `None` for a material of which no patterned samples are known.
     #[must_use]
-    pub fn new(
-        design: &Design,
-        material: &MaterialUncertainty,
-        predicted: &[f64],
-        loads: &[Load],
-        confirmed: &Simulation,
-    ) -> Option<Self> {
-        let found: &Discrepancy = material.discrepancy.as_ref()?;
+    pub fn new(design: &Design, material: &MaterialUncertainty, loads: &[Load], errors: &DesignErrors) -> Option<Self> {
+        let (found, corrected) = material.discrepancy.as_ref().zip(errors.corrected.as_ref())?;
         let quantity = quantity_name(design.target.quantity());
         let at = DiscrepancyAt::each(found, loads);
-        let by_pressure: Vec<FactorReport> = loads
+        let by_pressure: Vec<FactorReport> = errors
+            .physics
             .iter()
-            .zip(&confirmed.loads)
-            .enumerate()
-            .map(|(place, (load, outcome))| {
-                let factor = found.factor(load.pressure_pa);
-                let aimed = if design.discrepancy { factor } else { 1.0 };
-                let mu = outcome.surface.mu_dynamic;
+            .zip(corrected)
+            .zip(loads.iter().zip(&at))
+            .map(|((physics, corrected), (load, at))| {
+                let reading = |of: &dyn Fn(&PressureErrors) -> Option<ErrorReport>| {
+                    let [physics, corrected] = [of(physics), of(corrected)];
+                    Reading {
+                        physics: physics.as_ref().and_then(|of| of.value),
+                        physics_std: physics.and_then(|of| of.std),
+                        with_discrepancy: corrected.as_ref().and_then(|of| of.value),
+                        with_discrepancy_std: corrected.and_then(|of| of.std),
+                    }
+                };
                 FactorReport {
                     pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
-                    factor: tidy(factor),
-                    relative_std: tidy(at[place].relative_std()),
+                    factor: tidy(at.factor),
+                    relative_std: tidy(at.relative_std()),
                     outside_measured_range: found.correct(load.pressure_pa, 1.0, 0.0).outside_measured_range,
-                    predicted: Reading::of(predicted.get(place).map(|value| value / aimed), factor),
-                    confirmed: Reading::of(if quantity == "ratio" { outcome.ratio } else { mu }, factor),
-                    mu: Reading::of(mu, factor),
+                    predicted: reading(&|row| row.predicted.clone()),
+                    confirmed: reading(&|row| {
+                        if quantity == "ratio" { row.ratio.clone() } else { Some(row.mu.clone()) }
+                    }),
+                    mu: reading(&|row| Some(row.mu.clone())),
                 }
             })
             .collect();
@@ -122,8 +144,10 @@ impl DiscrepancyReport {
             let values = values.filter(|_| design.target.has_demands());
             values.map(|values| tidy(design.target.misfit(&values).max))
         };
-        let misfit =
-            Reading { physics: misfit(|read| read.physics), with_discrepancy: misfit(|read| read.with_discrepancy) };
+        let misfit = MisfitReading {
+            physics: misfit(|read| read.physics),
+            with_discrepancy: misfit(|read| read.with_discrepancy),
+        };
         let pattern = material.discrepancy_pattern.clone().unwrap_or_default();
         let planform = design.space.texture().planform().name();
         Some(Self {
@@ -173,7 +197,7 @@ impl DiscrepancyReport {
                 "\n  physics alone; times the discrepancy of the calibration's patterned samples ({}) confirmed values would be {}{}. \
                  `discrepancy = true` in [target] aims with it\n",
                 list(&|row| Some(row.factor)),
-                list(&|row| row.confirmed.with_discrepancy),
+                self.by_pressure.iter().map(|row| row.confirmed.cells()[1].clone()).collect::<Vec<_>>().join(", "),
                 misfit.map_or_else(String::new, |misfit| format!(": misfit {misfit:.2}")),
             );
         }
@@ -190,13 +214,13 @@ impl DiscrepancyReport {
         ]);
         for row in &self.by_pressure {
             let readings = [row.predicted, row.confirmed, row.mu];
-            let cells = readings.into_iter().flat_map(|read| [read.physics, read.with_discrepancy]);
+            let cells = readings.iter().flat_map(Reading::cells);
             let first = [
                 row.pressure_mpa.to_string(),
                 fixed(Some(row.factor), 3),
                 fixed(Some(row.factor * row.relative_std), 3),
             ];
-            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))));
+            table.row(first.into_iter().chain(cells));
         }
         format!(
             "\n  physics alone and times the discrepancy; misfit {} and {}\n{table}",

@@ -8,12 +8,21 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, Simulation};
 
 use super::rounds::Rounds;
-
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors, Solved};
 use crate::units::{PRESSURE_MPA, tidy};
+
+/// Errors of a design's values, in both readings.
+pub struct DesignErrors {
+    /// Of values as they are compared with the target.
+    pub report: ErrorsReport,
+    /// By the physics alone, one per pressure.
+    pub physics: Vec<PressureErrors>,
+    /// Times the discrepancy, where patterned samples are known.
+    pub corrected: Option<Vec<PressureErrors>>,
+}
 
 /// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
 /// The design itself is taken as exact.
@@ -26,20 +35,34 @@ pub fn of_design(
     scene: &Scene,
     confirmed: &Simulation,
     predicted: &[f64],
-) -> Result<ErrorsReport, CliError> {
-    let knowledge = knowledge(design, material, scene, design.condition.as_ref())?;
-    let slopes = Slopes::new(scene, &knowledge);
-    let solved = Solved { scene, simulation: confirmed, knowledge: &knowledge, slopes: &slopes };
-    let mut rows = solved.errors();
-    for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
-        let material = solved.deviations(place).map(|of| match design.target.quantity() {
-            Quantity::Ratio => of.ratio,
-            Quantity::DynamicFriction => of.mu,
-        });
-        row.predicted = Some(ErrorReport::new(Some(tidy(*value)), Vec::new(), material.as_ref()));
-    }
-    let unknown = solved.unknown(material, &rows);
-    Ok(ErrorsReport::new(rows, unknown, design.discrepancy))
+) -> Result<DesignErrors, CliError> {
+    let known = material
+        .knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())
+        .map_err(|error| CliError::Other(error.to_string()))?;
+    let slopes = Slopes::new(scene, &known);
+    let discrepancy = material.discrepancy.as_ref().map(|found| DiscrepancyAt::each(found, &scene.loads));
+    let factor = |place: usize| discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
+    let rows = |knowledge: &Knowledge| {
+        let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
+        let mut rows = solved.errors();
+        for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
+            let of = solved.deviations(place).map(|of| match design.target.quantity() {
+                Quantity::Ratio => of.ratio,
+                Quantity::DynamicFriction => of.mu,
+            });
+            let physics = if design.discrepancy { value / factor(place) } else { *value };
+            let value = if knowledge.discrepancy.is_some() { physics * factor(place) } else { physics };
+            row.predicted = Some(ErrorReport::new(Some(value), Vec::new(), of.as_ref()));
+        }
+        rows
+    };
+    let physics = rows(&known);
+    let aimed = Knowledge { discrepancy: discrepancy.clone(), ..known.clone() };
+    let corrected = discrepancy.is_some().then(|| rows(&aimed));
+    let solved = Solved { scene, simulation: confirmed, knowledge: &known, slopes: &slopes };
+    let compared = corrected.as_ref().filter(|_| design.discrepancy).unwrap_or(&physics).clone();
+    let unknown = solved.unknown(material, &compared);
+    Ok(DesignErrors { report: ErrorsReport::new(compared, unknown, design.discrepancy), physics, corrected })
 }
 
 /// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.

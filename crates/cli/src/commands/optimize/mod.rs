@@ -88,7 +88,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
-    let conditions = found.conditions_report(&design, &uncertainty, &errors, &outside)?;
+    let conditions = found.conditions_report(&design, &uncertainty, &errors.report, &outside)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
     let exporting = Instant::now();
@@ -119,7 +119,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(trace) = csv::friction_trace(confirmed) {
         outputs.add("friction.csv", trace);
     }
-    pictures::simulation(&confirming, confirmed, &errors, &mut outputs)?;
+    pictures::simulation(&confirming, confirmed, &errors.report, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
     let comparing = Instant::now();
@@ -148,9 +148,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value[..loads.len()].to_vec(),
         confirmed: load_reports(confirmed, sectioned, &outside),
-        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, value, &loads, confirmed),
-        goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors),
-        errors,
+        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, &loads, &errors),
+        goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors.report),
+        errors: errors.report,
         conditions,
         misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(&design) },
         violations: best.violations.iter().map(ToString::to_string).collect(),

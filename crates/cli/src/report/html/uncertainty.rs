@@ -96,9 +96,11 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
             let error = row["factor"].as_f64().zip(row["relative_std"].as_f64()).map(|(factor, std)| factor * std);
             let factor = with_error(&row["factor"], &error.map_or(Value::Null, Value::from), 3);
             let mark = if row["outside_measured_range"] == true { " (outside the pressures measured)" } else { "" };
-            let readings = ["predicted", "confirmed", "mu"]
-                .into_iter()
-                .flat_map(|key| ["physics", "with_discrepancy"].map(|reading| number(&row[key][reading], 4)));
+            let cell = |of: &Value, value: &str, std: &str| with_error(&of[value], &of[std], 4);
+            let readings = ["predicted", "confirmed", "mu"].into_iter().flat_map(|key| {
+                let of = &row[key];
+                [cell(of, "physics", "physics_std"), cell(of, "with_discrepancy", "with_discrepancy_std")]
+            });
             [plain(&row["pressure_mpa"]), format!("{factor}{mark}")].into_iter().chain(readings).collect()
         })
         .collect();
