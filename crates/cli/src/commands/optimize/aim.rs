@@ -201,20 +201,11 @@ impl DiscrepancyReport {
                 misfit.map_or_else(String::new, |misfit| format!(": misfit {misfit:.2}")),
             );
         }
-        let mut table = Table::new([
-            "P MPa",
-            "factor",
-            "+-",
-            "predicted: physics",
-            "with discrepancy",
-            "confirmed: physics",
-            "with discrepancy",
-            "mu: physics",
-            "with discrepancy",
-        ]);
+        let mut table = Table::new(["P MPa", "factor", "+-", "predicted", "+-", "confirmed", "+-", "mu", "+-"]);
         for row in &self.by_pressure {
-            let readings = [row.predicted, row.confirmed, row.mu];
-            let cells = readings.iter().flat_map(Reading::cells);
+            let cells =
+                [row.predicted, row.confirmed, row.mu].into_iter().flat_map(|read| [read.physics, read.physics_std]);
+            let cells = cells.map(|cell| fixed(cell, 4));
             let first = [
                 row.pressure_mpa.to_string(),
                 fixed(Some(row.factor), 3),
@@ -223,9 +214,8 @@ impl DiscrepancyReport {
             table.row(first.into_iter().chain(cells));
         }
         format!(
-            "\n  physics alone and times the discrepancy; misfit {} and {}\n{table}",
+            "\n  by the physics alone, which the values above are times the factor of: misfit {}\n{table}",
             fixed(self.misfit.physics, 2),
-            fixed(self.misfit.with_discrepancy, 2)
         )
     }
 }

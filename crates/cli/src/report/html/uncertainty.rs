@@ -72,6 +72,8 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
         return;
     }
     let used = found["used"] == true;
+    // The other reading stands in the table of the target.
+    let other = if used { "physics" } else { "with_discrepancy" };
     page.paragraph(
         "",
         &format!(
@@ -96,26 +98,20 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
             let error = row["factor"].as_f64().zip(row["relative_std"].as_f64()).map(|(factor, std)| factor * std);
             let factor = with_error(&row["factor"], &error.map_or(Value::Null, Value::from), 3);
             let mark = if row["outside_measured_range"] == true { " (outside the pressures measured)" } else { "" };
-            let cell = |of: &Value, value: &str, std: &str| with_error(&of[value], &of[std], 4);
-            let readings = ["predicted", "confirmed", "mu"].into_iter().flat_map(|key| {
+            let readings = ["predicted", "confirmed", "mu"].into_iter().map(|key| {
                 let of = &row[key];
-                [cell(of, "physics", "physics_std"), cell(of, "with_discrepancy", "with_discrepancy_std")]
+                with_error(&of[other], &of[&format!("{other}_std")], 4)
             });
             [plain(&row["pressure_mpa"]), format!("{factor}{mark}")].into_iter().chain(readings).collect()
         })
         .collect();
     page.table(
-        &format!("{} by the physics alone and times the factor.", text(found, "quantity")),
-        &[
-            "P in MPa",
-            "factor",
-            "predicted: physics",
-            "with discrepancy",
-            "confirmed: physics",
-            "with discrepancy",
-            "mu: physics",
-            "with discrepancy",
-        ],
+        &format!(
+            "The same values {}: {}.",
+            if used { "by the physics alone" } else { "times the factor" },
+            text(found, "quantity")
+        ),
+        &["P in MPa", "factor", "predicted", "confirmed", "mu"],
         &rows,
     );
 }
