@@ -11,6 +11,20 @@ const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Travel of a run from rest, which finds the static peak, in metres.
 const COLD_TRAVEL_M: f64 = 2e-6;
 
+/// Periods of the layer's first shear mode that a run lasts at least: its last two fifths, which are averaged, must hold
+/// ten. At high speeds the travels above are over sooner.
+const LEAST_PERIODS: f64 = 40.0;
+
+/// `usual_m`, or what `speed_m_s` covers in [`LEAST_PERIODS`], in metres.
+fn travel_m(problem: &Problem, speed_m_s: f64, usual_m: f64) -> f64 {
+    let elastic = &problem.elastic;
+    // c_s = sqrt(G / rho), G = 3 E / 8
+    let shear_wave_m_s = (0.375 * elastic.youngs_modulus_pa() / elastic.density_kg_m3()).sqrt();
+    // T = 4 h / c_s
+    let period_s = 4.0 * problem.layer.height_m / shear_wave_m_s;
+    usual_m.max(LEAST_PERIODS * period_s * speed_m_s)
+}
+
 /// Coefficients at each measurement.
 pub type Pairs = Vec<LocalFriction>;
 
@@ -80,7 +94,7 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
         let run = RunOptions {
             fidelity: Fidelity::Dynamic,
             warm_start: !from_rest,
-            sliding_m: if from_rest { COLD_TRAVEL_M } else { WARM_TRAVEL_M },
+            sliding_m: travel_m(problem, speed_m_s, if from_rest { COLD_TRAVEL_M } else { WARM_TRAVEL_M }),
             ..RunOptions::default()
         };
         let runs = (0..count).filter(|&i| run_of[i] == i).count();

@@ -92,7 +92,7 @@ pub enum CalibrationError {
     #[error("the measurements lead to a friction coefficient without meaning: {0}")]
     Material(#[from] MaterialError),
     /// The flat sample did not slide in the model.
-    #[error("the flat sample did not reach sliding in the model at {pressure_pa} Pa: {status}")]
+    #[error("the flat sample did not reach sliding in the model at {:.4} MPa: {status}", pressure_pa / 1e6)]
     NoSliding {
         /// Nominal pressure, in pascals.
         pressure_pa: f64,

@@ -5,6 +5,7 @@
 //! | [`args`] | flags and help |
 //! | [`formats`] | scene, design, calibration and material files, tables of measurements |
 //! | [`diagnostic`] | why input was refused: file, line, key, reason |
+//! | [`input`] | files opened, or refused with what was expected |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
 //! | [`units`] | units of the files to SI and back |
@@ -27,6 +28,7 @@ pub mod commands;
 pub mod diagnostic;
 mod error;
 pub mod formats;
+pub mod input;
 pub mod output;
 pub mod progress;
 pub mod report;

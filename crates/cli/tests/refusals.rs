@@ -199,7 +199,7 @@ fn a_material_that_is_not_there_is_reported_where_it_is_named() {
     let folder = Place::with(&[("scene.toml", &scene), ("calibration.toml", CALIBRATION), ("flat.csv", FLAT)]);
     let message = folder.refuse(&["simulate", "scene.toml"]);
     assert!(
-        message.starts_with("error: calibration.toml: is a calibration file; expected a material file"),
+        message.starts_with("error: calibration.toml: seems to be a calibration file, which `slipgrid calibrate` takes; expected a material"),
         "{message}"
     );
 }
@@ -371,6 +371,16 @@ fn flags() {
         (vec!["accuracy", "missing.toml"], "error: missing.toml: cannot be read"),
         (vec!["accuracy", "-o", "map.txt"], "error: --output: map.txt is a file"),
         (vec!["area-law", "map.txt"], "error: map.txt: "),
+        (
+            vec!["area-law", "map.txt"],
+            "error: map.txt: the unit of the heights is not known; expected a header line such as \"# Value units: um\", \
+             or a unit by option: m, cm, mm, um, nm, pm (--height-unit um; in a calibration's [surface]: height_unit",
+        ),
+        (
+            vec!["surface", "map.txt", "--height-unit", "um"],
+            "error: map.txt: the pixel size is not known; expected header lines such as \"# Width: 1 mm\" and \
+             \"# Height: 1 mm\", or a pixel size by option (--pixel-um 0.5; in",
+        ),
         (vec!["area-law", "map.txt", "--pressures-mpa", "2,1"], "error: --pressures-mpa: 1 does not exceed"),
         (vec!["area-law", "map.txt", "--poisson-ratio", "0.7"], "error: --poisson-ratio: 0.7 is out of range"),
         (vec!["area-law", "map.txt", "--threshold-mpa", "0"], "error: --threshold-mpa: 0 is out of range"),
@@ -386,7 +396,12 @@ fn flags() {
             "error: --waves: 4:64 has waves that 64 pixels per side do not resolve; expected at most 31 waves",
         ),
         (vec!["synthesize", "--cavities", "5000,5000,3", "-o", "m"], "error: --cavities: 5000,5000,3 cuts none"),
-        (vec!["export", "scene.toml"], "error: scene.toml:1: is not a result of `slipgrid optimize`"),
+        (vec!["export", "scene.toml"], "error: scene.toml: seems to be a scene file, which `slipgrid simulate` takes"),
+        (vec!["export", "map.txt"], "error: map.txt:1: is not a result of `slipgrid optimize`"),
+        (
+            vec!["area-law", "scene.toml"],
+            "error: scene.toml: seems to be a scene file, which `slipgrid simulate` takes",
+        ),
         (vec!["validate"], "error: calibration/ldpe-cast-iron/calibration.toml: cannot be read"),
         (vec!["validate", "--depth-um", "200"], "error: --depth-um: 200 leaves nothing of the layer of 200 um"),
         (vec!["validate", "--width-um", "-1"], "error: --width-um: -1 is out of range"),
@@ -398,4 +413,60 @@ fn flags() {
         assert!(message.starts_with(says), "{args:?}: {message}");
         assert_eq!(folder.names(), ["map.txt", "scene.toml"], "{args:?}");
     }
+}
+
+#[test]
+fn a_file_given_to_another_command() {
+    let material =
+        "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.3\ndynamic_mean = 0.27\n";
+    let result = "{\"design\": {}}";
+    let folder = Place::with(&[
+        ("scene.toml", SCENE),
+        ("design.toml", DESIGN),
+        ("calibration.toml", CALIBRATION),
+        ("flat.csv", FLAT),
+        ("material.toml", material),
+        ("result.json", result),
+    ]);
+    let before = folder.names();
+    let kinds = [
+        ("scene.toml", "a scene file", "simulate"),
+        ("design.toml", "a design file", "optimize"),
+        ("calibration.toml", "a calibration file", "calibrate"),
+        ("material.toml", "a material file", ""),
+        ("result.json", "a result of `slipgrid optimize`", "export"),
+    ];
+    for command in ["simulate", "optimize", "calibrate", "export", "traces", "validate", "accuracy"] {
+        for (file, kind, takes) in kinds {
+            let own = match command {
+                "traces" | "validate" => "calibrate",
+                "accuracy" => "simulate",
+                other => other,
+            };
+            // Traces are tables; one .toml beside them is taken for a calibration.
+            if takes != own && (command != "traces" || file.ends_with(".toml")) {
+                let message = folder.refuse(&[command, file]);
+                let says = format!("error: {file}: seems to be {kind}, which");
+                assert!(message.starts_with(&says) && message.lines().count() == 1, "{command}: {message}");
+                assert!(takes.is_empty() || message.contains(&format!("`slipgrid {takes}`")), "{command}: {message}");
+            }
+        }
+    }
+    assert_eq!(folder.names(), before);
+}
+
+#[test]
+fn a_folder_in_place_of_a_file() {
+    let folder = Place::with(&[]);
+    std::fs::create_dir(folder.path("mine")).unwrap();
+    for command in ["simulate", "optimize", "calibrate", "export", "traces", "surface", "area-law", "validate"] {
+        let message = folder.refuse(&[command, "mine"]);
+        assert!(message.starts_with("error: mine: is a folder"), "{command}: {message}");
+        assert!(message.contains("; expected "), "{command}: {message}");
+    }
+    // The one that was meant is named.
+    std::fs::write(folder.path("mine/calibration.toml"), CALIBRATION).unwrap();
+    let message = folder.refuse(&["calibrate", "mine"]);
+    assert!(message.contains("(did you mean `mine/calibration.toml`?)"), "{message}");
+    assert!(!folder.refuse(&["optimize", "mine"]).contains("did you mean"));
 }

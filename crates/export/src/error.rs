@@ -2,7 +2,7 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExportError {
     /// A number that is not positive and finite.
-    #[error("{quantity} is {value}: expected a positive number")]
+    #[error("{quantity} is {}: expected a positive number", tidy(*value))]
     NotPositive {
         /// The quantity, its unit in its name.
         quantity: &'static str,
@@ -10,7 +10,7 @@ pub enum ExportError {
         value: f64,
     },
     /// A ring whose hole leaves nothing of it.
-    #[error("a ring of {outer_diameter_m:e} m has a hole of {inner_diameter_m:e} m: expected a smaller hole")]
+    #[error("a ring of {} mm has a hole of {} mm: expected a smaller hole", mm(*outer_diameter_m), mm(*inner_diameter_m))]
     NoRing {
         /// Diameter of the rim, in metres.
         outer_diameter_m: f64,
@@ -19,8 +19,8 @@ pub enum ExportError {
     },
     /// The specimen is too small for a single cavity.
     #[error(
-        "no cavity {width_m:e} m wide fits whole on the specimen: \
-         expected an extent of at least {needed_m:e} m, but it is {extent_m:e} m"
+        "no cavity {} um wide fits whole on the specimen: expected an extent of at least {} mm, but it is {} mm",
+        mm(1e3 * width_m), mm(*needed_m), mm(*extent_m)
     )]
     NoCavityFits {
         /// Width of a cavity, in metres.
@@ -39,7 +39,7 @@ pub enum ExportError {
         most: usize,
     },
     /// A pattern or a setting that the laser cannot make.
-    #[error("{what} of {value_um} um is {relation} {limit}, {limit_um} um")]
+    #[error("{what} of {} um is {relation} {limit}, {} um", tidy(*value_um), tidy(*limit_um))]
     BeyondLaser {
         /// What is too fine, or too far apart.
         what: &'static str,
@@ -72,7 +72,7 @@ pub enum ExportError {
     #[error("STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0")]
     TaperAndCut,
     /// A height map of too many or too few pixels.
-    #[error("pixels of {pixel_um} um make a height map {pixels:.0} wide: expected 1 to {most}")]
+    #[error("pixels of {} um make a height map {pixels:.0} wide: expected 1 to {most}", tidy(*pixel_um))]
     NoHeightMap {
         /// Side of a pixel, in um.
         pixel_um: f64,
@@ -108,4 +108,29 @@ pub enum ExportError {
 /// `value` if it is finite and positive.
 pub(crate) fn positive(quantity: &'static str, value: f64) -> Result<f64, ExportError> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(ExportError::NotPositive { quantity, value }) }
+}
+
+/// `value` to 12 digits: what conversion of units left behind is gone.
+fn tidy(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
+fn mm(length_m: f64) -> f64 {
+    tidy(length_m * 1e3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_the_units_of_files() {
+        let refused = ExportError::NoCavityFits { width_m: 4e-4, extent_m: 0.3e-3, needed_m: 0.1 + 0.2 };
+        assert_eq!(
+            refused.to_string(),
+            "no cavity 400 um wide fits whole on the specimen: expected an extent of at least 300 mm, but it is 0.3 mm"
+        );
+        let refused = ExportError::NoHeightMap { pixel_um: 0.09999999999999999, pixels: 1e5, most: 65535 };
+        assert_eq!(refused.to_string(), "pixels of 0.1 um make a height map 100000 wide: expected 1 to 65535");
+    }
 }

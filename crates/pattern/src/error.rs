@@ -4,7 +4,7 @@ use crate::Planform;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PatternError {
     /// A length that is not a positive, finite number.
-    #[error("{quantity} of {value_m} m is not a positive length")]
+    #[error("{quantity} of {} um is not a positive length", um(*value_m))]
     NotALength {
         /// `width`, `spacing`, `depth`, `length` or `spacing across`.
         quantity: &'static str,
@@ -48,4 +48,23 @@ pub enum PatternError {
 /// `value_m` if it is a positive, finite length.
 pub(crate) fn length(quantity: &'static str, value_m: f64) -> Result<f64, PatternError> {
     if value_m.is_finite() && value_m > 0.0 { Ok(value_m) } else { Err(PatternError::NotALength { quantity, value_m }) }
+}
+
+/// A length in um to 12 digits: what conversion of units left behind is gone.
+pub(crate) fn um(length_m: f64) -> f64 {
+    let length_um = length_m * 1e6;
+    format!("{length_um:.11e}").parse().unwrap_or(length_um)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_the_units_of_files() {
+        for (value_m, says) in [(-1.3e-4, "width of -130 um is"), (0.0, "width of 0 um is"), (f64::NAN, "of NaN um")] {
+            let refused = length("width", value_m).unwrap_err().to_string();
+            assert!(refused.contains(says), "{refused}");
+        }
+    }
 }

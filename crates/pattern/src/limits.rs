@@ -1,4 +1,5 @@
 use crate::Pattern;
+use crate::error::um;
 
 /// What the laser can make. Absent limits do not bind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,7 +16,7 @@ pub struct ManufacturingLimits {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum LimitViolation {
     /// The land between two cavities is narrower than allowed.
-    #[error("land of {land_m:.3e} m is narrower than the smallest allowed, {min_land_m:.3e} m")]
+    #[error("land of {} um is narrower than the smallest allowed, {} um", um(*land_m), um(*min_land_m))]
     LandTooNarrow {
         /// Smallest distance between two cavities, in metres.
         land_m: f64,
@@ -23,7 +24,7 @@ pub enum LimitViolation {
         min_land_m: f64,
     },
     /// The cavity is narrower than the laser spot.
-    #[error("cavity of {width_m:.3e} m is narrower than the laser spot, {spot_m:.3e} m")]
+    #[error("cavity of {} um is narrower than the laser spot, {} um", um(*width_m), um(*spot_m))]
     NarrowerThanSpot {
         /// The cavity's smallest extent seen from above, in metres.
         width_m: f64,

@@ -73,6 +73,17 @@ pub enum MapError {
     },
 }
 
+/// What [`ReadOptions`](crate::ReadOptions) can say of a file that does not say it itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MapOption {
+    /// Unit of the heights.
+    HeightUnit,
+    /// Unit of x and y.
+    LateralUnit,
+    /// Pixel size.
+    Pixel,
+}
+
 /// Why a file was refused as an altitude map. Lines count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ReadError {
@@ -133,6 +144,8 @@ pub enum ReadError {
         what: &'static str,
         /// How to give it.
         expected: &'static str,
+        /// The option that gives it.
+        option: MapOption,
     },
     /// The text holds no data.
     #[error("no data after {lines} lines: expected rows of heights, or points x y z")]

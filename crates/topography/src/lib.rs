@@ -47,7 +47,7 @@ mod unit;
 mod write;
 
 pub use cavities::{Cavity, CavityMetrology, CutCavity, CutPattern, CutShape, Spread};
-pub use error::{MapError, ReadError};
+pub use error::{MapError, MapOption, ReadError};
 pub use fill::Filling;
 pub use form::Form;
 pub use level::Plane;

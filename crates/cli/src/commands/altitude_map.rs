@@ -1,18 +1,22 @@
 //! From the file of an altitude map to a map ready for computation.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use slipgrid_contact::{periodic_component, side_step_ratio};
-use slipgrid_topography::{Form, HeightMap, MapFormat, ReadMap, ReadOptions, read_map};
+use slipgrid_topography::{Form, HeightMap, MapFormat, MapOption, ReadError, ReadMap, ReadOptions, read_map};
 
 use crate::diagnostic::Diagnostic;
+use crate::formats::file_kind::FileKind;
 use crate::formats::surface::{MapOptions, Missing};
+use crate::input;
 
 /// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
 /// period has about 1, a piece of a smooth surface many times that.
 const PERIOD_STEP_RATIO: f64 = 1.5;
+
+/// What a file should be.
+const EXPECTED: &str = "the file of an altitude map";
 
 /// A map ready for computation.
 #[derive(Clone, Debug)]
@@ -124,8 +128,29 @@ impl SurfaceMap {
 /// # Errors
 /// [`Diagnostic`] if the file cannot be read or is no map.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<ReadMap, Diagnostic> {
-    let file = File::open(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
-    read_map(BufReader::new(file), options).map_err(|error| Diagnostic::file(path, error.to_string()))
+    let file = input::open(path, EXPECTED)?;
+    read_map(BufReader::new(file), options).map_err(|error| {
+        // A file of settings in place of a map is told by its name: maps may be large.
+        let text = path.extension().filter(|&extension| extension == "toml").map(|_| input::read_text(path, EXPECTED));
+        let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
+        match (found, error) {
+            (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),
+            (None, ReadError::NotGiven { what, expected, option }) => {
+                Diagnostic::file(path, format!("the {what} is not known"))
+                    .expected(format!("{expected} ({})", how_to_give(option)))
+            }
+            (None, error) => Diagnostic::file(path, error.to_string()),
+        }
+    })
+}
+
+/// What gives an option on the command line and in a calibration file.
+const fn how_to_give(option: MapOption) -> &'static str {
+    match option {
+        MapOption::HeightUnit => "--height-unit um; in a calibration's [surface]: height_unit = \"um\"",
+        MapOption::LateralUnit => "--lateral-unit um; in a calibration's [surface]: lateral_unit = \"um\"",
+        MapOption::Pixel => "--pixel-um 0.5; in a calibration's [surface]: pixel_um = 0.5",
+    }
 }
 
 /// Whether a file says of its map that it is one whole period, as synthetic ones do.

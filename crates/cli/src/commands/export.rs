@@ -8,6 +8,8 @@ use super::drawings::{DrawingInput, draw_with};
 use super::optimize::StoredDesign;
 use crate::args::ExportArgs;
 use crate::diagnostic::Diagnostic;
+use crate::formats::file_kind::FileKind;
+use crate::input::read_text;
 use crate::output::{Outputs, check_folder};
 use crate::report::simulation::PatternReport;
 use crate::units::LENGTH_UM;
@@ -96,8 +98,11 @@ fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
 }
 
 fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {
-    let text =
-        std::fs::read_to_string(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
+    if path.is_dir() {
+        return Err(Diagnostic::file(path, "is a folder without result.json").expected(FileKind::Result.expected()));
+    }
+    let text = read_text(path, FileKind::Result.expected())?;
+    FileKind::Result.require(path, &text)?;
     serde_json::from_str(&text).map_err(|error| {
         let refused = Diagnostic::file(path, format!("is not a result of `slipgrid optimize`: {error}"));
         Diagnostic { line: u32::try_from(error.line()).ok().filter(|&line| line > 0), ..refused }

@@ -4,6 +4,7 @@ use crate::args::TracesArgs;
 use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
+use crate::formats::file_kind::FileKind;
 use crate::formats::measurements::{self, Measurement};
 use crate::formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition, notes};
 use crate::output::{Outputs, check_folder};
@@ -28,6 +29,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
             }
             calibration.traces
         }
+        [folder] if folder.is_dir() => return Err(FileKind::Calibration.refuse_folder(folder).into()),
         _ => vec![analyse_condition(&setup(args)?, &condition(args)?)?],
     };
     if let Some(folder) = &args.output {

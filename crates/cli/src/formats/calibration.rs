@@ -8,6 +8,7 @@ use slipgrid_pattern::Pattern;
 use toml::Spanned;
 
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::material::existing;
 use super::measurements::{self, Measurement};
 use super::pattern::{PatternFile, read_pattern};
@@ -158,7 +159,7 @@ impl Calibration {
     /// # Errors
     /// [`Diagnostic`] for anything refused in it or in its tables.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        Self::from_document(&Document::read(path)?)
+        Self::from_document(&Document::read(path, FileKind::Calibration)?)
     }
 
     /// Reads a calibration from a document.

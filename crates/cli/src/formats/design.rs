@@ -12,6 +12,7 @@ use toml::Spanned;
 
 use super::condition_ranges::{ConditionRangeFile, read_conditions};
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::{MaterialFile, existing, read_file, read_material};
@@ -153,7 +154,7 @@ impl Design {
     /// # Errors
     /// [`Diagnostic`] for anything refused.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        Self::from_document(Document::read(path)?)
+        Self::from_document(Document::read(path, FileKind::Design)?)
     }
 
     /// Reads a design from a document.
@@ -446,8 +447,8 @@ fn read_material_input(
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
-            let named = Document::read(&path)?;
-            if named.has_key("measurements") || named.has_key("traces") {
+            let named = Document::read_any(&path, FileKind::Material)?;
+            if named.kind() == Some(FileKind::Calibration) {
                 return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
             let read = read_file(&path)?;

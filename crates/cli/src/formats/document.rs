@@ -7,7 +7,9 @@ use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::file_kind::FileKind;
 use crate::diagnostic::{Diagnostic, nearest};
+use crate::input::read_text;
 use crate::units::Quantity;
 
 /// Letters of a refused value that a message repeats.
@@ -21,14 +23,31 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads the file at `path`.
+    /// Reads the file at `path`, which should be a `kind`.
     ///
     /// # Errors
-    /// [`Diagnostic`] if it cannot be read or is not UTF-8.
-    pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
-        Ok(Self { path: path.to_owned(), text })
+    /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
+    pub fn read(path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        let document = Self::read_any(path, kind)?;
+        kind.require(path, &document.text)?;
+        Ok(document)
+    }
+
+    /// Reads the file at `path`, whatever it is; `kind` is what a folder should have been.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is a folder, cannot be read or is not UTF-8.
+    pub fn read_any(path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        if path.is_dir() {
+            return Err(kind.refuse_folder(path));
+        }
+        Ok(Self { path: path.to_owned(), text: read_text(path, kind.expected())? })
+    }
+
+    /// What the document seems to be, by its tables.
+    #[must_use]
+    pub fn kind(&self) -> Option<FileKind> {
+        FileKind::of(&self.text)
     }
 
     /// A document from text; `path` names it in messages.
@@ -53,13 +72,6 @@ impl Document {
     #[must_use]
     pub fn stem(&self) -> String {
         self.path.file_stem().map_or_else(|| "result".to_owned(), |stem| stem.to_string_lossy().into_owned())
-    }
-
-    /// Whether the document has the top-level key `key`; false where it is no TOML at all.
-    #[must_use]
-    pub fn has_key(&self, key: &str) -> bool {
-        DeTable::parse(&self.text)
-            .is_ok_and(|table| table.get_ref().iter().any(|(name, _)| name.get_ref().as_ref() == key))
     }
 
     /// The document as a `T`.

@@ -10,6 +10,7 @@ use toml::Spanned;
 
 use super::discrepancy::{DiscrepancyFile, read_discrepancies};
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::values::{Number, NumberList, Numbers, PathOr, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{
@@ -202,11 +203,7 @@ pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<
 /// # Errors
 /// [`Diagnostic`] for anything refused in it.
 pub fn read_file(path: &Path) -> Result<Material, Diagnostic> {
-    let document = Document::read(path)?;
-    if document.has_key("measurements") || document.has_key("traces") {
-        return Err(Diagnostic::file(path, "is a calibration file")
-            .expected("a material file, as `slipgrid calibrate` writes it"));
-    }
+    let document = Document::read(path, FileKind::Material)?;
     let file: MaterialFile = document.parse()?;
     read_material(&document, &file, &(0..0))
 }

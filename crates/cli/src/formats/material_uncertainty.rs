@@ -8,6 +8,7 @@ use toml::Spanned;
 
 use super::discrepancy::{Discrepancies, read_discrepancies};
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing};
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
@@ -81,7 +82,7 @@ pub fn read_referenced_uncertainty(
     match material.get_ref() {
         PathOr::Table(table) => read_uncertainty(document, table, humidity),
         PathOr::Path(path) => {
-            let named = Document::read(&existing(document, material, path)?)?;
+            let named = Document::read(&existing(document, material, path)?, FileKind::Material)?;
             read_uncertainty(&named, &named.parse()?, humidity)
         }
     }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, nearest};
+use crate::input::read_text;
 use crate::units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
 /// One row of a table of measurements, SI units.
@@ -40,8 +41,7 @@ const COLUMNS: [(&str, Quantity, bool); 7] = [
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
 pub fn read(path: &Path) -> Result<Vec<Measurement>, Diagnostic> {
-    let text =
-        std::fs::read_to_string(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
+    let text = read_text(path, "a table of measurements")?;
     parse(path, &text)
 }
 

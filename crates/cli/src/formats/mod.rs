@@ -5,6 +5,7 @@ pub mod condition_ranges;
 pub mod design;
 pub mod discrepancy;
 pub mod document;
+pub mod file_kind;
 pub mod laser;
 pub mod limits;
 pub mod material;

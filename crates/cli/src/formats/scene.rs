@@ -8,6 +8,7 @@ use slipgrid_springblock::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions
 use toml::Spanned;
 
 use super::document::Document;
+use super::file_kind::FileKind;
 use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
 use super::material_uncertainty::{MaterialUncertainty, read_referenced_uncertainty};
 use super::pattern::{PatternFile, read_pattern, require_section};
@@ -160,7 +161,7 @@ impl SceneInput {
     /// # Errors
     /// [`Diagnostic`] for anything refused in it or in a file it names.
     pub fn read(path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
-        let document = Document::read(path)?;
+        let document = Document::read(path, FileKind::Scene)?;
         let file: SceneFile = document.parse()?;
         Self::from_file(document, &file, overrides)
     }

@@ -6,6 +6,7 @@ use slipgrid_calibrate::trace::{Tangential, TraceChannels};
 
 use super::trace_columns::{Channel, Column, columns};
 use crate::diagnostic::Diagnostic;
+use crate::input::read_bytes;
 
 /// One repeat as recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +42,7 @@ const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
 pub fn read(path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    let bytes = std::fs::read(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))?;
+    let bytes = read_bytes(path, "a table of traces")?;
     // Instruments write Latin-1, whose letters have the same numbers in Unicode.
     let text =
         String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());

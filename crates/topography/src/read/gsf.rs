@@ -8,7 +8,7 @@ use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
-use crate::{LengthUnit, ReadError};
+use crate::{LengthUnit, MapOption, ReadError};
 
 /// The first line.
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -61,6 +61,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     let height_unit = options.height_unit.or(header.height_unit).ok_or(ReadError::NotGiven {
         what: "unit of the heights",
         expected: "ZUnits in the header, or a unit by option: m, cm, mm, um, nm, pm",
+        option: MapOption::HeightUnit,
     })?;
     let pixel_m = match options.pixel_m {
         Some(pixel_m) => pixel_m,
@@ -68,6 +69,7 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
             let unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
                 what: "unit of the sides",
                 expected: "XYUnits in the header, or a unit or a pixel size by option",
+                option: MapOption::LateralUnit,
             })?;
             let pixel = |axis: usize, pixels: u64| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64);
             [pixel(0, rows), pixel(1, cols)]

@@ -6,7 +6,7 @@ use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, height};
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
-use crate::{HeightMap, LengthUnit, ReadError};
+use crate::{HeightMap, LengthUnit, MapOption, ReadError};
 
 /// Rows read so far, in the text's unit, NaN where missing.
 #[derive(Debug)]
@@ -86,13 +86,23 @@ impl MatrixReader {
             (Some(unit), _) => (unit, 1.0),
             (None, Some(value_nm)) => (LengthUnit::Nanometre, value_nm),
             (None, None) => {
-                return Err(ReadError::NotGiven { what: "unit of the heights", expected: HOW_TO_GIVE_HEIGHT_UNIT });
+                return Err(ReadError::NotGiven {
+                    what: "unit of the heights",
+                    expected: HOW_TO_GIVE_HEIGHT_UNIT,
+                    option: MapOption::HeightUnit,
+                });
             }
         };
         let pixel_m = match (options.pixel_m, header.height_m, header.width_m) {
             (Some(pixel_m), _, _) => pixel_m,
             (None, Some(height_m), Some(width_m)) => [height_m / rows as f64, width_m / self.cols as f64],
-            (None, _, _) => return Err(ReadError::NotGiven { what: "pixel size", expected: HOW_TO_GIVE_PIXEL }),
+            (None, _, _) => {
+                return Err(ReadError::NotGiven {
+                    what: "pixel size",
+                    expected: HOW_TO_GIVE_PIXEL,
+                    option: MapOption::Pixel,
+                });
+            }
         };
         self.window.finish(pixel_m, |value| unit.to_metres(factor * value))
     }

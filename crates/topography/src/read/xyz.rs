@@ -6,7 +6,7 @@ use super::lines::{Delimiter, excerpt, height, number};
 use super::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
 use super::scan::Scan;
 use crate::map::MOST_POINTS;
-use crate::{HeightMap, LengthUnit, MapError, ReadError};
+use crate::{HeightMap, LengthUnit, MapError, MapOption, ReadError};
 
 /// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
 /// map, well above rounding.
@@ -83,13 +83,15 @@ impl XyzReader {
     }
 
     pub(super) fn finish(self, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
-        let height_unit = options
-            .height_unit
-            .or(header.value_unit)
-            .ok_or(ReadError::NotGiven { what: "unit of the heights", expected: HOW_TO_GIVE_HEIGHT_UNIT })?;
+        let height_unit = options.height_unit.or(header.value_unit).ok_or(ReadError::NotGiven {
+            what: "unit of the heights",
+            expected: HOW_TO_GIVE_HEIGHT_UNIT,
+            option: MapOption::HeightUnit,
+        })?;
         let lateral_unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
             what: "unit of x and y",
             expected: "a header line such as \"# XY units: um\", titles such as x_um,y_um,z_um, or a unit by option",
+            option: MapOption::LateralUnit,
         })?;
         let map = |[along_x, along_y]: [GridLines; 2], height_m| {
             let [dx_m, dy_m] = [along_x.step, along_y.step].map(|step| lateral_unit.to_metres(step));
