@@ -1,9 +1,10 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, RunOptions, Scene, SceneError, Simulation, Status, simulate};
+use slipgrid_springblock::{RunOptions, Scene, SceneError};
 
 use super::conditions::in_words;
+use super::in_time::in_time;
 use super::rounds::Rounds;
 use super::stages::Timings;
 use crate::formats::design::Design;
@@ -13,25 +14,6 @@ use crate::{CliError, Console};
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
 const LEAST_CONTACTS: f64 = 400.0;
-
-/// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
-const MOST_TRAVEL_M: f64 = 8e-6;
-
-/// `scene` in time, and how it was run: slender lands shear further before the last block slips, and at
-/// high speeds the travel is over before an average means anything.
-fn in_time(mut scene: Scene, bar: &Progress) -> Result<(Simulation, RunOptions), SceneError> {
-    loop {
-        let simulation = simulate(&scene, bar)?;
-        let sliding = |load: &LoadOutcome| {
-            let surfaces = std::iter::once(&load.surface).chain(&load.flat);
-            surfaces.into_iter().all(|surface| !matches!(surface.status, Status::NoOnset | Status::ShortWindow))
-        };
-        if simulation.loads.iter().all(sliding) || scene.run.sliding_m >= MOST_TRAVEL_M {
-            return Ok((simulation, scene.run));
-        }
-        scene.run.sliding_m *= 2.0;
-    }
-}
 
 impl Rounds {
     /// Runs `pattern` in time at the condition designed for.

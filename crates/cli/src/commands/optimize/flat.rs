@@ -1,13 +1,11 @@
 //! The flat sample beside the designs.
 
-use slipgrid_springblock::{Extent, RunOptions, Scene, SceneError, simulate};
+use slipgrid_springblock::{Extent, RunOptions, Scene, SceneError};
+
+use super::in_time::{WARM_TRAVEL_M, in_time};
 
 use crate::Console;
 use crate::progress::Progress;
-
-/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
-/// run goes on until its standard error is small enough.
-pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
 
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
 pub fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SceneError> {
@@ -20,7 +18,7 @@ pub fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<
         dimensions: None,
         ..scene.run
     };
-    let simulation = simulate(&Scene { pattern: None, run, ..scene.clone() }, &bar);
+    let simulation = in_time(Scene { pattern: None, run, ..scene.clone() }, &bar);
     bar.finish();
-    Ok(simulation?.loads.iter().map(|load| load.surface.mu_dynamic).collect())
+    Ok(simulation?.0.loads.iter().map(|load| load.surface.mu_dynamic).collect())
 }

@@ -13,8 +13,9 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
-use super::flat::{WARM_TRAVEL_M, flat_friction};
+use super::flat::flat_friction;
 use super::further::Further;
+use super::in_time::WARM_TRAVEL_M;
 use super::limited::Limited;
 use super::model::SteadyCell;
 use super::robust_search::{self, RobustChoice};
