@@ -13,6 +13,7 @@ mod in_time;
 mod limited;
 mod material;
 mod model;
+mod reachable;
 mod report;
 mod robust_search;
 mod robustness;
@@ -158,7 +159,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         sensitivities: slopes,
         robustness: spread,
         trade_offs: traded,
-        reachable: errors::of_reachable(&design, &uncertainty, &found)?,
+        reachable: reachable::of_search(&design, &uncertainty, &found)?,
         explanation,
         table,
         alternatives: patterns(&found.alternatives),

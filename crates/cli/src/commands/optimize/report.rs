@@ -8,8 +8,8 @@ use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
 use super::conditions_report::ConditionsReport;
-use super::errors::ReachableReport;
 use super::explanation::ExplanationReport;
+use super::reachable::ReachableReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::sensitivity::SensitivityReport;
 use super::stages::{ImprovementReport, Timings};
