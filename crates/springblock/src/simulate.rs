@@ -407,12 +407,34 @@ fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
         Extent::Sample => "sample: the whole specimen with free sides",
     };
     model.push(what.to_owned());
+    model.extend(describe_periods(scene));
     let asked = match &scene.pattern {
         Some(pattern) if pattern.dimensions() == 3 && scene.run.dimensions == Some(2) => ", as asked for",
         _ => "",
     };
     model
         .push(format!("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"));
+}
+
+/// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.
+const SHARE_TO_TELL: f64 = 0.01;
+
+/// That a specimen of few periods is not the pattern, where its cavities take another share.
+fn describe_periods(scene: &Scene) -> Option<String> {
+    let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Sample)?;
+    let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
+    let sum = |of: fn(&Column) -> f64| columns.iter().map(of).sum::<f64>();
+    let share = sum(|column| column.width * column.coverage) / sum(|column| column.width);
+    let own = pattern.section_density();
+    ((share - own).abs() > SHARE_TO_TELL).then(|| {
+        format!(
+            "the specimen holds {:.1} periods, no whole number of them: cavities take {:.1} % of its length, {:.1} % of a period; its \
+             ratio is its own, not that of many periods",
+            scene.layer.length_m / pattern.pitch_m(),
+            100.0 * share,
+            100.0 * own,
+        )
+    })
 }
 
 fn describe_law(scene: &Scene, model: &mut Vec<String>) {
@@ -422,5 +444,36 @@ fn describe_law(scene: &Scene, model: &mut Vec<String>) {
     });
     if scene.run.liftoff {
         model.push("unilateral contact: blocks under tension leave the counterface".to_owned());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Layer, RunOptions, Unwatched};
+    use slipgrid_material::{Elastic, LocalFriction};
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn a_specimen_of_few_periods_says_that_it_is_not_the_pattern() {
+        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+        let said = |length_m: f64, extent: Extent| {
+            let scene = Scene {
+                elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+                area_law: None,
+                pattern: Some(Pattern::new(Planform::Groove, 100e-6, 300e-6, 20e-6).unwrap()),
+                layer: Layer { length_m, height_m: 50e-6, block_m: 10e-6 },
+                loads: vec![Load { pressure_pa: 1e6, friction }],
+                speed_m_s: 2e-3,
+                run: RunOptions { extent, ..RunOptions::default() },
+            };
+            let model = simulate(&scene, &Unwatched).unwrap().model;
+            model.into_iter().find(|statement| statement.contains("periods"))
+        };
+        // 150 um of land, 100 of cavity, 300 of land, 90 of cavity: 190 of 640.
+        let told = said(640e-6, Extent::Sample).unwrap();
+        assert!(told.contains("1.6 periods") && told.contains("29.7 % of its length, 25.0 % of a period"), "{told}");
+        assert_eq!(said(800e-6, Extent::Sample), None);
+        assert_eq!(said(640e-6, Extent::Cell), None);
     }
 }
