@@ -14,8 +14,8 @@ use slipgrid_pattern::{Pattern, Planform};
 use figures::{Figures, area_tables};
 use laws::{ScaledLaws, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
-use ratios::{ModelledRatio, Pair, RatioReport, depth_um, pairs, same_condition};
-use report::{MeasuredReport, ValidationReport};
+use ratios::{MeasuredReport, ModelledRatio, Pair, RatioReport, depth_um, pairs, same_condition};
+use report::ValidationReport;
 use summary::Summary;
 
 use super::area_law::checked;
@@ -218,6 +218,7 @@ fn validate(
         .iter()
         .enumerate()
         .map(|(row, pair)| RatioReport {
+            measured: MeasuredReport::new(pair, calibration),
             ratio_amontons_coulomb: predicted[slopes][row].outcome.ratio,
             modelled: surface
                 .laws
@@ -228,7 +229,6 @@ fn validate(
             modelled_at_measured_depth: deep
                 .zip(predicted.get(slopes + 1))
                 .map(|(law, predicted)| ModelledRatio::new(law, &patterns.measured, &predicted[row])),
-            ..RatioReport::measured(pair, calibration)
         })
         .collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();

@@ -1,7 +1,7 @@
 //! What the source says in words and numbers, beside what its own tables and this model give.
 
-use super::ratios::RatioReport;
-use super::report::{MeasuredReport, PublishedReport, ValidationReport};
+use super::ratios::{MeasuredReport, RatioReport};
+use super::report::{PublishedReport, ValidationReport};
 use crate::report::table::fixed;
 
 /// How calibrations name the source of the statements.
@@ -10,13 +10,18 @@ const SOURCE: &str = "J. Tribol. 144, 031704";
 /// The statements of the source of `report`; none for any other source.
 pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     let Some(first) = report.results.first().filter(|_| report.source.contains(SOURCE)) else { return Vec::new() };
-    let rows: Vec<&RatioReport> = report
-        .results
+    let rows: Vec<&RatioReport> =
+        report.results.iter().filter(|row| row.measured.is_at_condition_of(&first.measured)).collect();
+    let light = rows
         .iter()
-        .filter(|row| row.speed_mm_s == first.speed_mm_s && row.humidity_pct == first.humidity_pct)
-        .collect();
-    let light = rows.iter().min_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa)).copied().unwrap_or(first);
-    let heavy = rows.iter().max_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa)).copied().unwrap_or(first);
+        .min_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa))
+        .copied()
+        .unwrap_or(first);
+    let heavy = rows
+        .iter()
+        .max_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa))
+        .copied()
+        .unwrap_or(first);
     let mut said = Vec::new();
     let mut say = |quantity: &str, paper: &str, here: String| {
         said.push(PublishedReport { quantity: quantity.to_owned(), source: paper.to_owned(), here });
@@ -31,7 +36,7 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     let dry: Vec<f64> = report
         .measured
         .iter()
-        .filter(|row| row.humidity_pct == first.humidity_pct)
+        .filter(|row| row.humidity_pct == first.measured.humidity_pct)
         .map(|row| 1.0 - row.mu_patterned / row.mu_flat)
         .collect();
     let mean = dry.iter().sum::<f64>() / dry.len() as f64;
@@ -49,7 +54,7 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
     say(
         "nominal pressure at 50 N and 200 N",
         "0.65 and 2.6 MPa",
-        format!("{} MPa on a disc of 5 mm radius", ends(&|row| Some(row.pressure_mpa))),
+        format!("{} MPa on a disc of 5 mm radius", ends(&|row| Some(row.measured.pressure_mpa))),
     );
     say(
         "patterned over flat, friction proportional to load",
@@ -61,7 +66,7 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
         "below 1, decreasing with pressure; values only in its figure",
         ends(&groove),
     );
-    say("patterned over flat, measured", "below 1, decreasing with pressure", ends(&|row| Some(row.ratio)));
+    say("patterned over flat, measured", "below 1, decreasing with pressure", ends(&|row| Some(row.measured.ratio)));
     if let (Some(grooves), Some(squares)) = (report.summary.explained_by_grooves, report.summary.explained_by_squares) {
         say(
             "size of the modelled reduction",
@@ -81,7 +86,7 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
         format!("{} (measured flat friction over f at each load)", ends(&local)),
     );
     say("friction of the patterned sample above 2 MPa", "constant", patterned_above_2_mpa(&rows));
-    if let Some([flat, patterned]) = rise_with_speed(&report.measured, first.humidity_pct) {
+    if let Some([flat, patterned]) = rise_with_speed(&report.measured, first.measured.humidity_pct) {
         say(
             "rise of friction from 0.4 to 4 mm/s, 15 % humidity",
             "10 % flat, 20 % patterned",
@@ -94,15 +99,16 @@ pub fn published(report: &ValidationReport) -> Vec<PublishedReport> {
 /// Measured and modelled friction of the patterned sample at the two heaviest loads.
 fn patterned_above_2_mpa(rows: &[&RatioReport]) -> String {
     let mut heaviest = rows.to_vec();
-    heaviest.sort_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
+    heaviest.sort_by(|a, b| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa));
     let [.., before, last] = heaviest[..] else { return "-".to_owned() };
-    let modelled = |row: &RatioReport| row.at_slope(1.0).and_then(|m| m.ratio_groove).map(|ratio| ratio * row.mu_flat);
+    let modelled =
+        |row: &RatioReport| row.at_slope(1.0).and_then(|m| m.ratio_groove).map(|ratio| ratio * row.measured.mu_flat);
     format!(
         "{} to {} MPa: measured {} to {}, grooves {} to {}",
-        fixed(Some(before.pressure_mpa), 2),
-        fixed(Some(last.pressure_mpa), 2),
-        fixed(Some(before.mu_patterned), 3),
-        fixed(Some(last.mu_patterned), 3),
+        fixed(Some(before.measured.pressure_mpa), 2),
+        fixed(Some(last.measured.pressure_mpa), 2),
+        fixed(Some(before.measured.mu_patterned), 3),
+        fixed(Some(last.measured.mu_patterned), 3),
         fixed(modelled(before), 3),
         fixed(modelled(last), 3),
     )

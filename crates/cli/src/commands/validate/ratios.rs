@@ -11,9 +11,9 @@ use crate::formats::calibration::Calibration;
 use crate::formats::measurements::Measurement;
 use crate::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-/// A measured ratio and the model's.
+/// A condition measured on both samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RatioReport {
+pub struct MeasuredReport {
     /// Normal force on one specimen.
     pub force_n: f64,
     /// The same over its area.
@@ -22,18 +22,26 @@ pub struct RatioReport {
     pub speed_mm_s: f64,
     /// Relative humidity.
     pub humidity_pct: f64,
-    /// Measured on the flat sample.
+    /// Flat sample.
     pub mu_flat: f64,
     /// Its standard deviation.
     pub mu_flat_std: f64,
-    /// Measured on the patterned sample.
+    /// Patterned sample.
     pub mu_patterned: f64,
     /// Its standard deviation.
     pub mu_patterned_std: f64,
-    /// Measured ratio, patterned over flat.
+    /// Patterned over flat.
     pub ratio: f64,
     /// Its standard deviation.
     pub ratio_std: f64,
+}
+
+/// A measured ratio and the model's.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RatioReport {
+    /// What was measured.
+    #[serde(flatten)]
+    pub measured: MeasuredReport,
     /// The model's ratio without an area law.
     pub ratio_amontons_coulomb: Option<f64>,
     /// The model's ratios, one per slope factor.
@@ -113,9 +121,9 @@ fn same(a: f64, b: f64) -> bool {
     (a - b).abs() <= 1e-6 * a.abs().max(b.abs())
 }
 
-impl RatioReport {
-    /// The measured part, without a model.
-    pub fn measured(pair: &Pair, calibration: &Calibration) -> Self {
+impl MeasuredReport {
+    /// What was measured at `pair`.
+    pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
         let Pair { flat, patterned } = pair;
         let ratio = patterned.mu_dynamic / flat.mu_dynamic;
         // (s_r / r)^2 = (s_p / mu_p)^2 + (s_f / mu_f)^2
@@ -131,12 +139,16 @@ impl RatioReport {
             mu_patterned_std: patterned.mu_dynamic_std,
             ratio,
             ratio_std: ratio * relative,
-            ratio_amontons_coulomb: None,
-            modelled: Vec::new(),
-            modelled_at_measured_depth: None,
         }
     }
 
+    /// Whether both were measured at the same speed and humidity.
+    pub fn is_at_condition_of(&self, other: &Self) -> bool {
+        self.speed_mm_s == other.speed_mm_s && self.humidity_pct == other.humidity_pct
+    }
+}
+
+impl RatioReport {
     /// The model at `slope_factor`.
     pub fn at_slope(&self, slope_factor: f64) -> Option<&ModelledRatio> {
         self.modelled.iter().find(|modelled| modelled.slope_factor == slope_factor)

@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::ratios::{Pair, RatioReport};
+use super::ratios::{MeasuredReport, RatioReport};
 use super::summary::Summary;
-use crate::formats::calibration::Calibration;
 use crate::report::simulation::PatternReport;
 
 /// What `validate --json` prints.
@@ -61,31 +60,6 @@ pub struct PublishedReport {
     pub source: String,
     /// What its tables and the model give.
     pub here: String,
-}
-
-/// A condition measured on both samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct MeasuredReport {
-    /// Normal force on one specimen.
-    pub force_n: f64,
-    /// The same over its area.
-    pub pressure_mpa: f64,
-    /// Sliding speed.
-    pub speed_mm_s: f64,
-    /// Relative humidity.
-    pub humidity_pct: f64,
-    /// Flat sample.
-    pub mu_flat: f64,
-    /// Its standard deviation.
-    pub mu_flat_std: f64,
-    /// Patterned sample.
-    pub mu_patterned: f64,
-    /// Its standard deviation.
-    pub mu_patterned_std: f64,
-    /// Patterned over flat.
-    pub ratio: f64,
-    /// Its standard deviation.
-    pub ratio_std: f64,
 }
 
 /// An area law with the contact area behind it, one number per pressure.
@@ -150,23 +124,4 @@ pub struct TimeReport {
     pub status_patterned: &'static str,
     /// Seconds.
     pub wall_s: f64,
-}
-
-impl MeasuredReport {
-    /// What was measured at `pair`.
-    pub fn new(pair: &Pair, calibration: &Calibration) -> Self {
-        let ratio = RatioReport::measured(pair, calibration);
-        Self {
-            force_n: ratio.force_n,
-            pressure_mpa: ratio.pressure_mpa,
-            speed_mm_s: ratio.speed_mm_s,
-            humidity_pct: ratio.humidity_pct,
-            mu_flat: ratio.mu_flat,
-            mu_flat_std: ratio.mu_flat_std,
-            mu_patterned: ratio.mu_patterned,
-            mu_patterned_std: ratio.mu_patterned_std,
-            ratio: ratio.ratio,
-            ratio_std: ratio.ratio_std,
-        }
-    }
 }

@@ -49,7 +49,7 @@ pub struct ModelledReduction {
 impl Summary {
     /// Averages over `rows`, of which there is at least one.
     pub fn new(rows: &[RatioReport], slope_factors: &[f64]) -> Self {
-        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.ratio).collect();
+        let measured: Vec<f64> = rows.iter().map(|row| 1.0 - row.measured.ratio).collect();
         let reduction_measured = mean(&measured);
         let modelled: Vec<ModelledReduction> = slope_factors
             .iter()
@@ -106,6 +106,7 @@ fn standard_deviation(values: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::ratios::MeasuredReport;
     use super::*;
 
     fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
@@ -130,16 +131,18 @@ mod tests {
             status_square: "converged",
         };
         RatioReport {
-            force_n: 50.0,
-            pressure_mpa: 0.6,
-            speed_mm_s: 2.0,
-            humidity_pct: 15.0,
-            mu_flat: 0.25,
-            mu_flat_std: 0.002,
-            mu_patterned: 0.2,
-            mu_patterned_std: 0.002,
-            ratio,
-            ratio_std: 0.0,
+            measured: MeasuredReport {
+                force_n: 50.0,
+                pressure_mpa: 0.6,
+                speed_mm_s: 2.0,
+                humidity_pct: 15.0,
+                mu_flat: 0.25,
+                mu_flat_std: 0.002,
+                mu_patterned: 0.2,
+                mu_patterned_std: 0.002,
+                ratio,
+                ratio_std: 0.0,
+            },
             ratio_amontons_coulomb: Some(1.0),
             modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
             modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),

@@ -38,12 +38,19 @@ fn measured(report: &ValidationReport) -> Table {
         Table::new(["F N", "P MPa", "v mm/s", "RH %", "mu flat", "+-", "mu patterned", "+-", "ratio", "+-"]);
     for row in &report.results {
         let first = [
-            row.force_n.to_string(),
-            fixed(Some(row.pressure_mpa), 3),
-            row.speed_mm_s.to_string(),
-            row.humidity_pct.to_string(),
+            row.measured.force_n.to_string(),
+            fixed(Some(row.measured.pressure_mpa), 3),
+            row.measured.speed_mm_s.to_string(),
+            row.measured.humidity_pct.to_string(),
         ];
-        let values = [row.mu_flat, row.mu_flat_std, row.mu_patterned, row.mu_patterned_std, row.ratio, row.ratio_std];
+        let values = [
+            row.measured.mu_flat,
+            row.measured.mu_flat_std,
+            row.measured.mu_patterned,
+            row.measured.mu_patterned_std,
+            row.measured.ratio,
+            row.measured.ratio_std,
+        ];
         table.row(first.into_iter().chain(values.map(|value| fixed(Some(value), 3))));
     }
     table
@@ -58,9 +65,9 @@ fn modelled(report: &ValidationReport) -> Table {
     let mut table = Table::new(header.iter().map(String::as_str));
     for row in &report.results {
         let first = [
-            row.force_n.to_string(),
-            row.speed_mm_s.to_string(),
-            row.humidity_pct.to_string(),
+            row.measured.force_n.to_string(),
+            row.measured.speed_mm_s.to_string(),
+            row.measured.humidity_pct.to_string(),
             fixed(row.ratio_amontons_coulomb, 3),
         ];
         let values = report.slope_factors.iter().flat_map(|&factor| {
@@ -162,21 +169,20 @@ const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows 
 
 /// How both reductions go from the lowest to the highest pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
-    let by_pressure = |a: &&RatioReport, b: &&RatioReport| a.pressure_mpa.total_cmp(&b.pressure_mpa);
+    let by_pressure = |a: &&RatioReport, b: &&RatioReport| a.measured.pressure_mpa.total_cmp(&b.measured.pressure_mpa);
     let (low, high) = (report.results.iter().min_by(by_pressure)?, report.results.iter().max_by(by_pressure)?);
-    let one_condition =
-        report.results.iter().all(|row| row.speed_mm_s == low.speed_mm_s && row.humidity_pct == low.humidity_pct);
-    if !one_condition || high.pressure_mpa <= low.pressure_mpa {
+    let one_condition = report.results.iter().all(|row| row.measured.is_at_condition_of(&low.measured));
+    if !one_condition || high.measured.pressure_mpa <= low.measured.pressure_mpa {
         return None;
     }
     let groove =
         |row: &RatioReport| row.at_slope(1.0).and_then(|modelled| modelled.ratio_groove).map(|ratio| 1.0 - ratio);
     Some(format!(
         "From {} to {} MPa the measured reduction goes from {} to {}, the grooves' from {} to {}.",
-        fixed(Some(low.pressure_mpa), 3),
-        fixed(Some(high.pressure_mpa), 3),
-        percent(Some(1.0 - low.ratio)),
-        percent(Some(1.0 - high.ratio)),
+        fixed(Some(low.measured.pressure_mpa), 3),
+        fixed(Some(high.measured.pressure_mpa), 3),
+        percent(Some(1.0 - low.measured.ratio)),
+        percent(Some(1.0 - high.measured.ratio)),
         percent(groove(low)),
         percent(groove(high)),
     ))
@@ -221,16 +227,16 @@ pub fn csv(report: &ValidationReport) -> String {
             let _ = writeln!(
                 text,
                 "{},{},{},{},{},{},{},{},{},{},{},{depth_um},{},{},{},{},{},{},{},{},{}",
-                row.force_n,
-                row.pressure_mpa,
-                row.speed_mm_s,
-                row.humidity_pct,
-                row.mu_flat,
-                row.mu_flat_std,
-                row.mu_patterned,
-                row.mu_patterned_std,
-                row.ratio,
-                row.ratio_std,
+                row.measured.force_n,
+                row.measured.pressure_mpa,
+                row.measured.speed_mm_s,
+                row.measured.humidity_pct,
+                row.measured.mu_flat,
+                row.measured.mu_flat_std,
+                row.measured.mu_patterned,
+                row.measured.mu_patterned_std,
+                row.measured.ratio,
+                row.measured.ratio_std,
                 or_empty(row.ratio_amontons_coulomb),
                 modelled.slope_factor,
                 or_empty(modelled.rms_slope),
@@ -253,11 +259,8 @@ pub fn csv(report: &ValidationReport) -> String {
 /// [`CliError::Other`] if the picture cannot be drawn.
 pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
     let Some(first) = report.results.first() else { return Ok(String::new()) };
-    let rows: Vec<&RatioReport> = report
-        .results
-        .iter()
-        .filter(|row| row.speed_mm_s == first.speed_mm_s && row.humidity_pct == first.humidity_pct)
-        .collect();
+    let rows: Vec<&RatioReport> =
+        report.results.iter().filter(|row| row.measured.is_at_condition_of(&first.measured)).collect();
     let column = |factor: f64, of: fn(&ModelledRatio) -> (Option<f64>, Option<f64>)| -> Vec<Option<Estimate>> {
         let estimate = |row: &&RatioReport| {
             let (value, error) = of(row.at_slope(factor)?);
@@ -265,7 +268,10 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
         };
         rows.iter().map(estimate).collect()
     };
-    let measured = rows.iter().map(|row| Some(Estimate { value: row.ratio, error: Some(row.ratio_std) })).collect();
+    let measured = rows
+        .iter()
+        .map(|row| Some(Estimate { value: row.measured.ratio, error: Some(row.measured.ratio_std) }))
+        .collect();
     let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
     // The surface as given and the two most different ones: more would not be told apart.
     let mut factors: Vec<f64> = [report.slope_factors.first(), Some(&1.0), report.slope_factors.last()]
@@ -282,10 +288,10 @@ pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
     let series: Vec<RatioSeries<'_>> = columns.iter().map(|(label, ratios)| RatioSeries { label, ratios }).collect();
     let title = format!(
         "Patterned over flat, {} mm/s, {} % humidity{}",
-        first.speed_mm_s,
-        first.humidity_pct,
+        first.measured.speed_mm_s,
+        first.measured.humidity_pct,
         if report.synthetic_surface { " (synthetic surface)" } else { "" }
     );
-    let pressure_mpa: Vec<f64> = rows.iter().map(|row| (row.pressure_mpa * 1e3).round() / 1e3).collect();
+    let pressure_mpa: Vec<f64> = rows.iter().map(|row| (row.measured.pressure_mpa * 1e3).round() / 1e3).collect();
     Ok(charts::ratios(&RatiosChart { title: &title, pressure_mpa: &pressure_mpa, series: &series })?)
 }
