@@ -1,3 +1,5 @@
+use slipgrid_material::MaterialError;
+
 use crate::diagnostic::Diagnostic;
 use crate::output::WriteError;
 
@@ -13,6 +15,9 @@ pub enum CliError {
     /// Stdout could not be written.
     #[error("standard output: {0}")]
     Stdout(#[from] std::io::Error),
+    /// The numbers of a material lead to one without meaning.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
     /// Anything else.
     #[error("{0}")]
     Other(String),
@@ -24,7 +29,7 @@ impl CliError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) => crate::exit_code::BAD_INPUT,
-            Self::Write(_) | Self::Stdout(_) | Self::Other(_) => crate::exit_code::FAILURE,
+            Self::Write(_) | Self::Stdout(_) | Self::Material(_) | Self::Other(_) => crate::exit_code::FAILURE,
         }
     }
 }

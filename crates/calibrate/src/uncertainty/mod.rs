@@ -45,6 +45,15 @@ pub struct ScaleError {
     pub with_friction: Vec<f64>,
 }
 
+impl ScaleError {
+    /// Of Young's modulus with a standard deviation of its logarithm, at so many loads: flat friction, which was measured,
+    /// does not go with it.
+    #[must_use]
+    pub fn of_modulus(log_std: f64, loads: usize) -> Self {
+        Self { is_fitted: false, variance: log_std * log_std, with_friction: vec![0.0; loads] }
+    }
+}
+
 /// The discrepancy at one load.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscrepancyAt {

@@ -162,6 +162,12 @@ impl Calibration {
         Self::from_document(&Document::read(path, FileKind::Calibration)?)
     }
 
+    /// Standard deviation of Young's modulus over itself, where it is named.
+    #[must_use]
+    pub fn modulus_relative_std(&self) -> Option<f64> {
+        Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
+    }
+
     /// Reads a calibration from a document.
     ///
     /// # Errors

@@ -15,8 +15,8 @@ use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
-use super::material::{MaterialFile, existing, read_file, read_material};
-use super::material_uncertainty::{MaterialUncertainty, read_uncertainty};
+use super::material::{MaterialFile, existing};
+use super::material_uncertainty::{MaterialUncertainty, read_known};
 use super::pattern::{TextureFile, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
@@ -243,7 +243,7 @@ impl Design {
         if let MaterialInput::Given(material) = design.material.clone() {
             design.resolve(&material.friction)?;
             design.loads(&material)?;
-            if design.discrepancy && design.uncertainty.discrepancy.is_none() {
+            if design.discrepancy && design.uncertainty.discrepancy_at(design.humidity()).is_none() {
                 return Err(
                     design.refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks")
                 );
@@ -275,8 +275,13 @@ impl Design {
         all.retain(|other| !other.matches(&condition));
         self.also_at = all;
         self.speed_m_s = condition.speed_m_s;
-        self.uncertainty.designed_for(Some(condition.humidity));
         Ok(())
+    }
+
+    /// Relative humidity of the condition designed for.
+    #[must_use]
+    pub fn humidity(&self) -> Option<f64> {
+        self.condition.map(|condition| condition.humidity)
     }
 
     /// The range that the design is made for, where it is one.
@@ -442,8 +447,8 @@ fn read_material_input(
 ) -> Result<(MaterialInput, MaterialUncertainty), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
-            let read = read_material(document, table, &material.span())?;
-            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(document, table, None)?))
+            let (read, uncertainty) = read_known(document, table, &material.span())?;
+            Ok((MaterialInput::Given(Box::new(read)), uncertainty))
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
@@ -451,8 +456,9 @@ fn read_material_input(
             if named.kind() == Some(FileKind::Calibration) {
                 return Ok((MaterialInput::Calibration(path), MaterialUncertainty::default()));
             }
-            let read = read_file(&path)?;
-            Ok((MaterialInput::Given(Box::new(read)), read_uncertainty(&named, &named.parse()?, None)?))
+            named.require(FileKind::Material)?;
+            let (read, uncertainty) = read_known(&named, &named.parse()?, &(0..0))?;
+            Ok((MaterialInput::Given(Box::new(read)), uncertainty))
         }
     }
 }

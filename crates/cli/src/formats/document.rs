@@ -29,8 +29,16 @@ impl Document {
     /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
     pub fn read(path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
         let document = Self::read_any(path, kind)?;
-        kind.require(path, &document.text)?;
+        document.require(kind)?;
         Ok(document)
+    }
+
+    /// Refuses the document if it seems to be something else than a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that says what it seems to be.
+    pub fn require(&self, kind: FileKind) -> Result<(), Diagnostic> {
+        kind.require(&self.path, &self.text)
     }
 
     /// Reads the file at `path`, whatever it is; `kind` is what a folder should have been.

@@ -1,7 +1,5 @@
 //! Material tables: inline in a scene or design, or a file of their own. The keys are the same.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
@@ -10,8 +8,7 @@ use toml::Spanned;
 
 use super::discrepancy::{DiscrepancyFile, read_discrepancies};
 use super::document::Document;
-use super::file_kind::FileKind;
-use super::values::{Number, NumberList, Numbers, PathOr, for_each, increasing, list};
+use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{
     DENSITY_G_CM3, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
@@ -170,17 +167,6 @@ pub fn read_condition(document: &Document, condition: &ConditionFile) -> Result<
     })
 }
 
-/// Reads the material that a key of `document` names or holds.
-///
-/// # Errors
-/// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
-pub fn read_referenced(document: &Document, material: &Spanned<PathOr<MaterialFile>>) -> Result<Material, Diagnostic> {
-    match material.get_ref() {
-        PathOr::Table(table) => read_material(document, table, &material.span()),
-        PathOr::Path(path) => read_file(&existing(document, material, path)?),
-    }
-}
-
 /// The path of a file that a key names, relative to its document.
 ///
 /// # Errors
@@ -196,16 +182,6 @@ pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<
             .refuse(key.span(), format!("({}) cannot be read: {error}", path.display()))
             .expected("the path of a file, relative to this one")),
     }
-}
-
-/// Reads a material file.
-///
-/// # Errors
-/// [`Diagnostic`] for anything refused in it.
-pub fn read_file(path: &Path) -> Result<Material, Diagnostic> {
-    let document = Document::read(path, FileKind::Material)?;
-    let file: MaterialFile = document.parse()?;
-    read_material(&document, &file, &(0..0))
 }
 
 /// Turns a material as written into the validated one.

@@ -2,14 +2,14 @@
 
 use slipgrid_calibrate::Discrepancy;
 use slipgrid_calibrate::uncertainty::{Covariance, Knowledge, ScaleError, with_scale};
-use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
+use slipgrid_material::{AreaLaw, Condition, Material, MaterialError, between};
 use slipgrid_springblock::Load;
 use toml::Spanned;
 
 use super::discrepancy::{Discrepancies, read_discrepancies};
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::material::{ConditionTable, FrictionFile, MaterialFile, existing};
+use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
 use crate::units::{FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S};
@@ -27,9 +27,7 @@ pub struct MaterialUncertainty {
     pub law_is_fitted: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
-    /// Measured over modelled ratio on patterned samples, for the condition designed for.
-    pub discrepancy: Option<Discrepancy>,
-    /// The same at every humidity.
+    /// Measured over modelled ratio on patterned samples, at every humidity.
     discrepancies: Option<Discrepancies>,
     /// The patterned samples behind it, in words.
     pub discrepancy_pattern: Option<String>,
@@ -45,15 +43,36 @@ struct FrictionError {
     std_error: f64,
 }
 
-/// Reads what `file`, in `document`, says of its errors; the discrepancy for `humidity` where that has one of its own.
+/// Reads `file`, in `document`, and what it says of its errors; `place` is where a table stands as a whole.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in it.
-pub fn read_uncertainty(
+pub fn read_known(
     document: &Document,
     file: &MaterialFile,
-    humidity: Option<f64>,
-) -> Result<MaterialUncertainty, Diagnostic> {
+    place: &std::ops::Range<usize>,
+) -> Result<(Material, MaterialUncertainty), Diagnostic> {
+    Ok((read_material(document, file, place)?, read_uncertainty(document, file)?))
+}
+
+/// The same of the material that a key of `document` names or holds.
+///
+/// # Errors
+/// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
+pub fn read_referenced(
+    document: &Document,
+    material: &Spanned<PathOr<MaterialFile>>,
+) -> Result<(Material, MaterialUncertainty), Diagnostic> {
+    match material.get_ref() {
+        PathOr::Table(table) => read_known(document, table, &material.span()),
+        PathOr::Path(path) => {
+            let named = Document::read(&existing(document, material, path)?, FileKind::Material)?;
+            read_known(&named, &named.parse()?, &(0..0))
+        }
+    }
+}
+
+fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<MaterialUncertainty, Diagnostic> {
     let modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
     let modulus_std_pa = document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
     let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
@@ -64,28 +83,9 @@ pub fn read_uncertainty(
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
-        discrepancy: discrepancies.as_ref().map(|found| found.at(humidity)),
         discrepancies,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
-}
-
-/// The same of the material that a key of `document` names or holds.
-///
-/// # Errors
-/// [`Diagnostic`] for a file that cannot be read, or anything refused in it.
-pub fn read_referenced_uncertainty(
-    document: &Document,
-    material: &Spanned<PathOr<MaterialFile>>,
-    humidity: Option<f64>,
-) -> Result<MaterialUncertainty, Diagnostic> {
-    match material.get_ref() {
-        PathOr::Table(table) => read_uncertainty(document, table, humidity),
-        PathOr::Path(path) => {
-            let named = Document::read(&existing(document, material, path)?, FileKind::Material)?;
-            read_uncertainty(&named, &named.parse()?, humidity)
-        }
-    }
 }
 
 fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[[f64; 2]; 2]>, Diagnostic> {
@@ -164,11 +164,6 @@ impl MaterialUncertainty {
         self.discrepancies.as_ref().map(|found| found.at(humidity))
     }
 
-    /// Takes `humidity` for that of the condition designed for.
-    pub fn designed_for(&mut self, humidity: Option<f64>) {
-        self.discrepancy = self.discrepancy_at(humidity);
-    }
-
     /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,
     /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
     /// file has no standard errors for the condition.
@@ -203,14 +198,19 @@ impl MaterialUncertainty {
             let flat_friction = Some((0..count).map(|load| joint[load][load]).collect());
             return Ok(Knowledge { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
         }
-        let std = self.modulus_relative_std.filter(|std| *std > 0.0 && !self.law_is_fitted && area_law.is_some());
         Ok(Knowledge {
             flat_friction: self.friction_covariance(&pressures_pa, condition).map(variance),
             static_friction,
-            // ln(1 + x) of a relative standard deviation x is x to first order.
-            scale: std.map(|std| ScaleError { is_fitted: false, variance: std * std, with_friction: vec![0.0; count] }),
+            scale: self.modulus_std(area_law).map(|std| ScaleError::of_modulus(std, count)),
             discrepancy: None,
         })
+    }
+
+    /// Standard deviation of the logarithm of Young's modulus, where that moves `area_law`: ln(1 + x) of a relative one x is
+    /// x to first order.
+    #[must_use]
+    pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
+        self.modulus_relative_std.filter(|std| *std > 0.0 && !self.law_is_fitted && area_law.is_some())
     }
 
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
@@ -299,7 +299,7 @@ mod tests {
             "youngs_modulus_gpa = 0.4\nyoungs_modulus_std_gpa = 0.1\ndensity_g_cm3 = 0.9\n[friction]\n{friction}\n{more}"
         );
         let document = Document::new("m.toml", text);
-        read_uncertainty(&document, &document.parse().unwrap(), Some(0.15)).unwrap()
+        read_uncertainty(&document, &document.parse().unwrap()).unwrap()
     }
 
     #[test]
@@ -308,7 +308,7 @@ mod tests {
         let covariance = known.friction_covariance(&[1e6, 2e6], None).unwrap();
         assert!(covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15), "{covariance:?}");
         assert_eq!((known.modulus_relative_std, known.law_is_fitted), (Some(0.25), false));
-        assert_eq!(known.discrepancy, None);
+        assert_eq!(known.discrepancy_at(Some(0.15)), None);
         let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
         assert_eq!(silent.friction_covariance(&[1e6], None), None);
     }
@@ -325,7 +325,7 @@ mod tests {
                 "youngs_modulus_gpa = 0.4\ndensity_g_cm3 = 0.9\n[friction]\n{single}scale_covariance = {wrong}\n"
             );
             let document = Document::new("m.toml", text);
-            let refused = read_uncertainty(&document, &document.parse().unwrap(), None).unwrap_err().to_string();
+            let refused = read_uncertainty(&document, &document.parse().unwrap()).unwrap_err().to_string();
             assert!(refused.contains("scale_covariance"), "{refused}");
         }
     }

@@ -9,8 +9,8 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::material::{ConditionFile, MaterialFile, read_condition, read_referenced};
-use super::material_uncertainty::{MaterialUncertainty, read_referenced_uncertainty};
+use super::material::{ConditionFile, MaterialFile, read_condition};
+use super::material_uncertainty::{MaterialUncertainty, read_referenced};
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
@@ -171,10 +171,8 @@ impl SceneInput {
     /// # Errors
     /// [`Diagnostic`] for anything refused.
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
-        let mut material = read_referenced(&document, &file.material)?;
+        let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
-        let humidity = condition.map(|condition| condition.humidity);
-        let uncertainty = read_referenced_uncertainty(&document, &file.material, humidity)?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
         let layer = read_layer(&document, &file.sample)?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;

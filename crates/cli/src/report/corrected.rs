@@ -43,23 +43,22 @@ pub struct CorrectedAt {
 /// Errors of the solved scene of `input`, and its numbers with the discrepancy where its material has one.
 ///
 /// # Errors
-/// [`CliError::Other`] for an area law that cannot be moved by its errors.
+/// [`CliError::Material`] for an area law that cannot be moved by its errors.
 pub fn of_scene(
     input: &SceneInput,
     simulation: &Simulation,
 ) -> Result<(ErrorsReport, Option<CorrectedReport>), CliError> {
     let (scene, uncertainty) = (&input.scene, &input.uncertainty);
-    let knowledge = uncertainty
-        .knowledge(scene.area_law.as_ref(), &scene.loads, input.condition.as_ref())
-        .map_err(|error| CliError::Other(error.to_string()))?;
+    let knowledge = uncertainty.knowledge(scene.area_law.as_ref(), &scene.loads, input.condition.as_ref())?;
     let slopes = Slopes::new(scene, &knowledge);
     let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
     let rows = solved.errors();
     let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows), false);
-    let Some((found, pattern)) = uncertainty.discrepancy.as_ref().zip(scene.pattern.as_ref()) else {
+    let found = uncertainty.discrepancy_at(input.condition.map(|condition| condition.humidity));
+    let Some((found, pattern)) = found.zip(scene.pattern.as_ref()) else {
         return Ok((errors, None));
     };
-    let factors = DiscrepancyAt::each(found, &scene.loads);
+    let factors = DiscrepancyAt::each(&found, &scene.loads);
     let aimed = Knowledge { discrepancy: Some(factors.clone()), ..knowledge.clone() };
     let corrected = Solved { knowledge: &aimed, ..solved }.errors();
     let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();

@@ -284,7 +284,7 @@ impl SimulationReport {
     /// The report on the solved scene of `input`.
     ///
     /// # Errors
-    /// [`CliError::Other`] for an area law that cannot be moved by its errors.
+    /// [`CliError::Material`] for an area law that cannot be moved by its errors.
     pub fn new(input: &SceneInput, simulation: &Simulation, wall_s: f64, threads: usize) -> Result<Self, CliError> {
         let (scene, provenance) = (&input.scene, &input.material.provenance);
         let pattern = scene.pattern.as_ref();

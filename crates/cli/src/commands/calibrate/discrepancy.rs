@@ -72,8 +72,7 @@ pub fn discrepancy(
     if rows.is_empty() {
         return Ok(None);
     }
-    let modulus_relative_std =
-        calibration.youngs_modulus_std_pa.map_or(0.0, |std_pa| std_pa / calibration.elastic.youngs_modulus_pa());
+    let modulus_relative_std = calibration.modulus_relative_std().unwrap_or(0.0);
     let points: Vec<RatioPoint> = rows.iter().map(|row| row.point).collect();
     let failed = |error: slipgrid_calibrate::CalibrationError| CliError::Other(format!("discrepancy: {error}"));
     let all = estimate(&points, form, modulus_relative_std).map_err(failed)?;

@@ -26,8 +26,7 @@ use super::area_statistics::{
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material::read_material;
-use crate::formats::material_uncertainty::{MaterialUncertainty, read_uncertainty};
+use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::surface::Surface;
@@ -127,6 +126,7 @@ struct SurfaceFacts {
 struct Calibrated {
     file: String,
     material: Material,
+    uncertainty: MaterialUncertainty,
     fit: Fit,
     discrepancy: Option<Report>,
 }
@@ -185,15 +185,12 @@ pub fn material(
     console: &mut Console<'_>,
 ) -> Result<(Material, MaterialUncertainty), CliError> {
     let needed = Calibration { flat: needed::needed(calibration, purpose), ..calibration.clone() };
-    let humidity = purpose.condition.map(|condition| condition.humidity);
     // Patterned samples at any speed tell of the model's error.
     let humidities: Vec<f64> =
         purpose.condition.iter().chain(purpose.also_at).map(|condition| condition.humidity).collect();
     let judged = discrepancy::narrowed(calibration, &humidities);
     let calibrated = calibrate(path, &needed, (purpose.layer, purpose.seed), &judged, console)?;
-    let document = Document::new(path, calibrated.file);
-    let errors = read_uncertainty(&document, &document.parse()?, humidity)?;
-    Ok((calibrated.material, errors))
+    Ok((calibrated.material, calibrated.uncertainty))
 }
 
 fn calibrate(
@@ -236,8 +233,8 @@ fn calibrate(
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());
     let read: MaterialFile = document.parse()?;
-    let material = read_material(&document, &read, &(0..0))?;
-    Ok(Calibrated { file, material, fit, discrepancy })
+    let (material, uncertainty) = read_known(&document, &read, &(0..0))?;
+    Ok(Calibrated { file, material, uncertainty, fit, discrepancy })
 }
 
 fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {

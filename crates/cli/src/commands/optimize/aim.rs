@@ -2,12 +2,10 @@
 //! the discrepancy's factor, where a design asks for that. What the other reading says stands beside it.
 
 use serde::Serialize;
-use slipgrid_calibrate::Discrepancy;
 use slipgrid_calibrate::uncertainty::DiscrepancyAt;
 use slipgrid_springblock::Load;
 
 use super::errors::DesignErrors;
-
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::target::quantity_name;
@@ -86,31 +84,20 @@ impl Reading {
     }
 }
 
-/// The factors exp(d(P)) that a search aims with at `loads`, at the condition designed for: 1 where `design` does not ask
-/// for it.
+/// The factors exp(d(P)) that a search aims with at `loads` and a humidity: 1 where `design` does not ask for it.
 #[must_use]
-pub fn factors(design: &Design, material: &MaterialUncertainty, loads: &[Load]) -> Vec<f64> {
-    factors_by(design, material.discrepancy.as_ref(), loads)
-}
-
-/// The same at a humidity, with the discrepancy found there.
-#[must_use]
-pub fn factors_at(design: &Design, material: &MaterialUncertainty, humidity: Option<f64>, loads: &[Load]) -> Vec<f64> {
-    factors_by(design, material.discrepancy_at(humidity).as_ref(), loads)
-}
-
-fn factors_by(design: &Design, found: Option<&Discrepancy>, loads: &[Load]) -> Vec<f64> {
-    let found = found.filter(|_| design.discrepancy);
-    loads.iter().map(|load| found.map_or(1.0, |found| found.factor(load.pressure_pa))).collect()
+pub fn factors(design: &Design, material: &MaterialUncertainty, humidity: Option<f64>, loads: &[Load]) -> Vec<f64> {
+    let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
+    loads.iter().map(|load| found.as_ref().map_or(1.0, |found| found.factor(load.pressure_pa))).collect()
 }
 
 impl DiscrepancyReport {
     /// Both readings of the values that `errors` holds; `None` for a material of which no patterned samples are known.
     #[must_use]
     pub fn new(design: &Design, material: &MaterialUncertainty, loads: &[Load], errors: &DesignErrors) -> Option<Self> {
-        let (found, corrected) = material.discrepancy.as_ref().zip(errors.corrected.as_ref())?;
+        let (found, corrected) = material.discrepancy_at(design.humidity()).zip(errors.corrected.as_ref())?;
         let quantity = quantity_name(design.target.quantity());
-        let at = DiscrepancyAt::each(found, loads);
+        let at = DiscrepancyAt::each(&found, loads);
         let by_pressure: Vec<FactorReport> = errors
             .physics
             .iter()

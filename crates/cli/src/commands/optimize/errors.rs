@@ -24,7 +24,7 @@ pub struct DesignErrors {
 /// The design itself is taken as exact.
 ///
 /// # Errors
-/// [`CliError::Other`] for an area law that cannot be moved.
+/// [`CliError::Material`] for an area law that cannot be moved.
 pub fn of_design(
     design: &Design,
     material: &MaterialUncertainty,
@@ -32,11 +32,10 @@ pub fn of_design(
     confirmed: &Simulation,
     predicted: &[f64],
 ) -> Result<DesignErrors, CliError> {
-    let known = material
-        .knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())
-        .map_err(|error| CliError::Other(error.to_string()))?;
+    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &known);
-    let discrepancy = material.discrepancy.as_ref().map(|found| DiscrepancyAt::each(found, &scene.loads));
+    let found = material.discrepancy_at(design.humidity());
+    let discrepancy = found.map(|found| DiscrepancyAt::each(&found, &scene.loads));
     let factor = |place: usize| discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
     let rows = |knowledge: &Knowledge| {
         let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
@@ -64,16 +63,14 @@ pub fn of_design(
 /// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.
 ///
 /// # Errors
-/// [`CliError::Other`] for an area law that cannot be moved.
+/// [`CliError::Material`] for an area law that cannot be moved.
 pub(super) fn knowledge(
     design: &Design,
     material: &MaterialUncertainty,
     scene: &Scene,
     condition: Option<&Condition>,
 ) -> Result<Knowledge, CliError> {
-    let known = material
-        .knowledge(scene.area_law.as_ref(), &scene.loads, condition)
-        .map_err(|error| CliError::Other(error.to_string()))?;
+    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, condition)?;
     let humidity = condition.map(|condition| condition.humidity);
     let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
     Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
@@ -94,7 +91,7 @@ pub struct FurtherErrors {
 /// `ratios` and the flat sample's `mu_flat`, about the run that `first` has the errors of.
 ///
 /// # Errors
-/// [`CliError::Other`] for an area law that cannot be moved.
+/// [`CliError::Material`] for an area law that cannot be moved.
 pub fn of_condition(
     design: &Design,
     material: &MaterialUncertainty,

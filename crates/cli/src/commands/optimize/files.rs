@@ -44,10 +44,7 @@ impl DesignScene<'_> {
     /// [`CliError::Other`] if the values have no TOML form.
     pub fn to_toml(&self) -> Result<String, CliError> {
         let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
-        let knowledge = self
-            .uncertainty
-            .knowledge(self.material.area_law.as_ref(), self.loads, self.condition)
-            .map_err(|error| CliError::Other(error.to_string()))?;
+        let knowledge = self.uncertainty.knowledge(self.material.area_law.as_ref(), self.loads, self.condition)?;
         let file = SceneFile {
             name: Some(self.name.to_owned()),
             condition: None,
@@ -115,9 +112,9 @@ impl DesignScene<'_> {
 
     /// The discrepancy that holds for the condition.
     fn discrepancy(&self) -> Option<Spanned<DiscrepancyFile>> {
-        let found = self.uncertainty.discrepancy.as_ref()?;
+        let found = self.uncertainty.discrepancy_at(self.condition.map(|condition| condition.humidity))?;
         let pattern = self.uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(found), humidity: Vec::new() }))
+        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new() }))
     }
 
     /// One pair where all loads share it, otherwise one per pressure, with their standard errors.

@@ -3,7 +3,7 @@
 use slipgrid_material::{Condition, Material};
 use slipgrid_springblock::{Load, Simulation};
 
-use super::aim::{factors, factors_at};
+use super::aim::factors;
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
@@ -38,6 +38,6 @@ pub fn further(design: &Design, material: &Material) -> Result<Vec<Further>, Cli
 /// then at those of each of `further`, with the discrepancy of its humidity.
 #[must_use]
 pub fn all_factors(design: &Design, material: &MaterialUncertainty, loads: &[Load], further: &[Further]) -> Vec<f64> {
-    let at = |further: &Further| factors_at(design, material, Some(further.condition.humidity), &further.loads);
-    factors(design, material, loads).into_iter().chain(further.iter().flat_map(at)).collect()
+    let at = |further: &Further| factors(design, material, Some(further.condition.humidity), &further.loads);
+    factors(design, material, design.humidity(), loads).into_iter().chain(further.iter().flat_map(at)).collect()
 }

@@ -48,7 +48,7 @@ fn calibrated(
         seed: design.seed,
     };
     let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
-    if design.discrepancy && uncertainty.discrepancy.is_none() {
+    if design.discrepancy && uncertainty.discrepancy_at(design.humidity()).is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";
         return Err(design.refuse_discrepancy(reason).into());
     }

@@ -31,7 +31,7 @@ pub struct ReachableReport {
 /// is not met: then they decide.
 ///
 /// # Errors
-/// [`CliError::Other`] for an area law that cannot be moved.
+/// [`CliError::Material`] for an area law that cannot be moved.
 pub(super) fn of_search(
     design: &Design,
     material: &MaterialUncertainty,

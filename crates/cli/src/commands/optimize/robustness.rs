@@ -55,6 +55,8 @@ struct Request<'a> {
     material: &'a MaterialUncertainty,
     /// Relative covariance of the loads' coefficients; `None` where it is not known.
     friction_covariance: Option<Vec<Vec<f64>>>,
+    /// Measured over modelled ratio on patterned samples.
+    discrepancy: Option<Discrepancy>,
     /// Seed of the draws.
     seed: u64,
 }
@@ -89,6 +91,7 @@ impl<'a> Request<'a> {
             tolerances,
             material,
             friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+            discrepancy: material.discrepancy_at(design.humidity()),
             seed: design.seed,
         }
     }
@@ -105,7 +108,7 @@ struct AboutDesign<'a> {
     flat_mu: Vec<f64>,
     parameters: Parameters,
     scale_is_fitted: bool,
-    discrepancy: Option<&'a Discrepancy>,
+    discrepancy: Option<Discrepancy>,
     /// Values are the corrected ones alone.
     aims: bool,
 }
@@ -147,7 +150,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
         inputs: inputs(request, &about, &uncertainty),
         samples: scatter(request, &about, &samples),
         with_material: all.as_ref().map(|all| scatter(request, &about, all)),
-        with_discrepancy: about.discrepancy.filter(|_| !about.aims).zip(all.as_ref()).map(|(found, all)| {
+        with_discrepancy: about.discrepancy.as_ref().filter(|_| !about.aims).zip(all.as_ref()).map(|(found, all)| {
             let spreads = all.spreads();
             let within = all.probability(|values| is_met(request, &values[2 * count..]));
             CorrectedReport {
@@ -208,14 +211,12 @@ impl<'a> AboutDesign<'a> {
             modulus = friction.map(|first| first + count);
         } else {
             friction = request.friction_covariance.clone().and_then(&mut add);
-            let std = material.modulus_relative_std.filter(|std| *std > 0.0 && !material.law_is_fitted);
-            // ln(1 + x) of a relative standard deviation x is x to first order.
-            modulus = std.filter(|_| model.area_law().is_some()).and_then(|std| add(vec![vec![std * std]]));
+            modulus = material.modulus_std(model.area_law()).and_then(|std| add(vec![vec![std * std]]));
         }
         let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
         let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
-        let discrepancy = material.discrepancy.as_ref();
-        let errors = discrepancy.and_then(|found| add(log_covariance(found, &loads)));
+        let discrepancy = request.discrepancy.clone();
+        let errors = discrepancy.as_ref().and_then(|found| add(log_covariance(found, &loads)));
         let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
         let mut first = 0;
         for block in &blocks {
@@ -278,7 +279,7 @@ impl UncertainModel for AboutDesign<'_> {
         let steady = self.model.ratios_where(design, &relative, law)?;
         let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
         let mut values = self.ordered(&ratio, &flat);
-        if let Some(found) = self.discrepancy {
+        if let Some(found) = &self.discrepancy {
             let corrected: Vec<f64> = (0..count)
                 .map(|load| {
                     let pressure_pa = self.loads[load].pressure_pa;
@@ -415,7 +416,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             basis: "windows of the altitude map, all factors off to the same side".to_owned(),
         });
     }
-    if let (Some(first), Some(found)) = (about.parameters.discrepancy, request.material.discrepancy.as_ref()) {
+    if let (Some(first), Some(found)) = (about.parameters.discrepancy, &request.discrepancy) {
         inputs.push(InputReport {
             name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
             std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),

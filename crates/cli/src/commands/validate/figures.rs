@@ -73,8 +73,7 @@ impl Figures<'_> {
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
         let simulation = simulation?;
-        let modulus_relative_std = super::modulus_relative_std(self.calibration);
-        let knowledge = knowledge(modulus_relative_std, scene.area_law.as_ref(), &[self.heaviest]);
+        let knowledge = knowledge(self.calibration.modulus_relative_std(), scene.area_law.as_ref(), &[self.heaviest]);
         let slopes = Slopes::new(&scene, &knowledge);
         let solved = Solved { scene: &scene, simulation: &simulation, knowledge: &knowledge, slopes: &slopes };
         let errors = solved.errors();

@@ -206,7 +206,7 @@ fn validate(
     let progress = Progress::start("patterns", console.quiet);
     let body = Body {
         elastic: calibration.elastic,
-        modulus_relative_std: modulus_relative_std(calibration),
+        modulus_relative_std: calibration.modulus_relative_std(),
         layer: DEFAULT_LAYER,
     };
     let predicted = predict(&args.calibration, body, &cases, &points, &progress);
@@ -259,14 +259,9 @@ fn validate(
     Ok(report)
 }
 
-/// Standard deviation of Young's modulus over itself, where the calibration names it.
-fn modulus_relative_std(calibration: &Calibration) -> Option<f64> {
-    Some(calibration.youngs_modulus_std_pa? / calibration.elastic.youngs_modulus_pa())
-}
-
 /// What stands after +- of modelled values, and what does not.
 fn errors_note(calibration: &Calibration) -> String {
-    let modulus = match modulus_relative_std(calibration) {
+    let modulus = match calibration.modulus_relative_std() {
         Some(std) => format!("Young's modulus, known to {:.0} %, and ", 100.0 * std),
         None => "(Young's modulus is taken as exact: the calibration names no error) ".to_owned(),
     };

@@ -41,11 +41,7 @@ pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, point
     let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
     Knowledge {
         flat_friction: Some(points.iter().map(|point| (point.mu_flat_std / point.mu_flat).powi(2)).collect()),
-        scale: std.map(|std| ScaleError {
-            is_fitted: false,
-            variance: std * std,
-            with_friction: vec![0.0; points.len()],
-        }),
+        scale: std.map(|std| ScaleError::of_modulus(std, points.len())),
         ..Knowledge::default()
     }
 }
