@@ -238,11 +238,17 @@ impl Discrepancy {
         let of_fit: f64 = self.covariance.iter().zip(&row).map(|(line, x)| x * dot(line, &row)).sum();
         let of_modulus = (modulus_sensitivity - self.modulus_sensitivity_at(pressure_pa)) * self.modulus_relative_std;
         let variance = of_fit + self.scatter.powi(2) + of_modulus.powi(2);
+        let student = student_95(self.degrees_of_freedom);
+        let outside = self.is_outside_measured_range(pressure_pa);
+        interval(modelled * self.factor(pressure_pa), variance.sqrt(), student, outside)
+    }
+
+    /// Whether the patterned samples were measured at lower or higher pressures than `pressure_pa` only.
+    #[must_use]
+    pub fn is_outside_measured_range(&self, pressure_pa: f64) -> bool {
         let [from, to] = self.pressure_range_pa;
         // A pressure within a part in a million of an end counts as that end.
-        let outside = pressure_pa < from * (1.0 - 1e-6) || pressure_pa > to * (1.0 + 1e-6);
-        let student = student_95(self.degrees_of_freedom);
-        interval(modelled * self.factor(pressure_pa), variance.sqrt(), student, outside)
+        pressure_pa < from * (1.0 - 1e-6) || pressure_pa > to * (1.0 + 1e-6)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, SectionModel, SolidModel};
+use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SectionModel, SolidModel};
 
 use super::{DiscrepancyAt, Knowledge, Source};
 
-/// Slopes of the steady ratio at one load, each times one standard deviation where that is known, else zero.
+/// Slopes of the steady ratio at one load; zero along what nothing is known of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Slope {
     /// Along the relative error of flat friction.
@@ -165,8 +165,25 @@ fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     cell
 }
 
-/// Steady ratios of `pattern` where flat friction is larger by the shares `friction`, ln E by `scale` and the area law's
-/// factors by `law` standard errors.
+/// `scene` where flat friction is larger by the shares `friction`, one per load, ln E by `scale` and the area law's factors
+/// by `law` standard errors. Flat friction was measured: mu_d = mu_flat / f(P), whatever the law says.
+///
+/// # Errors
+/// [`MaterialError`] where that leaves no area law or no coefficients.
+pub fn moved(scene: &Scene, friction: &[f64], scale: f64, law: f64) -> Result<Scene, MaterialError> {
+    let area_law =
+        scene.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.exp())).transpose()?;
+    let mut moved = Scene { area_law, ..scene.clone() };
+    for (load, by) in moved.loads.iter_mut().zip(friction) {
+        let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(load.pressure_pa));
+        let times = (1.0 + by) * factor(scene.area_law.as_ref()) / factor(moved.area_law.as_ref());
+        let own = &load.friction;
+        load.friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
+    }
+    Ok(moved)
+}
+
+/// Steady ratios of `pattern` in the cell that is moved so.
 fn ratios(
     cell: &Scene,
     pattern: &Pattern,
@@ -174,17 +191,7 @@ fn ratios(
     scale: f64,
     law: f64,
 ) -> Result<Vec<Option<f64>>, MaterialError> {
-    let area_law =
-        cell.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.exp())).transpose()?;
-    let mut moved = Scene { area_law, ..cell.clone() };
-    for (load, by) in moved.loads.iter_mut().zip(friction) {
-        let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(load.pressure_pa));
-        // mu_d = mu_flat / f(P), mu_flat as measured whatever the law says
-        let times = (1.0 + by) * factor(cell.area_law.as_ref()) / factor(moved.area_law.as_ref());
-        let own = &load.friction;
-        let friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
-        *load = Load { friction, ..*load };
-    }
+    let moved = moved(cell, friction, scale, law)?;
     let is_solid = moved.dimensions() == 3;
     Ok(if is_solid { SolidModel::new(&moved).ratios(pattern) } else { SectionModel::new(&moved).ratios(pattern) })
 }

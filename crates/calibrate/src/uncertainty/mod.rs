@@ -15,7 +15,7 @@ mod first_order;
 
 pub use covariances::{Covariance, log_covariance, with_scale};
 pub use draws::{Drawn, drawn};
-pub use first_order::{Deviation, Deviations, Slopes};
+pub use first_order::{Deviation, Deviations, Slopes, moved};
 
 use slipgrid_springblock::Load;
 

@@ -71,7 +71,7 @@ pub fn of_scene(
             pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
             factor: tidy(factor.factor),
             factor_relative_std: tidy(factor.relative_std()),
-            outside_measured_range: found.correct(load.pressure_pa, 1.0, 0.0).outside_measured_range,
+            outside_measured_range: found.is_outside_measured_range(load.pressure_pa),
             ratio: row.ratio,
             mu: row.mu,
         })

@@ -2,7 +2,7 @@ use super::*;
 use crate::uncertainty::{ScaleError, with_scale};
 use slipgrid_material::Elastic;
 use slipgrid_pattern::Planform;
-use slipgrid_springblock::{Layer, Unwatched, simulate};
+use slipgrid_springblock::{Layer, Load, Unwatched, simulate};
 
 /// A(P) = 1 - exp(-P / 4 MPa), from `threshold_pa` on.
 fn law(threshold_pa: f64) -> AreaLaw {

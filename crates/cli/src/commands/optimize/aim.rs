@@ -117,7 +117,7 @@ impl DiscrepancyReport {
                     pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
                     factor: tidy(at.factor),
                     relative_std: tidy(at.relative_std()),
-                    outside_measured_range: found.correct(load.pressure_pa, 1.0, 0.0).outside_measured_range,
+                    outside_measured_range: found.is_outside_measured_range(load.pressure_pa),
                     predicted: reading(&|row| row.predicted.clone()),
                     confirmed: reading(&|row| {
                         if quantity == "ratio" { row.ratio.clone() } else { Some(row.mu.clone()) }

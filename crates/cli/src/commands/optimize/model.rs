@@ -1,6 +1,6 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
-use slipgrid_material::{AreaLaw, LocalFriction};
+use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
@@ -178,25 +178,13 @@ impl SteadyCell {
         simulate(&self.scene(design), &Unwatched)
     }
 
-    /// Ratios of `design` where mu_d at each load is larger by `relative_friction` and the area law is another.
+    /// Ratios of `design` in `scene`, one of this model's with other coefficients and another area law.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
-    pub fn ratios_where(
-        &self,
-        design: &Pattern,
-        relative_friction: &[f64],
-        area_law: Option<AreaLaw>,
-    ) -> Result<Vec<f64>, ModelFailure> {
-        let mut scene = Scene { area_law, ..self.scene.clone() };
-        for (load, by) in scene.loads.iter_mut().zip(relative_friction) {
-            let known = &load.friction;
-            let [static_mean, dynamic_mean] = [known.static_mean(), known.dynamic_mean()].map(|mean| mean * (1.0 + by));
-            load.friction = LocalFriction::new(static_mean, dynamic_mean, known.relative_std())
-                .map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
-        }
-        let solver = Solver::new(&scene, if self.is_solid() { 3 } else { 2 });
-        Ok(open(Self::answer(&scene, &solver, design)?)?.ratio)
+    pub fn ratios_of(&self, scene: &Scene, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        let solver = Solver::new(scene, if self.is_solid() { 3 } else { 2 });
+        Ok(open(Self::answer(scene, &solver, design)?)?.ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -352,7 +340,7 @@ impl ForwardModel for SteadyCell {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_material::Elastic;
+    use slipgrid_material::{Elastic, LocalFriction};
     use slipgrid_pattern::Planform;
     use slipgrid_springblock::Layer;
 

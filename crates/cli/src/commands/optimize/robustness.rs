@@ -1,14 +1,14 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
 use slipgrid_calibrate::Discrepancy;
-use slipgrid_calibrate::uncertainty::{Covariance, log_covariance, with_scale};
-use slipgrid_material::{AreaLaw, MaterialError};
+use slipgrid_calibrate::uncertainty::{Covariance, log_covariance, moved, with_scale};
+use slipgrid_material::MaterialError;
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
     propagate,
 };
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Load, Simulation};
+use slipgrid_springblock::{Scene, Simulation};
 
 use super::model::SteadyCell;
 use super::robust_search::RobustChoice;
@@ -100,7 +100,8 @@ impl<'a> Request<'a> {
 /// The model about a confirmed design, with the parameters that are not known exactly.
 struct AboutDesign<'a> {
     model: &'a SteadyCell,
-    loads: Vec<Load>,
+    /// The design's, with the material as calibrated.
+    scene: Scene,
     is_ratio: bool,
     /// Confirmed less steady ratio.
     offset: Vec<f64>,
@@ -143,7 +144,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
     let is_known = about.parameters.count > 0;
     let samples = drawn(&made)?;
     let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
-    let count = about.loads.len();
+    let count = about.scene.loads.len();
     Ok(Some(RobustnessReport {
         meaning: MEANING,
         method: if is_linear { "linearized" } else { "sampled" },
@@ -154,7 +155,7 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, CliError> {
             let spreads = all.spreads();
             let within = all.probability(|values| is_met(request, &values[2 * count..]));
             CorrectedReport {
-                factor: about.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
+                factor: about.scene.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
                 probability: is_asked(request).then(|| tidy(within.share)),
                 probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
                 by_pressure: (0..count)
@@ -192,9 +193,10 @@ impl<'a> AboutDesign<'a> {
             .collect();
         let Some(confirmed) = confirmed else { return Ok(None) };
         let model = request.about.model;
-        let loads = model.scene(request.about.pattern).loads;
+        let scene = model.scene(request.about.pattern);
+        let loads = &scene.loads;
         let count = loads.len();
-        let steady = model.ratios_where(request.about.pattern, &vec![0.0; count], model.area_law().cloned())?;
+        let steady = model.ratios_of(&scene, request.about.pattern)?;
         let mut parameters = Parameters::default();
         let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut add = |block: Vec<Vec<f64>>| {
@@ -207,7 +209,7 @@ impl<'a> AboutDesign<'a> {
         let (friction, modulus);
         if let (Some(known), Some(law)) = (&material.scale_covariance, model.area_law()) {
             // Fitted together: flat friction and the law's scale are off together.
-            friction = add(with_scale(known, law, &loads).map_err(trial)?);
+            friction = add(with_scale(known, law, loads).map_err(trial)?);
             modulus = friction.map(|first| first + count);
         } else {
             friction = request.friction_covariance.clone().and_then(&mut add);
@@ -216,7 +218,7 @@ impl<'a> AboutDesign<'a> {
         let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
         let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
         let discrepancy = request.discrepancy.clone();
-        let errors = discrepancy.as_ref().and_then(|found| add(log_covariance(found, &loads)));
+        let errors = discrepancy.as_ref().and_then(|found| add(log_covariance(found, loads)));
         let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
         let mut first = 0;
         for block in &blocks {
@@ -231,7 +233,7 @@ impl<'a> AboutDesign<'a> {
             is_ratio: request.is_ratio,
             offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
-            loads,
+            scene,
             parameters,
             scale_is_fitted: material.scale_covariance.is_some(),
             discrepancy,
@@ -258,31 +260,18 @@ impl<'a> AboutDesign<'a> {
 
 impl UncertainModel for AboutDesign<'_> {
     fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let count = self.loads.len();
+        let count = self.scene.loads.len();
         let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
         let log_modulus = at(self.parameters.modulus, 0);
-        let known = self.model.area_law();
-        let mut law = known.cloned();
-        let is_moved = log_modulus != 0.0 || at(self.parameters.law, 0) != 0.0;
-        if let Some(own) = law.as_mut().filter(|_| is_moved) {
-            *own = own.with_factors_off_by(at(self.parameters.law, 0)).at_modulus(log_modulus.exp()).map_err(trial)?;
-        }
-        // The flat sample was measured: mu_d = mu_flat / f(P), whatever the law says.
-        let relative: Vec<f64> = (0..count)
-            .map(|load| {
-                let pressure_pa = self.loads[load].pressure_pa;
-                let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(pressure_pa));
-                (1.0 + flat[load]) * factor(known) / factor(law.as_ref()) - 1.0
-            })
-            .collect();
-        let steady = self.model.ratios_where(design, &relative, law)?;
+        let moved = moved(&self.scene, &flat, log_modulus, at(self.parameters.law, 0)).map_err(trial)?;
+        let steady = self.model.ratios_of(&moved, design)?;
         let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
         let mut values = self.ordered(&ratio, &flat);
         if let Some(found) = &self.discrepancy {
             let corrected: Vec<f64> = (0..count)
                 .map(|load| {
-                    let pressure_pa = self.loads[load].pressure_pa;
+                    let pressure_pa = self.scene.loads[load].pressure_pa;
                     // A stiffer surface would have left the fit less to correct.
                     let of_fit = found.modulus_sensitivity_at(pressure_pa);
                     let log = at(self.parameters.discrepancy, load) - of_fit * log_modulus;
@@ -313,7 +302,7 @@ fn is_asked(request: &Request<'_>) -> bool {
 }
 
 fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) -> ScatterReport {
-    let count = about.loads.len();
+    let count = about.scene.loads.len();
     let spreads = found.spreads();
     let within = found.probability(|values| is_met(request, values));
     ScatterReport {
@@ -324,7 +313,7 @@ fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) 
         probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
         by_pressure: (0..count)
             .map(|load| PressureReport {
-                pressure_mpa: PRESSURE_MPA.from_si(about.loads[load].pressure_pa),
+                pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
                 spread: pair(&spreads, request.is_ratio, load, count),
             })
             .collect(),
@@ -340,7 +329,7 @@ fn pair(spreads: &[Spread], is_ratio: bool, load: usize, count: usize) -> Spread
 
 /// What each input alone makes of the target's quantity at each load, to first order.
 fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linearization) -> Vec<PressureParts> {
-    let count = about.loads.len();
+    let count = about.scene.loads.len();
     let parameter = |place: Option<usize>, of: usize| place.map(|place| DIMENSIONS + place..DIMENSIONS + place + of);
     let groups = [
         ("width", Some(0..1)),
@@ -361,7 +350,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
     let all = first_order.std(uncertainty);
     (0..count)
         .map(|load| PressureParts {
-            pressure_mpa: PRESSURE_MPA.from_si(about.loads[load].pressure_pa),
+            pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
             std: tidy(all[load]),
             of: known
                 .iter()
@@ -389,7 +378,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     if let Some(first) = about.parameters.friction {
         inputs.push(InputReport {
             name: "flat friction at each load".to_owned(),
-            std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%",
             basis: "standard errors of the fitted coefficients".to_owned(),
         });
@@ -419,7 +408,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
     if let (Some(first), Some(found)) = (about.parameters.discrepancy, &request.discrepancy) {
         inputs.push(InputReport {
             name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
-            std: (0..about.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%",
             basis: format!(
                 "{} degrees of freedom; {}",
