@@ -8,6 +8,7 @@
 //! | [`input`] | files opened, or refused with what was expected |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
+//! | [`on_specimen`] | patterns solved on the specimen they are cut into |
 //! | [`units`] | units of the files to SI and back |
 //! | [`report`] | results as JSON, tables and text |
 //! | [`charts`] | results as pictures |
@@ -29,6 +30,7 @@ pub mod diagnostic;
 mod error;
 pub mod formats;
 pub mod input;
+pub mod on_specimen;
 pub mod output;
 pub mod progress;
 pub mod report;

@@ -165,7 +165,8 @@ impl Design {
         let file: DesignFile = document.parse()?;
         let ranges = read_ranges(&document, &file)?;
         let target = read_target(&document, &file.target)?;
-        let layer = read_layer(&document, &file.sample)?;
+        let specimen = read_specimen(&document, &file.specimen)?;
+        let layer = read_layer(&document, &file.sample, Some(&specimen))?;
         let bounds = file.bounds.get_ref();
         let (width_m, spacing_m, depth_m) = (
             read_range(&document, &bounds.width_um)?,
@@ -220,7 +221,7 @@ impl Design {
             constraints: Constraints { limits, quantities },
             measures,
             laser,
-            outline: read_specimen(&document, &file.specimen)?,
+            outline: specimen,
             layer,
             speed_m_s: SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S),
             seed: file.search.seed.unwrap_or(1),
