@@ -19,9 +19,9 @@ use slipgrid_springblock::{
 
 use crate::report::specimen::Specimen;
 
-/// Bands that a face is cut into: the strips in their middles sample it. On discs of 10 mm the ratio by 16 bands differs
-/// from that by 64 by less than the error stated (`sixteen_bands_sample_a_disc`).
-const BANDS: usize = 16;
+/// Bands that a face is cut into: the strips in their middles sample it. On discs of 10 mm the ratio by 32 bands differs
+/// from that by 128 by less than the error stated (`bands_sample_a_disc`).
+const BANDS: usize = 32;
 /// Shortest strip that is solved, in blocks: less has no inside, and next to no share of the face.
 const LEAST_STRIP_BLOCKS: f64 = 2.0;
 
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn sixteen_bands_sample_a_disc() {
+    fn bands_sample_a_disc() {
         for [width_um, spacing_um, depth_um] in [[400.0, 824.5, 49.4], [130.0, 370.0, 20.0]] {
             let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
             let (scene, layout) = (scene(pattern), DISC.layout(pattern).unwrap());
@@ -177,10 +177,10 @@ mod tests {
                 let face = face_of(&layout, layout.strips(bands), 10e-6).unwrap();
                 simulate_specimen(&scene, &face, &Unwatched).unwrap().loads
             };
-            for (coarse, fine) in solved(16).iter().zip(&solved(64)) {
+            for (coarse, fine) in solved(BANDS).iter().zip(&solved(4 * BANDS)) {
                 let distance = (coarse.ratio.unwrap() - fine.ratio.unwrap()).abs();
                 let stated = coarse.ratio_layout_error.unwrap();
-                assert!(distance < stated.max(1e-4) && stated < 2e-3, "{pattern:?}: {distance} {stated}");
+                assert!(distance < stated.max(1e-4) && stated < 2.5e-3, "{pattern:?}: {distance} {stated}");
             }
         }
     }
