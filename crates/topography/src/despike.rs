@@ -12,8 +12,6 @@ use crate::HeightMap;
 use crate::plausibility::limits::{LEAST_SPIKE_NEIGHBOURS, MOST_SPIKE_POINTS, SPIKE_DEVIATIONS, SPIKE_REACH};
 use crate::plausibility::{ROBUST_DEVIATION, median};
 
-/// Points from which the scale of differences is taken; larger maps give one point in several.
-const MOST_SAMPLED: usize = 1 << 18;
 /// Fewest differences that have a scale.
 const LEAST_SAMPLED: usize = 64;
 /// Differences below this share of the range of heights are rounding.
@@ -103,6 +101,11 @@ impl HeightMap {
         found
     }
 
+    /// Whether there are spikes.
+    pub(crate) fn has_spikes(&self) -> bool {
+        self.spike_threshold_m().is_some_and(|threshold_m| !self.spike_clusters(threshold_m).is_empty())
+    }
+
     /// Calls `visit` for the nodes of the square about `node` with `reach` to its sides, without `node` itself.
     fn about(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
         let (i, j) = (node / self.cols(), node % self.cols());
@@ -132,18 +135,11 @@ impl HeightMap {
     /// T: how far from the median about it a point must lie; `None` of a map too small to tell.
     fn spike_threshold_m(&self) -> Option<f64> {
         let heights = self.heights_m();
-        let stride = (1..).find(|stride| heights.len() / (stride * stride) <= MOST_SAMPLED).unwrap_or(1);
-        let mut differences = Vec::new();
-        for i in (0..self.rows()).step_by(stride) {
-            // Another column in each row, so that no pattern along the rows falls in with the sample.
-            for j in (i / stride * 7 % stride..self.cols()).step_by(stride) {
-                let node = i * self.cols() + j;
-                let difference = (heights[node] - self.median_about(node)).abs();
-                if !difference.is_nan() {
-                    differences.push(difference);
-                }
-            }
-        }
+        let mut differences: Vec<f64> = self
+            .sampled()
+            .map(|node| (heights[node] - self.median_about(node)).abs())
+            .filter(|difference| !difference.is_nan())
+            .collect();
         let (least, most) = heights
             .iter()
             .filter(|height| !height.is_nan())

@@ -137,9 +137,12 @@ impl HeightMap {
     /// missing points are filled.
     #[must_use]
     pub fn spike_warning(&self) -> Option<MapWarning> {
+        if !self.has_spikes() {
+            return None;
+        }
         let mut without = self.clone();
         let spikes = without.despike();
-        (spikes.points() > 0).then(|| MapWarning::Spikes {
+        Some(MapWarning::Spikes {
             spikes,
             points: self.heights_m().len() - self.missing(),
             rms_slope: self.rms_slope_finite_difference(),
@@ -167,18 +170,34 @@ impl HeightMap {
 
     /// Patches that stand far above the rest, where they are few.
     fn raised(&self) -> Option<MapWarning> {
-        let mut heights: Vec<f64> = self.heights_m().iter().copied().filter(|height| !height.is_nan()).collect();
-        let median_m = median(&mut heights)?;
-        let mut deviations: Vec<f64> = heights.iter().map(|height| (height - median_m).abs()).collect();
-        let deviation_m = ROBUST_DEVIATION * median(&mut deviations)?;
+        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let median_m = median(&mut sample)?;
+        sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
+        let deviation_m = ROBUST_DEVIATION * median(&mut sample)?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;
         if deviation_m <= 0.0 {
             return None;
         }
-        let above = heights.iter().filter(|&&height| height - median_m > least_m);
-        let (points, highest_m) = above.fold((0, 0.0_f64), |(n, most), height| (n + 1, most.max(height - median_m)));
-        let few = points > 0 && points as f64 <= limits::MOST_RAISED_SHARE * heights.len() as f64;
+        let above = self.heights_m().iter().map(|height| height - median_m).filter(|&above_m| above_m > least_m);
+        let (points, highest_m) = above.fold((0, 0.0_f64), |(n, most), above_m| (n + 1, most.max(above_m)));
+        let present = self.heights_m().len() - self.missing();
+        let few = points > 0 && points as f64 <= limits::MOST_RAISED_SHARE * present as f64;
         few.then_some(MapWarning::Raised { points, highest_m, deviation_m })
+    }
+}
+
+/// Points from which medians are taken; larger maps give one in several.
+const MOST_SAMPLED: usize = 1 << 18;
+
+impl HeightMap {
+    /// Nodes from which medians over the map are taken, evenly over it.
+    pub(crate) fn sampled(&self) -> impl Iterator<Item = usize> {
+        let points = self.heights_m().len();
+        let stride = (1..).find(|stride| points / (stride * stride) <= MOST_SAMPLED).unwrap_or(1);
+        // Another column in each row, so that no pattern along the rows falls in with the sample.
+        (0..self.rows())
+            .step_by(stride)
+            .flat_map(move |i| (i / stride * 7 % stride..self.cols()).step_by(stride).map(move |j| i * self.cols() + j))
     }
 }
 
