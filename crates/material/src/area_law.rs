@@ -41,6 +41,12 @@ impl Piece {
         Self { from_pa: 0.0, to_pa: f64::INFINITY, constant_pa: 0.0, linear: 1.0, quadratic_per_pa: 0.0 };
 }
 
+/// f exceeds 1 by counting where few points of a map touch: by 0.07 where some hundred do (a slope of 0.5 on 128 x 128
+/// points). More than this comes of a few points that carry the load of the rest, and is no area law.
+pub const MOST_FACTOR: f64 = 1.1;
+/// Up to here f exceeds 1 by the error of the contact computation.
+const ROUNDED_FACTOR: f64 = 1.002;
+
 /// A step is taken over this part of the pressure where it stands: f stays continuous, so that a block
 /// pushed across the step has an equilibrium on it.
 const STEP_WIDTH: f64 = 1e-3;
@@ -213,6 +219,27 @@ impl AreaLaw {
         pressure_pa > self.pressure_pa[self.pressure_pa.len() - 1]
     }
 
+    /// Where f is largest and what it is there, if it exceeds 1 by more than rounding: more friction per load than at
+    /// light loads, which no growth of contact area gives.
+    #[must_use]
+    pub fn above_one(&self) -> Option<(f64, f64)> {
+        let largest =
+            self.pressure_pa.iter().copied().zip(self.factor.iter().copied()).max_by(|a, b| a.1.total_cmp(&b.1));
+        largest.filter(|&(_, factor)| factor > ROUNDED_FACTOR)
+    }
+
+    /// The first tabulated pressure and the factor to which f jumps there from 1, if it does: the step that
+    /// [`AreaLaw::new`] makes of a first factor other than 1.
+    #[must_use]
+    pub fn step(&self) -> Option<(f64, f64)> {
+        match (&self.pressure_pa[..], &self.factor[..]) {
+            ([before, first, ..], [one, factor, ..]) if *before == first * (1.0 - STEP_WIDTH) && *one == 1.0 => {
+                Some((*first, *factor))
+            }
+            _ => None,
+        }
+    }
+
     /// Tabulated pressures, in pascals, increasing.
     #[must_use]
     pub fn pressures_pa(&self) -> &[f64] {
@@ -267,8 +294,17 @@ mod tests {
         for (p, f) in [(0.6e6, 1.0), (0.6993e6, 1.0), (0.69965e6, 0.9), (0.7e6, 0.8), (2.6e6, 0.5)] {
             assert!((law.factor(p) - f).abs() < 1e-9, "{p}: {}", law.factor(p));
         }
+        assert_eq!(law.step(), Some((0.7e6, 0.8)));
+        assert_eq!(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.5]).unwrap().step(), None);
         let nothing = AreaLaw::new(vec![1.0], vec![0.0]).unwrap();
         assert_eq!((nothing.factor(1.0), nothing.factor(1e6)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn factors_above_one_are_told_with_their_pressure() {
+        let law = |factor: [f64; 3]| AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6], factor.to_vec()).unwrap();
+        assert_eq!(law([1.0, 1.001, 0.9]).above_one(), None);
+        assert_eq!(law([1.0, 1.2, 1.3]).above_one(), Some((2.6e6, 1.3)));
     }
 
     #[test]

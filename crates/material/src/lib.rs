@@ -37,7 +37,7 @@ mod error;
 mod friction;
 mod modulus;
 
-pub use area_law::{AreaLaw, Piece, THRESHOLD_PRESSURE_PA};
+pub use area_law::{AreaLaw, MOST_FACTOR, Piece, THRESHOLD_PRESSURE_PA};
 pub use condition::{Condition, between};
 pub use condition_range::ConditionRange;
 pub use elastic::Elastic;
@@ -55,6 +55,8 @@ pub struct Provenance {
     pub synthetic_surface: bool,
     /// One line per value: how it was obtained, what was assumed.
     pub notes: Vec<String>,
+    /// What makes results that rest on it doubtful; each begins with its name.
+    pub warnings: Vec<String>,
 }
 
 /// A material as the models take it.

@@ -209,6 +209,15 @@ pub enum ReadError {
         /// The first bytes, escaped.
         beginning: String,
     },
+    /// A file of an instrument that is not read.
+    #[error(
+        "this is a {format}, which is not read: export it as .sur, .x3p, .gsf or text from the instrument's program or from \
+         Gwyddion"
+    )]
+    Foreign {
+        /// What the file is.
+        format: &'static str,
+    },
     /// An entry of a binary file's header that cannot be understood.
     #[error("{format}: {field} is \"{value}\": expected {expected}")]
     Field {

@@ -11,6 +11,7 @@
 //! | [`HeightMap`] | a valid map in metres: parameters, form removal, filling of missing points, writing |
 //! | [`read_map`], [`ReadOptions`] | a map from what instruments write ([`MapFormat`]), whole, cropped or decimated |
 //! | [`Form`], [`Filling`], [`Plane`] | what form removal, filling and levelling do |
+//! | [`MapWarning`], [`limits`], [`Spikes`] | what makes a map doubtful, within which limits, and single points gone wrong |
 //! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; [`HeightMap::sdq`] and [`HeightMap::sdr`] |
 //! | [`MaterialRatioCurve`], [`CoreParameters`] | bearing curve; Sk, Spk, Svk, Smr1, Smr2 |
 //! | [`SpectrumBin`] | the radial power spectrum in m^4 |
@@ -35,18 +36,21 @@
 pub mod fourier;
 
 mod cavities;
+mod despike;
 mod error;
 mod fill;
 mod form;
 mod level;
 mod map;
 mod parameters;
+mod plausibility;
 mod read;
 mod synthetic;
 mod unit;
 mod write;
 
 pub use cavities::{Cavity, CavityMetrology, CutCavity, CutPattern, CutShape, Spread};
+pub use despike::{Spike, Spikes};
 pub use error::{MapError, MapOption, ReadError};
 pub use fill::Filling;
 pub use form::Form;
@@ -56,6 +60,7 @@ pub use parameters::{
     CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, MaterialRatioCurve, Sides,
     SpectrumBin, SpectrumWindow,
 };
+pub use plausibility::{MapWarning, limits};
 pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;
 pub use unit::{LengthUnit, UnknownUnit};

@@ -153,6 +153,86 @@ fn damaged_files_are_read_or_refused_within_bounded_memory() {
     assert!(most > MOST_BYTES / 100, "{most} bytes at most");
     no_height_at_all();
     claims_are_never_reserved();
+    small_files_never_swell();
+}
+
+/// Most memory for a byte of a packed file: 8 heights of 8 bytes, three times while they grow.
+const MOST_PER_BYTE: usize = 3 * 64;
+
+/// Files that pack zeros, honestly or with lengths that lie, take no more memory than measured heights of their size.
+fn small_files_never_swell() {
+    let refused = |name: &str, bytes: &[u8]| {
+        let before = PEAK.current_usage();
+        PEAK.reset_peak_usage();
+        let error = read_map(bytes, &ReadOptions::default()).map(|read| read.map.rows()).unwrap_err();
+        let used = PEAK.peak_usage() - before;
+        assert!(used < MOST_BYTES.max(MOST_PER_BYTE * bytes.len()), "{name}: {used} bytes of {}", bytes.len());
+        assert!(error.to_string().contains("unpacks to"), "{name}: {error}");
+    };
+    // 9 million heights of 2 bytes in 17 kB, 25 million in 49 kB.
+    for side in [3000_u32, 5000] {
+        let packed = zeros_packed(2 * u64::from(side * side));
+        for claimed in [packed.len() as u32, u32::MAX / 2] {
+            let mut bytes = sur_header(side);
+            for length in [1, 2 * side * side, claimed] {
+                bytes.extend_from_slice(&length.to_le_bytes());
+            }
+            bytes.extend_from_slice(&packed);
+            refused("sur", &bytes);
+        }
+    }
+    // 4 and 33 million doubles; an index of 16 million spaces.
+    for side in [2000_u64, 5792] {
+        let index = x3p_index(side);
+        refused("x3p", &x3p(&index, 8 * side * side));
+    }
+    refused("index", &x3p(&(x3p_index(2) + &" ".repeat(15 << 20)), 32));
+}
+
+/// `count` zeros in a zlib stream, packed piece by piece.
+fn zeros_packed(count: u64) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::copy(&mut std::io::Read::take(std::io::repeat(0), count), &mut encoder).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// The header of a compressed `.sur` file of 16-bit heights on `side` x `side` points.
+fn sur_header(side: u32) -> Vec<u8> {
+    let mut bytes = vec![0; 512];
+    let mut put = |at: usize, value: &[u8]| bytes[at..at + value.len()].copy_from_slice(value);
+    put(0, b"DSCOMPRESSED");
+    put(16, &1_u16.to_le_bytes());
+    put(18, &2_u16.to_le_bytes());
+    put(98, &16_u16.to_le_bytes());
+    for (at, value) in [(108, side), (112, side), (116, side * side)] {
+        put(at, &value.to_le_bytes());
+    }
+    for at in [120, 124, 128] {
+        put(at, &1_f32.to_le_bytes());
+    }
+    for at in [180, 196, 212] {
+        put(at, b"um");
+    }
+    bytes
+}
+
+fn x3p_index(side: u64) -> String {
+    format!(
+        "<p><Record1><FeatureType>SUR</FeatureType><Axes><CX><AxisType>I</AxisType><Increment>1e-6</Increment></CX><CY>\
+         <AxisType>I</AxisType><Increment>1e-6</Increment></CY><CZ><DataType>D</DataType></CZ></Axes></Record1><Record3>\
+         <MatrixDimension><SizeX>{side}</SizeX><SizeY>{side}</SizeY><SizeZ>1</SizeZ></MatrixDimension><DataLink>\
+         <PointDataLink>data.bin</PointDataLink></DataLink></Record3></p>"
+    )
+}
+
+fn x3p(index: &str, zeros: u64) -> Vec<u8> {
+    let mut writer = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
+    writer.start_file("main.xml", options).unwrap();
+    std::io::Write::write_all(&mut writer, index.as_bytes()).unwrap();
+    writer.start_file("data.bin", options).unwrap();
+    std::io::copy(&mut std::io::Read::take(std::io::repeat(0), zeros), &mut writer).unwrap();
+    writer.finish().unwrap().into_inner()
 }
 
 /// NaN everywhere.

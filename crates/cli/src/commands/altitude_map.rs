@@ -4,7 +4,9 @@ use std::io::BufReader;
 use std::path::Path;
 
 use slipgrid_contact::{periodic_component, side_step_ratio};
-use slipgrid_topography::{Form, HeightMap, MapFormat, MapOption, ReadError, ReadMap, ReadOptions, read_map};
+use slipgrid_topography::{
+    Form, HeightMap, MapFormat, MapOption, MapWarning, ReadError, ReadMap, ReadOptions, limits, read_map,
+};
 
 use crate::diagnostic::Diagnostic;
 use crate::formats::file_kind::FileKind;
@@ -37,6 +39,8 @@ pub struct SurfaceMap {
     pub rms_slope: f64,
     /// What was done to it.
     pub notes: Vec<String>,
+    /// What makes numbers computed from it doubtful; each begins with its name.
+    pub warnings: Vec<String>,
 }
 
 impl SurfaceMap {
@@ -44,15 +48,24 @@ impl SurfaceMap {
     /// each other is replaced by its periodic component.
     ///
     /// # Errors
-    /// [`Diagnostic`] if the file cannot be read or is no map.
+    /// [`Diagnostic`] if the file cannot be read or is no map, or no surface has its slope.
     pub fn read_period(path: &Path, options: &MapOptions) -> Result<Self, Diagnostic> {
-        Self::build(path, open(path, &options.read)?, options, true)
+        let surface = Self::build(path, open(path, &options.read)?, options, true)?;
+        let [least, most] = limits::POSSIBLE_SLOPE;
+        if (least..=most).contains(&surface.rms_slope) {
+            return Ok(surface);
+        }
+        let mut reason = format!("the rms slope is {:.2e}: its contact area means nothing", surface.rms_slope);
+        for warning in &surface.warnings {
+            reason += &format!("; {warning}");
+        }
+        Err(Diagnostic::file(path, reason).expected(format!("a slope from {least:e} to {most}; see the units")))
     }
 
     /// Fills what is missing in the map that was `read` and removes its form.
     ///
     /// # Errors
-    /// [`Diagnostic`] if points are missing that must not, or do not determine the form.
+    /// [`Diagnostic`] if points are missing that must not, nearly all are, or they do not determine the form.
     pub fn new(path: &Path, read: ReadMap, options: &MapOptions) -> Result<Self, Diagnostic> {
         Self::build(path, read, options, false)
     }
@@ -67,15 +80,26 @@ impl SurfaceMap {
         if options.missing == Missing::Refuse {
             map.require_complete().map_err(|error| refuse(&error))?;
         }
+        let (missing, points) = (map.missing(), map.rows() * map.cols());
+        if missing as f64 > limits::MOST_MISSING_SHARE * points as f64 {
+            let reason = format!("{missing} of {points} points are missing: what would fill them is no measurement");
+            let expected = format!("at most {:.0} %; crop the map", 100.0 * limits::MOST_MISSING_SHARE);
+            return Err(Diagnostic::file(path, reason).expected(expected));
+        }
+        if options.despike {
+            notes.push(despiked(&mut map));
+        }
+        let mut warnings: Vec<String> = map.spike_warning().map(told).into_iter().collect();
+        warnings.extend(map.missing_warning().map(told));
         let filled = match map.missing() {
             0 => Vec::new(),
             _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
         };
         let filling = map.fill_missing();
         if filling.points > 0 {
-            let points = map.rows() * map.cols();
             notes.push(format!(
-                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface",
+                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface, to a residual of \
+                 1e-10 of the start",
                 filling.points,
                 100.0 * filling.points as f64 / points as f64,
             ));
@@ -113,13 +137,31 @@ impl SurfaceMap {
             notes.push("the map is taken as one period as it is".to_owned());
         }
         let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
-        Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes })
+        warnings.extend(map.height_warnings(rms_slope).into_iter().map(told));
+        Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
     }
 
     /// Pixel size along the sliding direction, in metres.
     #[must_use]
     pub const fn pixel_m(&self) -> f64 {
         self.map.dx_m()
+    }
+}
+
+/// Removes spikes and says which.
+pub fn despiked(map: &mut HeightMap) -> String {
+    let spikes = map.despike();
+    if spikes.points() == 0 {
+        return "despiked: no spikes were found".to_owned();
+    }
+    format!("despiked: {spikes} and have been replaced by the median of the points about them")
+}
+
+/// A warning with what can be done about it.
+fn told(warning: MapWarning) -> String {
+    match &warning {
+        MapWarning::Spikes { .. } => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
+        _ => warning.to_string(),
     }
 }
 

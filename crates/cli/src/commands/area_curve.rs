@@ -1,9 +1,14 @@
 //! From an altitude map to contact area against pressure and the area law.
 
+use std::path::Path;
+
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, Monitor, SolveOptions, Status};
-use slipgrid_material::{AreaLaw, MaterialError};
+use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
 use slipgrid_topography::HeightMap;
+
+use crate::diagnostic::Diagnostic;
+use crate::units::PRESSURE_MPA;
 
 /// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
 /// From full contact on a pressure costs nothing.
@@ -39,6 +44,31 @@ pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, Mater
     let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
     let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
     AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
+}
+
+/// The warning on an area law whose factors exceed 1, if they do: real contact area grows no faster than pressure. `warnings`
+/// is what is known to be wrong with the map at `path`.
+///
+/// # Errors
+/// [`Diagnostic`] if they exceed it by more than a count of points scatters.
+pub fn check_factors(path: &Path, law: &AreaLaw, warnings: &[String]) -> Result<Option<String>, Diagnostic> {
+    let Some((pressure_pa, factor)) = law.above_one() else { return Ok(None) };
+    let found = format!("f reaches {factor:.3} at {} MPa", PRESSURE_MPA.from_si(pressure_pa));
+    if factor > MOST_FACTOR {
+        let mut reason = format!("{found}: the area law means nothing");
+        for warning in warnings {
+            reason += &format!("; {warning}");
+        }
+        let expected = format!(
+            "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: a few high points carry the load of \
+             the surface (--despike, despike = true in [surface])"
+        );
+        return Err(Diagnostic::file(path, reason).expected(expected));
+    }
+    Ok(Some(format!(
+        "factor above 1: {found}, where real contact area grows no faster than pressure; so few points are in contact that \
+         their number scatters: a larger map, or a finer one, would say more"
+    )))
 }
 
 /// The contact area of a surface of which only the rms slope is known, by Persson's theory.

@@ -7,7 +7,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
 
 use super::altitude_map::SurfaceMap;
-use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, check_factors, persson_curve};
 use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
@@ -138,6 +138,7 @@ impl Request {
             threshold_proportionality: proportionality(curve, self.threshold_pa),
             tolerance: self.tolerance,
             model: Vec::new(),
+            warnings: Vec::new(),
             wall_s: 0.0,
             threads: console.threads,
             windows: None,
@@ -171,6 +172,10 @@ fn of_map(
     let curve = area_curve(&surface.map, request.contact_modulus_pa, &request.solved_pa, request.tolerance, &progress)
         .map_err(|error| Diagnostic::file(path, error.to_string()))?;
     let wall_s = progress.finish();
+    let mut warnings = surface.warnings.clone();
+    if let Ok(law) = area_law(&curve.points, request.threshold_pa) {
+        warnings.extend(check_factors(path, &law, &surface.warnings)?);
+    }
 
     let mut model = model(&surface);
     let per_side = args.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
@@ -209,6 +214,7 @@ fn of_map(
         columns: Some(surface.map.cols()),
         full_contact_pressure_mpa: Some(PRESSURE_MPA.from_si(curve.full_contact_pressure_pa)),
         model,
+        warnings,
         wall_s,
         resolutions,
         ..request.report(&curve.points, surface.rms_slope, args, console)
@@ -317,7 +323,7 @@ pub(super) fn map_options(args: &MapArgs) -> Result<MapOptions, Diagnostic> {
         MissingName::Fill => Missing::Fill,
         MissingName::Refuse => Missing::Refuse,
     };
-    Ok(MapOptions { read, form, missing })
+    Ok(MapOptions { read, form, missing, despike: args.despike })
 }
 
 fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {

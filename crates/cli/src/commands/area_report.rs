@@ -33,6 +33,9 @@ pub(super) struct AreaLawReport {
     pub(super) threshold_proportionality: Option<f64>,
     pub(super) tolerance: f64,
     pub(super) model: Vec<String>,
+    /// What makes the numbers doubtful; each begins with its name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) warnings: Vec<String>,
     pub(super) wall_s: f64,
     pub(super) threads: usize,
     pub(super) windows: Option<WindowReport>,
@@ -104,6 +107,9 @@ pub(super) fn table(report: &AreaLawReport) -> String {
     );
     for statement in &report.model {
         text += &format!("- {statement}\n");
+    }
+    for warning in &report.warnings {
+        text += &format!("! {warning}\n");
     }
     let mut table = Table::new(["P MPa", "area", "corrected", "+-", "f", "+-", "iterations", "error", "status"]);
     for point in &report.results {

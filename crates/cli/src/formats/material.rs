@@ -39,6 +39,9 @@ pub struct MaterialFile {
     /// How values were obtained.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
+    /// What makes results that rest on the material doubtful; each begins with its name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Young's modulus.
     pub youngs_modulus_gpa: Number,
     /// Its standard deviation.
@@ -199,6 +202,11 @@ pub fn read_material(
     let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3).map_err(|error| at(document, place, &error))?;
     let friction = read_friction(document, &file.friction)?;
     let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
+    let mut warnings = file.warnings.clone();
+    // What the file says of its law already is not said twice.
+    let named = |warning: &str| warning.split(':').next().map(str::to_owned);
+    let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
+    warnings.extend(area_law.iter().flat_map(law_warnings).filter(|warning| !told(warning)));
     if let Some(discrepancy) = &file.discrepancy {
         read_discrepancies(document, discrepancy)?;
     }
@@ -211,6 +219,7 @@ pub fn read_material(
             source: file.source.clone().unwrap_or_default(),
             synthetic_surface: file.synthetic_surface.unwrap_or(false),
             notes: file.notes.clone(),
+            warnings,
         },
     })
 }
@@ -296,6 +305,24 @@ fn read_conditions(
         }
     }
     Ok(Friction::PerCondition(rows))
+}
+
+/// What is odd about a law that a table gives.
+fn law_warnings(law: &AreaLaw) -> Vec<String> {
+    let step = law.step().map(|(pressure_pa, factor)| {
+        format!(
+            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
+             begins with 1",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    let above = law.above_one().map(|(pressure_pa, factor)| {
+        format!(
+            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    step.into_iter().chain(above).collect()
 }
 
 fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {

@@ -28,6 +28,7 @@ pub struct SurfaceFile {
     decimate: Option<Spanned<usize>>,
     decimate_by: Option<Spanned<String>>,
     missing: Option<Spanned<String>>,
+    despike: Option<bool>,
     form: Option<Spanned<String>>,
     level: Option<Spanned<bool>>,
     /// P0.
@@ -54,6 +55,8 @@ pub struct MapOptions {
     pub form: Form,
     /// What is done about missing points.
     pub missing: Missing,
+    /// Spikes are replaced by the median of the points about them.
+    pub despike: bool,
 }
 
 /// Where the area law comes from.
@@ -125,7 +128,12 @@ fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagno
             Missing::Refuse => "refuse",
         })
     });
-    Ok(MapOptions { read, form: form(document, file)?, missing: missing.transpose()?.unwrap_or_default() })
+    Ok(MapOptions {
+        read,
+        form: form(document, file)?,
+        missing: missing.transpose()?.unwrap_or_default(),
+        despike: file.despike.unwrap_or(false),
+    })
 }
 
 fn pixel(document: &Document, file: &SurfaceFile) -> Result<Option<[f64; 2]>, Diagnostic> {
@@ -201,7 +209,7 @@ mod tests {
     fn every_key_arrives_at_the_reader() {
         let found = read(
             "pixel_um = 0.5\npixel_y_um = 2.0\nheight_unit = \"nm\"\nlateral_unit = \"mm\"\ndecimal_comma = true\ncrop = [1, 2, 30, 40]\n\
-             decimate = 3\ndecimate_by = \"pick\"\nmissing = \"refuse\"\nform = \"second-order\"\n",
+             decimate = 3\ndecimate_by = \"pick\"\nmissing = \"refuse\"\ndespike = true\nform = \"second-order\"\n",
         );
         let read = ReadOptions {
             format: None,
@@ -212,12 +220,12 @@ mod tests {
             crop: Some(Crop { first_row: 1, first_col: 2, rows: 30, cols: 40 }),
             decimation: Some(Decimation { factor: 3, method: DecimationMethod::Pick }),
         };
-        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse });
+        assert_eq!(found, MapOptions { read, form: Form::SecondOrder, missing: Missing::Refuse, despike: true });
     }
 
     #[test]
     fn without_keys_the_whole_map_is_filled_and_levelled() {
-        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill };
+        let expected = |form| MapOptions { read: ReadOptions::NONE, form, missing: Missing::Fill, despike: false };
         assert_eq!(read(""), expected(Form::Plane));
         assert_eq!(read("level = true"), expected(Form::Plane));
         assert_eq!(read("level = false"), expected(Form::Mean));

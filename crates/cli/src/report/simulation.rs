@@ -71,6 +71,9 @@ pub struct MaterialReport {
     pub synthetic_surface: bool,
     /// How values were obtained.
     pub notes: Vec<String>,
+    /// What makes results that rest on it doubtful.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 impl From<&Provenance> for MaterialReport {
@@ -80,6 +83,7 @@ impl From<&Provenance> for MaterialReport {
             source: provenance.source.clone(),
             synthetic_surface: provenance.synthetic_surface,
             notes: provenance.notes.clone(),
+            warnings: provenance.warnings.clone(),
         }
     }
 }
@@ -277,6 +281,7 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
     if provenance.synthetic_surface {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
+    notes.extend(provenance.warnings.iter().map(|warning| format!("warning: {warning}")));
     notes
 }
 

@@ -15,11 +15,12 @@
 //! in UTF-8 or Latin-1.
 //!
 //! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
-//! x = 0. Points x y z keep their axes. All formats but points x y z and the archive of an X3P stream: no more
-//! is held than what [`ReadOptions::crop`] and [`ReadOptions::decimation`] keep. Sizes that a file claims are
+//! x = 0. Points x y z keep their axes. All formats but points x y z, the archive of an X3P and what is packed in a
+//! compressed `.sur` stream: no more is held than what [`ReadOptions::crop`] and [`ReadOptions::decimation`] keep. Sizes that a file claims are
 //! checked and never reserved: memory grows with the heights that arrive.
 
 mod bytes;
+mod foreign;
 mod gsf;
 mod header;
 mod lines;
@@ -51,10 +52,10 @@ const MOST_COMMENTS: usize = 100;
 const MOST_COMMENT_CHARS: usize = 300;
 /// Bytes by which a format is told.
 const START: usize = 64;
-/// Packed data that unpack to more than this many times their size, and more than [`HARMLESS_BYTES`], are a
-/// bomb: measured heights keep at least a byte of noise in eight.
-const MOST_EXPANSION: u64 = 300;
-const HARMLESS_BYTES: u64 = 1 << 24;
+/// Packed data that hold more heights than this for each of their bytes, and more than [`HARMLESS_HEIGHTS`], are a
+/// bomb: measured heights keep at least a bit of noise each. So a map takes at most 64 times its file, or 8 MiB.
+const MOST_HEIGHTS_PER_BYTE: u64 = 8;
+const HARMLESS_HEIGHTS: u64 = 1 << 20;
 
 /// How a file holds a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -188,6 +189,8 @@ fn format_of(start: &[u8]) -> Result<Option<MapFormat>, ReadError> {
         MapFormat::Sur
     } else if begins(x3p::MAGIC) {
         MapFormat::X3p
+    } else if let Some(format) = foreign::name_of(start) {
+        return Err(ReadError::Foreign { format });
     } else if start.iter().any(|&byte| byte < 9) {
         // No text has such bytes.
         return Err(ReadError::Unrecognized { beginning: start[..start.len().min(16)].escape_ascii().to_string() });
@@ -204,10 +207,11 @@ fn keep_comment(comments: &mut Vec<String>, comment: &str) {
     }
 }
 
-/// Refuses packed data that unpack to far more than measured heights ever do.
-fn check_expansion(format: &'static str, unpacked: u64, packed: u64) -> Result<(), ReadError> {
-    if unpacked > HARMLESS_BYTES && unpacked / MOST_EXPANSION > packed {
-        return Err(ReadError::Bomb { format, unpacked, packed, most_expansion: MOST_EXPANSION });
+/// Refuses `packed` bytes that unpack to far more heights, of `bytes_each`, than measured ones ever do.
+fn check_expansion(format: &'static str, heights: u64, bytes_each: u64, packed: u64) -> Result<(), ReadError> {
+    if heights > HARMLESS_HEIGHTS && heights / MOST_HEIGHTS_PER_BYTE > packed {
+        let (unpacked, most_expansion) = (heights.saturating_mul(bytes_each), MOST_HEIGHTS_PER_BYTE * bytes_each);
+        return Err(ReadError::Bomb { format, unpacked, packed, most_expansion });
     }
     Ok(())
 }

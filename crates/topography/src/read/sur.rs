@@ -18,7 +18,7 @@
 //! A missing point is the least integer less 2. Compressed data begin with the number of streams and, for
 //! each, its length unpacked and packed, 4 bytes each.
 
-use std::io::{BufRead, Read};
+use std::io::{BufRead, Cursor, Read};
 
 use flate2::bufread::ZlibDecoder;
 
@@ -141,7 +141,7 @@ pub(super) fn read(mut source: impl BufRead, options: &ReadOptions) -> Result<Re
         Ok(!window.is_full())
     };
     if header.0.starts_with(MAGIC_COMPRESSED) {
-        let mut streams = Streams::new(source, total * number.bytes() as u64)?;
+        let mut streams = Streams::new(source, total, number.bytes() as u64)?;
         if numbers(&mut streams, FORMAT, number, false, total, take)? {
             at_end(&mut streams, FORMAT)?;
         }
@@ -173,8 +173,11 @@ struct Streams<R> {
     packed: Vec<u32>,
 }
 
-impl<R: BufRead> Streams<R> {
-    fn new(mut source: R, needed: u64) -> Result<Self, ReadError> {
+impl Streams<Cursor<Vec<u8>>> {
+    /// Streams of `heights` heights of `bytes_each`. They are taken in packed before anything is unpacked: the lengths that
+    /// they claim are true.
+    fn new(mut source: impl Read, heights: u64, bytes_each: u64) -> Result<Self, ReadError> {
+        let needed = heights * bytes_each;
         let count = u32::from_le_bytes(exact(&mut source, FORMAT, "streams")?);
         if !(1..=MOST_STREAMS).contains(&count) {
             return Err(refused("number of streams", count.to_string(), "1 to 4096"));
@@ -188,10 +191,14 @@ impl<R: BufRead> Streams<R> {
         if unpacked != needed {
             return Err(refused("length of the streams", unpacked.to_string(), "bytes of a point times all points"));
         }
-        check_expansion(FORMAT, needed, packed.iter().map(|&length| u64::from(length)).sum())?;
+        let claimed: u64 = packed.iter().map(|&length| u64::from(length)).sum();
+        check_expansion(FORMAT, heights, bytes_each, claimed)?;
+        let mut bytes = Vec::new();
+        source.take(claimed).read_to_end(&mut bytes).map_err(|error| unreadable(FORMAT, &error))?;
+        check_expansion(FORMAT, heights, bytes_each, bytes.len() as u64)?;
         packed.reverse();
         let first = packed.pop().unwrap_or(0);
-        Ok(Self { current: Some(ZlibDecoder::new(source.take(first.into()))), packed })
+        Ok(Self { current: Some(ZlibDecoder::new(Cursor::new(bytes).take(first.into()))), packed })
     }
 }
 

@@ -9,6 +9,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 
 use super::bytes::{at_end, numbers, unreadable};
+use super::foreign::{PLUX, PLUX_INDEX};
 use super::window::Window;
 use super::x3p_index::{Heights, Index};
 use super::{MapFormat, ReadMap, ReadOptions, check_expansion};
@@ -20,6 +21,10 @@ pub(super) const FORMAT: &str = MapFormat::X3p.name();
 const MOST_ARCHIVE_BYTES: u64 = 1 << 29;
 /// Largest index: heights of a few hundred thousand points fit as text; more stand in a binary file.
 const MOST_INDEX_BYTES: u64 = 1 << 24;
+/// An index that unpacks to more than this many times its size, and more bytes than these, is a bomb: digits of heights
+/// pack to a third, the marks about them to a twentieth.
+const MOST_INDEX_EXPANSION: u64 = 60;
+const HARMLESS_INDEX_BYTES: u64 = 1 << 20;
 
 pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut bytes = Vec::new();
@@ -32,16 +37,23 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     }
     let mut archive = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
     let index = {
+        if archive.index_for_name("main.xml").is_none() && archive.index_for_name(PLUX_INDEX).is_some() {
+            return Err(ReadError::Foreign { format: PLUX });
+        }
         let file = entry(&mut archive, "main.xml")?;
         if file.size() > MOST_INDEX_BYTES {
             return Err(refused("main.xml", format!("{} bytes", file.size()), "at most 16 MiB"));
+        }
+        if file.size() > HARMLESS_INDEX_BYTES && file.size() / MOST_INDEX_EXPANSION > file.compressed_size() {
+            let (unpacked, packed) = (file.size(), file.compressed_size());
+            return Err(ReadError::Bomb { format: FORMAT, unpacked, packed, most_expansion: MOST_INDEX_EXPANSION });
         }
         Index::read(BufReader::new(file.take(MOST_INDEX_BYTES)))?
     };
     let mut window = Window::new(Some(index.rows), index.cols, options.crop, options.decimation)?;
     match &index.heights {
         Heights::File { path, valid: None } => {
-            let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
+            let mut file = data_entry(&mut archive, path, &index)?;
             let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 window.push(values)?;
@@ -54,8 +66,8 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
         Heights::File { path, valid: Some(valid_path) } => {
             // Two entries are read side by side: two views of the same bytes.
             let mut other = ZipArchive::new(Cursor::new(bytes.as_slice())).map_err(|error| broken(&error))?;
-            let mut bits = Bits::new(data_entry(&mut other, valid_path, index.points().div_ceil(8))?);
-            let mut file = data_entry(&mut archive, path, index.points() * index.number.bytes() as u64)?;
+            let mut bits = Bits::new(sized_entry(&mut other, valid_path, index.points().div_ceil(8))?);
+            let mut file = data_entry(&mut archive, path, &index)?;
             let read_all = numbers(&mut file, FORMAT, index.number, false, index.points(), |values| {
                 keep_finite(values);
                 for value in values.iter_mut() {
@@ -108,8 +120,20 @@ fn entry<'a, 'b>(archive: &'a mut Archive<'b>, path: &str) -> Result<ZipFile<'a,
     })
 }
 
-/// A file of the archive that must unpack to `needed` bytes.
+/// The file of the archive with the heights that `index` announces.
 fn data_entry<'a, 'b>(
+    archive: &'a mut Archive<'b>,
+    path: &str,
+    index: &Index,
+) -> Result<ZipFile<'a, Cursor<&'b [u8]>>, ReadError> {
+    let bytes_each = index.number.bytes() as u64;
+    let file = sized_entry(archive, path, index.points().saturating_mul(bytes_each))?;
+    check_expansion(FORMAT, index.points(), bytes_each, file.compressed_size())?;
+    Ok(file)
+}
+
+/// A file of the archive that must unpack to `needed` bytes.
+fn sized_entry<'a, 'b>(
     archive: &'a mut Archive<'b>,
     path: &str,
     needed: u64,
@@ -119,7 +143,6 @@ fn data_entry<'a, 'b>(
         let (expected, found) = (needed, file.size());
         return Err(ReadError::Ended { format: FORMAT, what: "bytes of data", expected, found });
     }
-    check_expansion(FORMAT, needed, file.compressed_size())?;
     Ok(file)
 }
 

@@ -13,8 +13,9 @@ use crate::{HeightMap, LengthUnit, MapError, MapOption, ReadError};
 const SAME_COORDINATE: f64 = 1e-7;
 /// Largest distance of a point from its grid line, in steps: files round their coordinates.
 const OFF_GRID: f64 = 0.2;
-/// Most grid nodes for each point present. Sparser grids come from coordinates that are on no grid.
-const MOST_NODES_PER_POINT: usize = 20;
+/// Most grid nodes for each point present. Sparser grids come from coordinates that are on no grid, and a map of which more is
+/// missing (`limits::MOST_MISSING_SHARE`) would be refused.
+const MOST_NODES_PER_POINT: usize = 10;
 
 /// A point in the text's units, and the line that it stands on.
 #[derive(Clone, Copy, Debug)]

@@ -19,7 +19,7 @@ use details::FitDetails;
 use discrepancy::Report;
 
 use super::altitude_map::SurfaceMap;
-use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
+use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, check_factors, persson_curve};
 use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
 };
@@ -120,6 +120,8 @@ struct SurfaceFacts {
     /// Standard errors of f, one per point of the curve.
     factor_std: Option<Vec<f64>>,
     notes: Vec<String>,
+    /// What makes the law doubtful.
+    warnings: Vec<String>,
 }
 
 /// A calibration made: the material, as a file and validated.
@@ -263,6 +265,10 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
             let curve = curve.map_err(|error| Diagnostic::file(path, error.to_string()))?;
+            let mut warnings = surface.warnings.clone();
+            if let Ok(law) = area_law(&curve.points, calibration.threshold_pa) {
+                warnings.extend(check_factors(path, &law, &surface.warnings)?);
+            }
             let mut notes = surface.notes.clone();
             let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
@@ -287,6 +293,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
                 curve: curve.points,
                 factor_std: spread.map(|spread| spread.factor_std()),
                 notes,
+                warnings,
             })
         }
     }
@@ -325,6 +332,9 @@ fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
     let mut text = format!("{} ({})\n", calibration.name, calibration.source);
     for note in &calibrated.material.provenance.notes {
         text += &format!("- {note}\n");
+    }
+    for warning in &calibrated.material.provenance.warnings {
+        text += &format!("! {warning}\n");
     }
     let mut table = Table::new([
         "F N",

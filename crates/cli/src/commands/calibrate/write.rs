@@ -36,6 +36,7 @@ pub fn material_toml(
         slipgrid_version: Some(VERSION.to_owned()),
         synthetic_surface: Some(facts.synthetic),
         notes,
+        warnings: facts.warnings.clone(),
         youngs_modulus_gpa: number(MODULUS_GPA.from_si(calibration.elastic.youngs_modulus_pa())),
         youngs_modulus_std_gpa: calibration.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
         density_g_cm3: number(DENSITY_G_CM3.from_si(calibration.elastic.density_kg_m3())),
@@ -208,7 +209,8 @@ mod tests {
             seed: 1,
             area_law_scale_pa: None,
         };
-        let facts = SurfaceFacts { origin: Some("map"), synthetic: true, ..SurfaceFacts::default() };
+        let warnings = vec!["spikes: 2 points".to_owned()];
+        let facts = SurfaceFacts { origin: Some("map"), synthetic: true, warnings, ..SurfaceFacts::default() };
         let fit = Fit {
             pairs,
             residuals: vec![0.001, -0.002, 0.0],
@@ -221,6 +223,7 @@ mod tests {
         assert_eq!(material.area_law, input.area_law);
         assert!(material.provenance.synthetic_surface);
         assert_eq!(material.provenance.notes[0], "a \"note\"");
+        assert_eq!(material.provenance.warnings, ["spikes: 2 points"]);
         material
     }
 

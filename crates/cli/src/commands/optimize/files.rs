@@ -90,6 +90,7 @@ impl DesignScene<'_> {
             slipgrid_version: Some(VERSION.to_owned()),
             synthetic_surface: Some(provenance.synthetic_surface),
             notes: provenance.notes.clone(),
+            warnings: provenance.warnings.clone(),
             youngs_modulus_gpa: number(youngs_modulus_gpa),
             youngs_modulus_std_gpa: self
                 .uncertainty
@@ -195,7 +196,12 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             friction: Friction::Single(friction(0.25)),
             area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]).unwrap()),
-            provenance: Provenance { name: "a \"b\"".into(), synthetic_surface: true, ..Provenance::default() },
+            provenance: Provenance {
+                name: "a \"b\"".into(),
+                synthetic_surface: true,
+                warnings: vec!["slope: 2".into()],
+                ..Provenance::default()
+            },
         };
         let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
         let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6 };

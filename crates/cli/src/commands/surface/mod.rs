@@ -6,7 +6,7 @@ mod report;
 use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, Sides, SpectrumWindow};
 
 use self::report::SurfaceReport;
-use super::altitude_map::{SurfaceMap, open};
+use super::altitude_map::{SurfaceMap, despiked, open};
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::diagnostic::Diagnostic;
@@ -25,7 +25,14 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let read = open(&args.map, &options.read)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
-    let cavities = args.cavities.then(|| read.map.measure_cavities(options.form)).transpose().map_err(refuse)?;
+    let cavities = args.cavities.then(|| {
+        let mut measured = read.map.clone();
+        if options.despike {
+            despiked(&mut measured);
+        }
+        measured.measure_cavities(options.form)
+    });
+    let cavities = cavities.transpose().map_err(refuse)?;
     let surface = SurfaceMap::new(&args.map, read, &options)?;
     let map = &surface.map;
     let column = match section_m {

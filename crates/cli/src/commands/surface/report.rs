@@ -26,6 +26,9 @@ pub struct SurfaceReport {
     pixel_um: [f64; 2],
     missing_points: usize,
     model: Vec<String>,
+    /// What makes the numbers doubtful; each begins with its name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
     parameters: ParameterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     cavities: Option<CavityReport>,
@@ -126,6 +129,7 @@ impl SurfaceReport {
             pixel_um: [um(map.dx_m()), um(map.dy_m())],
             missing_points: surface.filled.iter().filter(|missing| **missing).count(),
             model,
+            warnings: surface.warnings.clone(),
             parameters: ParameterReport {
                 sa_um: um(heights.sa_m),
                 sq_um: um(heights.sq_m),
@@ -181,6 +185,9 @@ impl SurfaceReport {
         );
         for statement in &self.model {
             text += &format!("- {statement}\n");
+        }
+        for warning in &self.warnings {
+            text += &format!("! {warning}\n");
         }
         let p = &self.parameters;
         let mut table = Table::new(["parameter", "value", ""]);

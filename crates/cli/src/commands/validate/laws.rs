@@ -92,6 +92,7 @@ pub fn scaled_laws(
                 if *synthetic || surface.synthetic { ", synthetic" } else { "" },
             )];
             notes.extend(surface.notes.iter().cloned());
+            notes.extend(surface.warnings.iter().map(|warning| format!("warning: {warning}")));
             let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));

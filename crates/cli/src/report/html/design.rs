@@ -53,6 +53,9 @@ fn verdict(page: &mut Page, result: &Value) {
             "The area law behind these numbers rests on a synthetic surface, not on a measured one.",
         );
     }
+    for doubtful in texts(&result["material"], "warnings") {
+        page.paragraph("warning", &format!("The material is doubtful: {doubtful}."));
+    }
     for broken in texts(result, "violations") {
         page.paragraph("warning", &broken);
     }

@@ -1,0 +1,351 @@
+//! Spikes: single points, or clusters of a few, that an instrument got wrong.
+//!
+//! A point is suspect if it differs from the median of the 5 x 5 points about it by more than T, eight standard
+//! deviations of such differences over the whole map (1.4826 times their median absolute value: what is wrong at a few
+//! points does not move it). Suspects that touch are one cluster. A cluster is a spike if it has twelve points at
+//! most and stands beyond *every* point around it by more than T: corners of cavities, scratches and steep walls
+//! do not. This is the detail-preserving form of the median filter: heights elsewhere stay as they are.
+
+use std::fmt;
+
+use crate::HeightMap;
+use crate::plausibility::limits::{LEAST_SPIKE_NEIGHBOURS, MOST_SPIKE_POINTS, SPIKE_DEVIATIONS, SPIKE_REACH};
+use crate::plausibility::{ROBUST_DEVIATION, median};
+
+/// Fewest differences that have a scale.
+const LEAST_SAMPLED: usize = 64;
+/// Differences below this share of the range of heights are rounding.
+const ROUNDING: f64 = 1e-9;
+/// Share of differences that must not vanish for a median of their own, where most do.
+const LEAST_UNEQUAL_SHARE: f64 = 0.01;
+/// Times that a map is gone through: a spike may hide behind a larger one.
+const MOST_PASSES: usize = 4;
+/// Spikes that are described one by one.
+const DESCRIBED: usize = 3;
+
+/// A spike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spike {
+    /// Row of its point farthest from the median about it.
+    pub row: usize,
+    /// Column of that point.
+    pub col: usize,
+    /// Points that it has.
+    pub points: usize,
+    /// How far that point lies above the median about it, negative below, in metres.
+    pub height_m: f64,
+}
+
+/// The spikes of a map.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spikes {
+    /// Each of them, the farthest from the surface first.
+    pub list: Vec<Spike>,
+}
+
+impl Spikes {
+    /// Points that belong to spikes.
+    #[must_use]
+    pub fn points(&self) -> usize {
+        self.list.iter().map(|spike| spike.points).sum()
+    }
+}
+
+impl fmt::Display for Spikes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let extent = |place: fn(&Spike) -> usize| {
+            let places = || self.list.iter().map(place);
+            format!("{} to {}", places().min().unwrap_or(0), places().max().unwrap_or(0))
+        };
+        write!(
+            f,
+            "{} points in {} places stand alone, beyond all around them (rows {}, columns {}; worst at row, column: ",
+            self.points(),
+            self.list.len(),
+            extent(|spike| spike.row),
+            extent(|spike| spike.col)
+        )?;
+        for (n, spike) in self.list.iter().take(DESCRIBED).enumerate() {
+            let comma = if n > 0 { "; " } else { "" };
+            write!(f, "{comma}{}, {} by {:+.3e} um", spike.row, spike.col, spike.height_m * 1e6)?;
+        }
+        f.write_str(")")
+    }
+}
+
+impl HeightMap {
+    /// Replaces spikes by the median of the points about them that are present and in none, and says where
+    /// they were; the other heights stay as they are. Missing points stay missing.
+    pub fn despike(&mut self) -> Spikes {
+        let mut found = Spikes::default();
+        for _ in 0..MOST_PASSES {
+            let Some(threshold_m) = self.spike_threshold_m() else { break };
+            let clusters = self.spike_clusters(threshold_m);
+            if clusters.is_empty() {
+                break;
+            }
+            for cluster in &clusters {
+                found.list.push(cluster.spike);
+                for &node in &cluster.nodes {
+                    self.heights_mut()[node] = f64::NAN;
+                }
+            }
+            for cluster in &clusters {
+                let medians: Vec<f64> = cluster.nodes.iter().map(|&node| self.median_about(node)).collect();
+                for (&node, median_m) in cluster.nodes.iter().zip(medians) {
+                    self.heights_mut()[node] = median_m;
+                }
+            }
+        }
+        found.list.sort_by(|a, b| b.height_m.abs().total_cmp(&a.height_m.abs()));
+        found
+    }
+
+    /// Whether there are spikes.
+    pub(crate) fn has_spikes(&self) -> bool {
+        self.spike_threshold_m().is_some_and(|threshold_m| !self.spike_clusters(threshold_m).is_empty())
+    }
+
+    /// Calls `visit` for the nodes of the square about `node` with `reach` to its sides, without `node` itself.
+    fn about(&self, node: usize, reach: usize, mut visit: impl FnMut(usize)) {
+        let (i, j) = (node / self.cols(), node % self.cols());
+        let last = [(i + reach).min(self.rows() - 1), (j + reach).min(self.cols() - 1)];
+        for row in i.saturating_sub(reach)..=last[0] {
+            for col in j.saturating_sub(reach)..=last[1] {
+                let other = row * self.cols() + col;
+                if other != node {
+                    visit(other);
+                }
+            }
+        }
+    }
+
+    /// Median of the points present about `node`, NaN if there are none.
+    fn median_about(&self, node: usize) -> f64 {
+        let mut around = Vec::with_capacity((2 * SPIKE_REACH + 1).pow(2));
+        self.about(node, SPIKE_REACH, |other| {
+            let height = self.heights_m()[other];
+            if !height.is_nan() {
+                around.push(height);
+            }
+        });
+        median(&mut around).unwrap_or(f64::NAN)
+    }
+
+    /// T: how far from the median about it a point must lie; `None` of a map too small to tell.
+    fn spike_threshold_m(&self) -> Option<f64> {
+        let heights = self.heights_m();
+        let mut differences: Vec<f64> = self
+            .sampled()
+            .map(|node| (heights[node] - self.median_about(node)).abs())
+            .filter(|difference| !difference.is_nan())
+            .collect();
+        let (least, most) = heights
+            .iter()
+            .filter(|height| !height.is_nan())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), &height| (least.min(height), most.max(height)));
+        let rounding_m = ROUNDING * (most - least);
+        if differences.len() < LEAST_SAMPLED {
+            return None;
+        }
+        let middle_m = median(&mut differences)?;
+        // Heights in coarse steps agree with the median more often than not: then those that do not say how they differ.
+        let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
+        let deviation_m = if middle_m > rounding_m {
+            middle_m
+        } else if unequal.len() as f64 > LEAST_UNEQUAL_SHARE * differences.len() as f64 {
+            median(&mut unequal)?
+        } else {
+            rounding_m
+        };
+        Some(SPIKE_DEVIATIONS * ROBUST_DEVIATION * deviation_m).filter(|threshold_m| *threshold_m > 0.0)
+    }
+
+    /// Whether the median about `node` lies more than `threshold_m` below its height (or above): whether more than half of the
+    /// points do.
+    fn is_suspect(&self, node: usize, threshold_m: f64) -> bool {
+        let heights = self.heights_m();
+        let (low, high) = (heights[node] - threshold_m, heights[node] + threshold_m);
+        let (i, j, cols) = (node / self.cols(), node % self.cols(), self.cols());
+        let columns = j.saturating_sub(SPIKE_REACH)..(j + SPIKE_REACH + 1).min(cols);
+        let (mut below, mut above, mut present) = (0_usize, 0_usize, 0_usize);
+        for row in i.saturating_sub(SPIKE_REACH)..(i + SPIKE_REACH + 1).min(self.rows()) {
+            for &height in &heights[row * cols..][columns.clone()] {
+                below += usize::from(height < low);
+                above += usize::from(height > high);
+                present += usize::from(!height.is_nan());
+            }
+        }
+        // The point itself is present.
+        present > LEAST_SPIKE_NEIGHBOURS && 2 * below.max(above) > present - 1
+    }
+
+    /// The spikes of the map as it is.
+    fn spike_clusters(&self, threshold_m: f64) -> Vec<Cluster> {
+        let heights = self.heights_m();
+        let suspects: Vec<usize> =
+            (0..heights.len()).filter(|&node| !heights[node].is_nan() && self.is_suspect(node, threshold_m)).collect();
+        let mut taken = vec![false; suspects.len()];
+        let mut clusters = Vec::new();
+        for first in 0..suspects.len() {
+            if taken[first] {
+                continue;
+            }
+            taken[first] = true;
+            let mut nodes = vec![suspects[first]];
+            let mut next = 0;
+            while next < nodes.len() {
+                self.about(nodes[next], 1, |other| {
+                    if let Ok(place) = suspects.binary_search(&other)
+                        && !taken[place]
+                    {
+                        taken[place] = true;
+                        nodes.push(other);
+                    }
+                });
+                next += 1;
+            }
+            clusters.extend(self.spike(nodes, threshold_m));
+        }
+        clusters
+    }
+
+    /// The cluster `nodes` if it is a spike.
+    fn spike(&self, nodes: Vec<usize>, threshold_m: f64) -> Option<Cluster> {
+        if nodes.len() > MOST_SPIKE_POINTS {
+            return None;
+        }
+        let heights = self.heights_m();
+        let deviation = |node: usize| heights[node] - self.median_about(node);
+        let farthest = nodes.iter().copied().max_by(|&a, &b| deviation(a).abs().total_cmp(&deviation(b).abs()))?;
+        let height_m = deviation(farthest);
+        let upright = |node: usize| height_m.signum() * heights[node];
+        let (mut rim, mut around) = (f64::NEG_INFINITY, 0);
+        for &node in &nodes {
+            self.about(node, 1, |other| {
+                if !nodes.contains(&other) && !heights[other].is_nan() {
+                    rim = rim.max(upright(other));
+                    around += 1;
+                }
+            });
+        }
+        let stands_alone = around > 2 && upright(farthest) - rim > threshold_m;
+        let (row, col) = (farthest / self.cols(), farthest % self.cols());
+        stands_alone.then(|| Cluster { spike: Spike { row, col, points: nodes.len(), height_m }, nodes })
+    }
+}
+
+/// A spike with its points.
+struct Cluster {
+    spike: Spike,
+    nodes: Vec<usize>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SelfAffine;
+
+    const SIDE: usize = 200;
+
+    fn rough(seed: u32) -> HeightMap {
+        let size = SelfAffine { pixels: SIDE, side_m: 400e-6, min_wave: 2, max_wave: 60, ..SelfAffine::STAND_IN };
+        SelfAffine { seed, ..size }.map().unwrap()
+    }
+
+    fn with(map: &HeightMap, places: &[(usize, f64)]) -> HeightMap {
+        let mut heights = map.heights_m().to_vec();
+        for &(node, height_m) in places {
+            heights[node] += height_m;
+        }
+        HeightMap::new(map.rows(), map.cols(), map.dx_m(), map.dy_m(), heights).unwrap()
+    }
+
+    #[test]
+    fn spikes_are_found_where_they_are_and_nothing_else_changes() {
+        let map = rough(1);
+        let high = 10.0 * map.sq_m();
+        // One point, a pair, a square of four, one in a corner, one at a side, one downward.
+        let bad = [5 * SIDE + 7, 60 * SIDE + 60, 60 * SIDE + 61, 100 * SIDE + 30, 100 * SIDE + 31, 101 * SIDE + 30]
+            .into_iter()
+            .chain([101 * SIDE + 31, 0, 90 * SIDE])
+            .map(|node| (node, high))
+            .chain([(150 * SIDE + 150, -2.0 * high)])
+            .collect::<Vec<_>>();
+        let mut spiked = with(&map, &bad);
+        let spikes = spiked.despike();
+        assert_eq!((spikes.list.len(), spikes.points()), (6, 10), "{spikes}");
+        let worst = spikes.list[0];
+        assert!((worst.row, worst.col, worst.points) == (150, 150, 1) && worst.height_m < -1.9 * high, "{worst:?}");
+        assert!(spikes.to_string().starts_with("10 points in 6 places"), "{spikes}");
+        assert!(spikes.to_string().contains("rows 0 to 150, columns 0 to 150; worst at row, column: 150, 150 by -"));
+        for (n, (found, clean)) in spiked.heights_m().iter().zip(map.heights_m()).enumerate() {
+            if bad.iter().any(|(node, _)| *node == n) {
+                // The median of the points about it: within the roughness of 5 x 5 points.
+                assert!((found - clean).abs() < 0.5 * map.sq_m(), "{n}: {found} {clean}");
+            } else {
+                assert_eq!(found, clean);
+            }
+        }
+        // The slope is the clean one again, which the spikes had raised fourfold.
+        let slope = |map: &HeightMap| map.rms_slope_spectral().unwrap();
+        assert!(slope(&with(&map, &bad)) > 2.0 * slope(&map));
+        assert!((slope(&spiked) / slope(&map) - 1.0).abs() < 2e-3);
+        assert_eq!(spiked.clone().despike(), Spikes::default());
+    }
+
+    #[test]
+    fn surfaces_without_spikes_stay_as_they_are() {
+        for seed in 0..10 {
+            for hurst in [0.05, 0.4, 1.0] {
+                let size = SelfAffine { pixels: 128, min_wave: 1, max_wave: 63, ..SelfAffine::STAND_IN };
+                let map = SelfAffine { seed, hurst, ..size }.map().unwrap();
+                let mut same = map.clone();
+                assert_eq!(same.despike(), Spikes::default(), "{hurst} {seed}");
+                assert_eq!(same, map);
+            }
+        }
+        let place = |n: usize| ((n / SIDE) as f64, (n % SIDE) as f64);
+        let shaped = |shape: &dyn Fn(f64, f64) -> f64| {
+            let heights = (0..SIDE * SIDE).map(|n| 1e-6 * shape(place(n).0, place(n).1)).collect();
+            HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, heights).unwrap().despike()
+        };
+        // A plane, a sphere on a plane, a sinusoid, the same in steps of a tenth, sharp squares, discs and a scratch one
+        // point wide.
+        let sphere = |x: f64, y: f64| 40.0 - ((x - 99.5).powi(2) + (y - 99.5).powi(2)) / 50.0;
+        let wave = |x: f64, y: f64| (0.1 * x).sin() * (0.13 * y).cos();
+        let shapes: [&dyn Fn(f64, f64) -> f64; 7] = [
+            &|x, y| 0.3 * x - 0.2 * y,
+            &|x, y| sphere(x, y).max(0.0),
+            &wave,
+            &|x, y| (10.0 * wave(x, y)).round() / 10.0,
+            &|x, y| if x % 50.0 < 20.0 && y % 50.0 < 20.0 { -20.0 } else { 0.01 * wave(x, y) },
+            &|x, y| if (x % 50.0 - 25.0).hypot(y % 50.0 - 25.0) < 12.0 { -20.0 } else { 0.01 * wave(x, y) },
+            &|x, y| if x == (y / 3.0).floor() { -5.0 } else { 0.01 * wave(x, y) },
+        ];
+        for (n, shape) in shapes.iter().enumerate() {
+            assert_eq!(shaped(shape), Spikes::default(), "shape {n}");
+        }
+    }
+
+    #[test]
+    fn coarse_steps_flat_maps_and_holes_do_not_hide_a_spike() {
+        let steps = rough(2);
+        let quantum = 0.3 * steps.sq_m();
+        let rounded = steps.heights_m().iter().map(|height| (height / quantum).round() * quantum).collect();
+        let rounded = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, rounded).unwrap();
+        assert_eq!(rounded.clone().despike().points(), 0);
+        assert_eq!(with(&rounded, &[(777, 60.0 * quantum)]).despike().points(), 1);
+        let flat = HeightMap::new(SIDE, SIDE, 1e-6, 1e-6, vec![3e-6; SIDE * SIDE]).unwrap();
+        assert_eq!(flat.clone().despike().points(), 0);
+        let mut spiked = with(&flat, &[(777, 1e-6), (9000, -1e-3)]);
+        assert_eq!(spiked.despike().points(), 2);
+        assert_eq!(spiked, flat);
+        let holed = |n: usize, h: f64| if n.is_multiple_of(3) { f64::NAN } else { h };
+        let holed = rough(1).heights_m().iter().enumerate().map(|(n, h)| holed(n, *h)).collect();
+        let holed = HeightMap::new(SIDE, SIDE, 2e-6, 2e-6, holed).unwrap();
+        assert_eq!(holed.clone().despike().points(), 0);
+        let mut spiked = with(&holed, &[(5 * SIDE + 100, 1e-3)]);
+        assert_eq!((spiked.despike().points(), spiked.missing()), (1, holed.missing()));
+    }
+}
