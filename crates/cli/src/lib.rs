@@ -30,6 +30,7 @@ mod error;
 pub mod formats;
 pub mod input;
 pub mod output;
+pub mod plausible;
 pub mod progress;
 pub mod report;
 pub mod units;

@@ -40,13 +40,20 @@ struct AblationFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
-    shape: Spanned<String>,
-    diameter_mm: Option<Number>,
-    length_mm: Option<Number>,
-    width_mm: Option<Number>,
-    outer_diameter_mm: Option<Number>,
-    inner_diameter_mm: Option<Number>,
-    cavities: Option<Spanned<String>>,
+    /// `disc`, `rectangle` or `ring`.
+    pub shape: Spanned<String>,
+    /// Of a disc.
+    pub diameter_mm: Option<Number>,
+    /// Of a rectangle, along the sliding direction.
+    pub length_mm: Option<Number>,
+    /// Of a rectangle, across it.
+    pub width_mm: Option<Number>,
+    /// Of a ring.
+    pub outer_diameter_mm: Option<Number>,
+    /// Of its hole.
+    pub inner_diameter_mm: Option<Number>,
+    /// What becomes of cavities at the rim: `whole` or `clipped`.
+    pub cavities: Option<Spanned<String>>,
 }
 
 /// Reads the laser; `limits` are depth per burst and smallest land, as the limits give them.

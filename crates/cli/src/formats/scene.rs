@@ -12,6 +12,7 @@ use super::file_kind::FileKind;
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::{MaterialUncertainty, read_referenced};
 use super::pattern::{PatternFile, read_pattern, require_section};
+use super::unusual;
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
@@ -140,6 +141,8 @@ pub struct SceneInput {
     pub condition: Option<Condition>,
     /// Per load: coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
+    /// What is unusual in the file and its material.
+    pub told: Vec<Diagnostic>,
     document: Document,
     places: Places,
 }
@@ -209,7 +212,8 @@ impl SceneInput {
         {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
-        let input = Self { scene, material, uncertainty, condition, friction_extrapolated, document, places };
+        let told = unusual::of_scene(&document, file);
+        let input = Self { scene, material, uncertainty, condition, friction_extrapolated, told, document, places };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }
