@@ -96,7 +96,12 @@ fn the_calibration_template_explains_every_key() {
     let place = Place::with(&[]);
     place.succeed(&["new", "calibration"]);
     let template = fs::read_to_string(place.path("calibration/calibration.toml")).unwrap();
-    let text = format!("{}\n{}", common::CALIBRATION, "[traces]\n[[traces.condition]]\nforce_n = 1\n[pattern]\n");
+    let text = format!(
+        "{}\n{}",
+        common::CALIBRATION,
+        "[traces]\n[[traces.condition]]\nforce_n = 1\nspeed_mm_s = 1\nhumidity_pct = 1\nfiles = []\n\
+         [pattern]\nwidth_um = 1\nspacing_um = 1\ndepth_um = 1\n"
+    );
     for table in ["", "material", "surface", "specimen", "measurements", "traces", "traces.condition", "pattern", "fit"]
     {
         let header =

@@ -54,7 +54,7 @@ pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
         if let Some(law) = &problem.area_law {
             let factor = law.factor(measured.pressure_pa);
             let mean = measured.mu_dynamic / factor;
-            if !(mean <= most) {
+            if !mean.is_finite() || mean > most {
                 return Err(CalibrationError::BeyondLaw { number, factor, mean, most });
             }
         }

@@ -75,16 +75,17 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         let pressure_pa = measured.force_n / specimens.area_m2;
         let pressure_mpa = PRESSURE_MPA.from_si(pressure_pa);
         let deviation = measured.mu_dynamic_std / measured.mu_dynamic;
-        let by_pressure = |value: f64| {
+        let by_area = |value: f64, of: &str| {
             let mut at = row.at("force_n", measured.force_n);
-            at.value = Some(format!("{} on the specimen's area are {value:.3e}", measured.force_n).into());
+            let digits = if (0.01..1e4).contains(&value) { format!("{value:.3}") } else { format!("{value:.2e}") };
+            at.value = Some(format!("{} ({digits} {of}, on the specimen's area)", measured.force_n).into());
             at
         };
         told.extend(FORCE.check(measured.force_n, || row.at("force_n", measured.force_n))?);
         told.extend(SPEED.check(speed_mm_s, || row.at("speed_mm_s", speed_mm_s))?);
-        told.extend(PRESSURE.check(pressure_mpa, || by_pressure(pressure_mpa))?);
+        told.extend(PRESSURE.check(pressure_mpa, || by_area(pressure_mpa, "MPa"))?);
         let strain = pressure_pa / specimens.modulus_pa;
-        told.extend(STRAIN.check(strain, || by_pressure(strain))?);
+        told.extend(STRAIN.check(strain, || by_area(strain, "of Young's modulus"))?);
         told.extend(FRICTION.check(measured.mu_dynamic, || row.at("mu_dynamic", measured.mu_dynamic))?);
         told.extend(RELATIVE_DEVIATION.check(deviation, || row.at("mu_dynamic_std", measured.mu_dynamic_std))?);
         if let (Some(peak), Some(std)) = (measured.mu_static, measured.mu_static_std) {

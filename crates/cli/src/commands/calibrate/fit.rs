@@ -51,7 +51,7 @@ pub fn problem(input: &CalibrationInput) -> Result<Problem, CliError> {
 /// Time steps of a lattice of 20,000 blocks in a second on one core, about.
 const STEPS_PER_S: f64 = 2000.0;
 /// A fit that is estimated to take longer says so before it begins, in minutes.
-const LONG_MIN: f64 = 2.0;
+const LONG_MIN: f64 = 0.5;
 
 /// Says how long the fit will take, where that is long.
 pub fn estimate(problem: &Problem) -> Option<String> {
@@ -59,9 +59,11 @@ pub fn estimate(problem: &Problem) -> Option<String> {
     let blocks = problem.layer.columns() as f64 * problem.layer.rows() as f64;
     // Two rounds, each of two runs where peaks are fitted.
     let runs = if problem.measurements.iter().any(|measured| measured.static_peak.is_some()) { 4.0 } else { 2.0 };
-    let minutes = runs * steps as f64 * (blocks / 2e4) / (STEPS_PER_S * rayon::current_num_threads() as f64) / 60.0;
+    // Each run has one thread.
+    let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
+    let minutes = runs * steps as f64 * (blocks / 2e4) / (STEPS_PER_S * threads) / 60.0;
     (minutes > LONG_MIN).then(|| {
-        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.0} minutes in all; slow sliding takes the most")
+        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all; slow sliding and heavy loads take the most")
     })
 }
 
