@@ -22,8 +22,6 @@ const MOST_ROUNDS: usize = 6;
 const SETTLED: f64 = 5e-4;
 /// Slope of the static peak against mu_s below which it does not follow it: the noise of the two runs behind it.
 const LEAST_SLOPE: f64 = 0.05;
-/// Dynamic over steady friction beyond which the two have little to do with one another.
-const DELTAS: [f64; 2] = [0.5, 1.5];
 /// Relative step of mu_s that finds how the static peak follows it: large against the noise of a
 /// peak (1e-3), small against the range in which the peak is nearly linear.
 const STATIC_STEP: f64 = 0.05;
@@ -232,9 +230,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, Calibrat
     let portion = Portion { whole: monitor, share: 0.5 };
     for round in 0..MOST_ROUNDS {
         let found = correct(problem, &layout, &parameters, &portion)?;
-        if let Some(i) = found.delta.iter().position(|delta| !(DELTAS[0]..=DELTAS[1]).contains(delta)) {
-            return Err(CalibrationError::NotQuasiStatic { number: i + 1, delta: found.delta[i] });
-        }
+        before::check_deltas(&found.delta)?;
         let is_flat = |i: &usize| found.peaks[*i].is_some_and(|line| line.slope < LEAST_SLOPE);
         let flat: Vec<usize> = (0..found.peaks.len()).filter(is_flat).collect();
         if !flat.is_empty() {

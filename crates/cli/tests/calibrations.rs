@@ -170,6 +170,7 @@ fn mistaken_units_and_sizes_are_refused_at_once() {
         ("density_g_cm3 = 0.9", "density_g_cm3 = 1e-6", "c.toml:6: material.density_g_cm3: 1e-6 cannot be"),
         ("radius_mm = 5.0", "radius_mm = 0.00005", "c.toml:10: specimen.radius_mm: 0.00005 cannot be"),
         ("[fit]", pattern, "c.toml:13: pattern: repeats every 2000 mm, more than the specimen's 10 mm"),
+        ("std_gpa = 0.08", "std_gpa = 80", "c.toml:5: material.youngs_modulus_std_gpa: 80 leaves Young's modulus"),
         ("[specimen]", "[[specimen]]", "c.toml:9: specimen: stands in double brackets"),
         ("flat = \"flat.csv\"", "", "c.toml:11: measurements.flat: is missing"),
     ] {

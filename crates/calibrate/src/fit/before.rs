@@ -14,6 +14,18 @@ const LEAST_EXCESS: f64 = 1e-3;
 /// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
 const MOST_WORK: u64 = 10 * MOST_STEPS;
 
+/// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
+/// the inertia of the layer exceeds friction, it is 0.46.
+const DELTAS: [f64; 2] = [0.5, 1.5];
+
+/// Refuses dynamic runs that say nothing of steady friction.
+pub fn check_deltas(deltas: &[f64]) -> Result<(), CalibrationError> {
+    match (1..).zip(deltas).find(|(_, delta)| !(DELTAS[0]..=DELTAS[1]).contains(*delta)) {
+        Some((number, &delta)) => Err(CalibrationError::NotQuasiStatic { number, delta }),
+        None => Ok(()),
+    }
+}
+
 /// `problem` without the static peaks that do not exceed dynamic friction, and why.
 pub fn without_hidden_peaks(problem: &Problem) -> (Problem, Vec<String>) {
     let mut problem = problem.clone();

@@ -290,7 +290,10 @@ fn friction_at_which_the_model_does_not_slide_steadily_is_refused_by_name() {
     problem.area_law = None;
     problem.measurements.iter_mut().for_each(|measured| measured.mu_dynamic = 4.0);
     let refused = calibrate(&problem, &Unwatched).unwrap_err();
-    assert!(matches!(refused, CalibrationError::NotQuasiStatic { number: 1, .. }), "{refused}");
+    assert!(matches!(refused, CalibrationError::NoSliding { number: 1, .. }), "{refused}");
+    let refused = before::check_deltas(&[1.01, 0.46]).unwrap_err();
+    assert!(matches!(refused, CalibrationError::NotQuasiStatic { number: 2, .. }), "{refused}");
+    assert!(before::check_deltas(&[0.98, 1.015]).is_ok() && before::check_deltas(&[f64::NAN]).is_err());
 }
 
 #[test]

@@ -325,6 +325,11 @@ fn outline_told(
 
 /// What is unusual of the bulk.
 fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
+    if let Some(std) = bulk.youngs_modulus_std_gpa.as_ref().filter(|std| *std.get_ref() >= modulus_gpa) {
+        let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
+        return Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"));
+    }
     let judged = [(MODULUS, &bulk.youngs_modulus_gpa), (DENSITY, &bulk.density_g_cm3)];
     let told = judged.into_iter().filter_map(|(quantity, number)| {
         quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()

@@ -49,7 +49,7 @@ pub fn problem(input: &CalibrationInput) -> Result<Problem, CliError> {
 }
 
 /// Time steps of a lattice of 20,000 blocks in a second on one core, about.
-const STEPS_PER_S: f64 = 2000.0;
+const STEPS_PER_S: f64 = 1e4;
 /// A fit that is estimated to take longer says so before it begins, in minutes.
 const LONG_MIN: f64 = 0.5;
 
