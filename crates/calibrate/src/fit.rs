@@ -1,7 +1,10 @@
 //! The fit itself.
 
+mod before;
 mod notes;
 mod profile;
+
+pub use before::planned_steps;
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_springblock::{Monitor, Unwatched};
@@ -17,6 +20,8 @@ const MOST_ROUNDS: usize = 6;
 /// Change of the coefficients between rounds below which they are settled, relative; three standard
 /// errors of the dynamic runs where those are larger.
 const SETTLED: f64 = 5e-4;
+/// Slope of the static peak against mu_s below which it does not follow it: the noise of the two runs behind it.
+const LEAST_SLOPE: f64 = 0.05;
 /// Relative step of mu_s that finds how the static peak follows it: large against the noise of a
 /// peak (1e-3), small against the range in which the peak is nearly linear.
 const STATIC_STEP: f64 = 0.05;
@@ -26,7 +31,7 @@ const STATIC_STEP: f64 = 0.05;
 pub struct FittedPair {
     /// Mean local static coefficient.
     pub static_mean: f64,
-    /// Its standard error; `None` where it was assumed, not fitted.
+    /// Its standard error; `None` where it was assumed, not fitted, and where the data do not determine it.
     pub static_std_error: Option<f64>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: f64,
@@ -101,6 +106,9 @@ struct Layout {
 
 /// Bounds of mean local coefficients: beyond them no dry contact is meant.
 const FRICTION_BOUNDS: [f64; 2] = [1e-3, 5.0];
+/// Bounds of mu_s over the first guess of mu_d. Below, sliding would take more than rest; above, a larger mu_s gives
+/// the model's sample no larger peak, because the ends slip long before its middle does.
+const STATIC_OVER_DYNAMIC: [f64; 2] = [0.9, 3.5];
 /// Scales of the area law from which a fit starts: chi-square may have more than one valley.
 const STARTS: usize = 7;
 
@@ -130,6 +138,12 @@ impl Layout {
 
     fn bounds(&self, problem: &Problem) -> Vec<[f64; 2]> {
         let mut bounds = vec![FRICTION_BOUNDS; self.count];
+        let first = first_guess(problem, self);
+        for (dynamic, fixed) in self.dynamic.iter().zip(&self.fixed_static) {
+            if let Some(number) = fixed {
+                bounds[*number] = STATIC_OVER_DYNAMIC.map(|ratio| ratio * first[*dynamic]);
+            }
+        }
         if let (Some(number), Some(unknown)) = (self.log_scale, &problem.area_law_scale) {
             bounds[number] = unknown.bounds_pa.map(f64::ln);
         }
@@ -172,13 +186,40 @@ struct PeakLine {
     current: f64,
 }
 
-/// Fits local coefficients to `problem`.
+/// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the notes.
 ///
 /// # Errors
 /// [`CalibrationError`] if a number has no meaning, the flat sample does not slide in the model, or the
-/// monitor asks to stop.
+/// monitor asks to stop. What can be known before the first run is.
 pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, CalibrationError> {
     problem.validate()?;
+    let (mut problem, mut left_out) = before::without_hidden_peaks(problem);
+    before::check(&problem)?;
+    loop {
+        match attempt(&problem, monitor)? {
+            Attempt::Fitted(mut fit) => {
+                fit.notes.extend(left_out);
+                return Ok(*fit);
+            }
+            Attempt::Flat(numbers) => {
+                for number in numbers {
+                    left_out.push(before::left_out(&problem, number, "hardly depends on mu_s in the model"));
+                    problem.measurements[number].static_peak = None;
+                }
+            }
+        }
+    }
+}
+
+/// How a fit ended.
+enum Attempt {
+    /// With coefficients.
+    Fitted(Box<Fit>),
+    /// The static peaks of these measurements do not follow mu_s.
+    Flat(Vec<usize>),
+}
+
+fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, CalibrationError> {
     let layout = Layout::new(problem);
     let mut parameters = first_guess(problem, &layout);
     let mut emulator = None;
@@ -189,6 +230,12 @@ pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, Calibr
     let portion = Portion { whole: monitor, share: 0.5 };
     for round in 0..MOST_ROUNDS {
         let found = correct(problem, &layout, &parameters, &portion)?;
+        before::check_deltas(&found.delta)?;
+        let is_flat = |i: &usize| found.peaks[*i].is_some_and(|line| line.slope < LEAST_SLOPE);
+        let flat: Vec<usize> = (0..found.peaks.len()).filter(is_flat).collect();
+        if !flat.is_empty() {
+            return Ok(Attempt::Flat(flat));
+        }
         let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
         let about = Emulator::new(problem, &means)?;
         let fitted =
@@ -215,7 +262,7 @@ pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, Calibr
         return Err(CalibrationError::NoMeasurement);
     };
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
-    report(&model, &solution, settled)
+    Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
 }
 
 /// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.
@@ -361,7 +408,9 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
             let of_runs = pair.dynamic_mean() * corrections.relative_stderr[i];
             Ok(FittedPair {
                 static_mean: pair.static_mean(),
-                static_std_error: layout.fixed_static[i].map(|number| solution.standard_error(number)),
+                static_std_error: layout.fixed_static[i]
+                    .map(|number| solution.standard_error(number))
+                    .filter(|error| error.is_finite()),
                 dynamic_mean: pair.dynamic_mean(),
                 dynamic_std_error: solution.standard_error(layout.dynamic[i]).hypot(of_runs),
             })

@@ -1,7 +1,9 @@
 //! The flat sample in the spring-block model, for many loads at once.
 
 use slipgrid_material::LocalFriction;
-use slipgrid_springblock::{Extent, Fidelity, Load, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate};
+use slipgrid_springblock::{
+    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate,
+};
 
 use crate::{CalibrationError, Measurement, Problem};
 
@@ -15,14 +17,51 @@ const COLD_TRAVEL_M: f64 = 2e-6;
 /// ten. At high speeds the travels above are over sooner.
 const LEAST_PERIODS: f64 = 40.0;
 
-/// `usual_m`, or what `speed_m_s` covers in [`LEAST_PERIODS`], in metres.
-fn travel_m(problem: &Problem, speed_m_s: f64, usual_m: f64) -> f64 {
+/// Travel over what takes the layer to the onset of sliding above which it is long enough: the average begins at three
+/// fifths of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
+const ENOUGH: f64 = 1.9;
+/// Travel of a run that would be too short, from rest, over what shears the layer to the onset of sliding: the average takes the last two fifths.
+const COLD_ONSETS: f64 = 2.5;
+/// The same from steady sliding, over what takes the layer from the dynamic to the static friction.
+const WARM_ONSETS: f64 = 4.0;
+
+/// Travel of a dynamic run of `measured` with the coefficients `pair`, in metres: the usual one, or what
+/// [`LEAST_PERIODS`] or the onset of sliding take at high speeds and loads.
+fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> f64 {
     let elastic = &problem.elastic;
-    // c_s = sqrt(G / rho), G = 3 E / 8
-    let shear_wave_m_s = (0.375 * elastic.youngs_modulus_pa() / elastic.density_kg_m3()).sqrt();
+    // G = 3 E / 8, c_s = sqrt(G / rho)
+    let shear_modulus_pa = 0.375 * elastic.youngs_modulus_pa();
+    let shear_wave_m_s = (shear_modulus_pa / elastic.density_kg_m3()).sqrt();
     // T = 4 h / c_s
     let period_s = 4.0 * problem.layer.height_m / shear_wave_m_s;
-    usual_m.max(LEAST_PERIODS * period_s * speed_m_s)
+    let (usual_m, onsets, mu) = if measured.static_peak.is_some() {
+        (COLD_TRAVEL_M, COLD_ONSETS, pair.static_mean())
+    } else {
+        (WARM_TRAVEL_M, WARM_ONSETS, (pair.static_mean() - pair.dynamic_mean()).max(0.0))
+    };
+    let factor = problem.area_law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+    // u = mu f P h / G
+    let onset_m = mu * factor * measured.pressure_pa / shear_modulus_pa * problem.layer.height_m;
+    let travel_m = usual_m.max(LEAST_PERIODS * period_s * measured.speed_m_s);
+    if travel_m > ENOUGH * onset_m { travel_m } else { onsets * onset_m }
+}
+
+fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> RunOptions {
+    RunOptions {
+        fidelity: Fidelity::Dynamic,
+        warm_start: measured.static_peak.is_none(),
+        sliding_m: travel_m(problem, measured, pair),
+        ..RunOptions::default()
+    }
+}
+
+/// Time steps of the dynamic run of each measurement.
+pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
+    let of = |(measured, pair): (&Measurement, &LocalFriction)| {
+        let run = run_options(problem, measured, pair);
+        slipgrid_springblock::planned_steps(&scene(problem, measured.speed_m_s, vec![load(measured, *pair)], run))
+    };
+    problem.measurements.iter().zip(pairs).map(of).collect()
 }
 
 /// Coefficients at each measurement.
@@ -50,14 +89,16 @@ pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, CalibrationE
     // Speed plays no part in steady sliding.
     let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
     let simulation = simulate(&scene, &slipgrid_springblock::Unwatched)?;
-    simulation.loads.iter().map(|outcome| slid(outcome.pressure_pa, &outcome.surface)).collect()
+    let slid =
+        |(i, outcome): (usize, &LoadOutcome)| slid(outcome.pressure_pa, &outcome.surface).map_err(|error| error.at(i));
+    simulation.loads.iter().enumerate().map(slid).collect()
 }
 
 fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, CalibrationError> {
     match (surface.status, surface.mu_dynamic) {
         (Status::Converged, Some(mu)) => Ok(mu),
         (Status::Cancelled, _) => Err(CalibrationError::Cancelled),
-        (status, _) => Err(CalibrationError::NoSliding { pressure_pa, status: status.name() }),
+        (status, _) => Err(CalibrationError::NoSliding { number: 1, pressure_pa, status: status.name() }),
     }
 }
 
@@ -85,25 +126,22 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
     let run_of: Vec<usize> = (0..count).map(|i| (0..i).find(|&j| seen(j) == seen(i)).unwrap_or(i)).collect();
     let mut done: Vec<bool> = (0..count).map(|i| run_of[i] != i).collect();
     while let Some(first) = done.iter().position(|done| !done) {
-        // One scene for all measurements of the same speed and kind of start.
-        let kind = |measured: &Measurement| (measured.speed_m_s, measured.static_peak.is_some());
-        let (speed_m_s, from_rest) = kind(&problem.measurements[first]);
-        let group: Vec<usize> =
-            (first..count).filter(|&i| !done[i] && kind(&problem.measurements[i]) == (speed_m_s, from_rest)).collect();
-        let loads = group.iter().map(|&i| load(&problem.measurements[i], pairs[i])).collect();
-        let run = RunOptions {
-            fidelity: Fidelity::Dynamic,
-            warm_start: !from_rest,
-            sliding_m: travel_m(problem, speed_m_s, if from_rest { COLD_TRAVEL_M } else { WARM_TRAVEL_M }),
-            ..RunOptions::default()
+        // One scene for all measurements of the same speed, kind of start and travel.
+        let kind = |i: usize| {
+            let measured = &problem.measurements[i];
+            (measured.speed_m_s, measured.static_peak.is_some(), travel_m(problem, measured, &pairs[i]))
         };
+        let speed_m_s = problem.measurements[first].speed_m_s;
+        let group: Vec<usize> = (first..count).filter(|&i| !done[i] && kind(i) == kind(first)).collect();
+        let loads = group.iter().map(|&i| load(&problem.measurements[i], pairs[i])).collect();
+        let run = run_options(problem, &problem.measurements[first], &pairs[first]);
         let runs = (0..count).filter(|&i| run_of[i] == i).count();
         let portion = Portion { whole: monitor, share: group.len() as f64 / runs as f64 };
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
             done[i] = true;
             found[i] = DynamicFlat {
-                mu_dynamic: slid(outcome.pressure_pa, &outcome.surface)?,
+                mu_dynamic: slid(outcome.pressure_pa, &outcome.surface).map_err(|error| error.at(i))?,
                 stderr: outcome.surface.mu_dynamic_stderr.unwrap_or(0.0),
                 mu_static: outcome.surface.mu_static,
             };

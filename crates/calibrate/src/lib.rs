@@ -67,6 +67,6 @@ pub mod uncertainty;
 
 pub use area_law_scale::AreaLawScale;
 pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
-pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate};
+pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
 pub use noise::Noise;
 pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};

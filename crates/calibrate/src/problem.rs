@@ -92,12 +92,74 @@ pub enum CalibrationError {
     #[error("the measurements lead to a friction coefficient without meaning: {0}")]
     Material(#[from] MaterialError),
     /// The flat sample did not slide in the model.
-    #[error("the flat sample did not reach sliding in the model at {:.4} MPa: {status}", pressure_pa / 1e6)]
+    #[error(
+        "measurement {number}: the flat sample did not reach sliding in the model at {:.4} MPa: {status}",
+        pressure_pa / 1e6
+    )]
     NoSliding {
+        /// The measurement's number, from 1.
+        number: usize,
         /// Nominal pressure, in pascals.
         pressure_pa: f64,
         /// How the run ended.
         status: &'static str,
+    },
+    /// A static peak that the model of the flat sample does not reach.
+    #[error(
+        "measurement {number}: the static peak is {ratio:.2} times dynamic friction: expected at most {most}, beyond \
+         which the model's sample does not slide at once"
+    )]
+    PeakTooHigh {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Static peak over dynamic friction.
+        ratio: f64,
+        /// The largest that is fitted.
+        most: f64,
+    },
+    /// Local coefficients would have to be larger than any.
+    #[error(
+        "measurement {number}: friction over the area law's factor {factor:.3} is {mean:.2}: expected a local \
+         coefficient of at most {most}"
+    )]
+    BeyondLaw {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// f at its pressure.
+        factor: f64,
+        /// The coefficient that it would take.
+        mean: f64,
+        /// The largest that is fitted.
+        most: f64,
+    },
+    /// Dynamic runs have little to do with steady sliding.
+    #[error(
+        "measurement {number}: in the model the sample slides with {:.0} % of its steady friction at this load and \
+         speed: expected 50 to 150 %, as where friction exceeds the inertia of the layer", 100.0 * delta
+    )]
+    NotQuasiStatic {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Dynamic over steady friction.
+        delta: f64,
+    },
+    /// A run would take too long.
+    #[error("measurement {number}: its run takes {steps:.1e} time steps: expected at most {most:.0e}")]
+    TooManySteps {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Time steps planned.
+        steps: f64,
+        /// Most that are begun.
+        most: f64,
+    },
+    /// All runs together would take too long.
+    #[error("the runs of the flat sample take {steps:.1e} time steps together: expected at most {most:.0e}")]
+    TooMuchWork {
+        /// Time steps planned for one round.
+        steps: f64,
+        /// Most that are begun.
+        most: f64,
     },
     /// The data cannot tell the area law from the coefficients.
     #[error("the scale of the area law cannot be fitted: {reason}")]
@@ -108,6 +170,30 @@ pub enum CalibrationError {
     /// The monitor asked to stop.
     #[error("stopped")]
     Cancelled,
+}
+
+impl CalibrationError {
+    /// Number of the measurement that it is about, from 1.
+    #[must_use]
+    pub const fn measurement(&self) -> Option<usize> {
+        match self {
+            Self::Measurement { number, .. }
+            | Self::NoSliding { number, .. }
+            | Self::PeakTooHigh { number, .. }
+            | Self::BeyondLaw { number, .. }
+            | Self::NotQuasiStatic { number, .. }
+            | Self::TooManySteps { number, .. } => Some(*number),
+            _ => None,
+        }
+    }
+
+    /// The same about measurement `place`, from 0.
+    pub(crate) fn at(self, place: usize) -> Self {
+        match self {
+            Self::NoSliding { pressure_pa, status, .. } => Self::NoSliding { number: place + 1, pressure_pa, status },
+            other => other,
+        }
+    }
 }
 
 impl Problem {

@@ -178,6 +178,9 @@ pub struct TracesArgs {
     /// The samples are patterned
     #[arg(long)]
     pub patterned: bool,
+    /// Do not look for a peak at the onset of sliding
+    #[arg(long)]
+    pub no_static_peak: bool,
     /// Folder for tables and pictures
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,

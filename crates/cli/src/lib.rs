@@ -32,6 +32,7 @@ pub mod formats;
 pub mod input;
 pub mod on_specimen;
 pub mod output;
+pub mod plausible;
 pub mod progress;
 pub mod report;
 pub mod units;

@@ -9,11 +9,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use slipgrid_calibrate::trace::{TraceOptions, analyse};
 use slipgrid_cli::formats::Document;
 use slipgrid_cli::formats::calibration::Calibration;
 use slipgrid_cli::formats::design::Design;
 use slipgrid_cli::formats::measurements;
 use slipgrid_cli::formats::scene::{Overrides, SceneInput};
+use slipgrid_cli::formats::trace_file;
 use slipgrid_topography::{ReadOptions, read_map};
 
 /// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
@@ -174,6 +176,13 @@ fn spoil_all<T>(text: &str, times: usize, seed: u64, read: impl Fn(&str, &[u8]) 
 
 const MATRIX: &str =
     "# Width: 4 um\n# Height: 3 um\n# Value units: nm\n1.5 2.5 -1.0 0.5\n2.0 nan 0.0 1.0\n-1.0 0.25 3e1 4\n";
+const TRACE: &str = "# 20 samples a second\ntime_s,torque_nm,normal_force_n,speed_mm_s\n0,0.0,50,2\n0.05,0.21,50,2\n\
+    0.1,0.52,50.2,2\n0.15,0.51,50,2\n0.2,0.5,50,2\n0.3,0.502,50.1,2\n0.4,0.501,50,2\n0.5,0.503,50,2\n0.6,0.5,50,2\n\
+    0.7,0.501,50,2\n0.8,0.502,50,2\n0.9,0.5,50,2\n1.0,0.501,50,2\n1.05,0.502,50,2\n1.1,0.5,50,2\n1.15,0.503,50,2\n\
+    1.2,0.501,50,2\n1.25,0.5,50,2\n1.3,0.502,50,2\n1.35,0.501,50,2\n1.4,0.5,50,2\n1.45,0.503,50,2\n1.5,0.501,50,2\n\
+    1.55,0.5,50,2\n1.6,0.502,50,2\n1.65,0.501,50,2\n1.7,0.5,50,2\n1.75,0.503,50,2\n1.8,0.501,50,2\n1.85,0.5,50,2\n\
+    1.9,0.502,50,2\n1.95,0.501,50,2\n2.0,0.5,50,2\n2.05,0.503,50,2\n2.1,0.501,50,2\n2.15,0.5,50,2\n2.2,0.502,50,2\n\
+    2.25,0.501,50,2\n2.3,0.5,50,2\n2.35,0.503,50,2\n2.4,0.501,50,2\n2.45,0.5,50,2\n2.5,0.502,50,2\n";
 const POINTS: &str = "0.0 0.0 1.0\n1.0 0.0 2.0\n0.0 1.0 -1.0\n1.0 1.0 0.5\n";
 
 fn scene(text: &str) -> Result<SceneInput, String> {
@@ -190,6 +199,7 @@ fn spoil_everything(times: usize, seed: u64) {
     let string = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string();
     let near = |text: &str| Document::new(place.path("x.toml"), text);
     let folder = place.path("x.toml").display().to_string();
+    let table = place.path("flat.csv").display().to_string();
     let local = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string().replace(&folder, "x.toml");
     let accepted = [
         spoil_all(SCENE, times, seed, |text, _| scene(text)),
@@ -199,7 +209,19 @@ fn spoil_everything(times: usize, seed: u64) {
         spoil_all(CALIBRATION, times, seed + 2, |text, _| {
             // The table that the calibration names may be missing, or be refused under its own name.
             let read = Calibration::from_document(&near(text)).map_err(local);
-            read.map_err(|message| message.replace("flat.csv:", "x.csv:"))
+            read.map_err(|message| message.replace(&table, "x.csv").replace("flat.csv:", "x.csv:"))
+        }),
+        spoil_all(TRACE, times / 2, seed + 6, |text, _| {
+            let file = trace_file::parse(Path::new("x.csv"), text, Some(0.04)).map_err(string)?;
+            // What only the analysis can judge is refused in its own words.
+            let options = TraceOptions {
+                window_s: [1.0, 2.5],
+                effective_radius_m: 0.04,
+                nominal_force_n: None,
+                speed_m_s: 2e-3,
+                static_peak: true,
+            };
+            analyse(&file.repeats[0].channels, &options).map_err(|error| format!("x.csv: {error}"))
         }),
         spoil_all(FLAT, times, seed + 3, |text, _| measurements::parse(Path::new("x.csv"), text).map_err(string)),
         spoil_all(MATRIX, times / 2, seed + 4, |_, bytes| {

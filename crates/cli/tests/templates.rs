@@ -7,6 +7,8 @@ mod common;
 use std::fs;
 
 use common::{Place, names};
+use slipgrid_cli::formats::Document;
+use slipgrid_cli::formats::calibration::Calibration;
 use slipgrid_cli::formats::design::Design;
 
 const COMMANDS: [&str; 13] = [
@@ -85,4 +87,53 @@ fn shells_and_readers_learn_every_command() {
     assert_eq!(names(&place.path("man1")), expected);
     let page = fs::read_to_string(place.path("man1/slipgrid-optimize.1")).unwrap();
     assert!(page.contains(".TH slipgrid-optimize 1") && page.contains("Design file"), "{page}");
+}
+
+/// The keys that each table of a calibration takes, as refusals list them, stand in the template.
+#[test]
+fn the_calibration_template_explains_every_key() {
+    let place = Place::with(&[]);
+    place.succeed(&["new", "calibration"]);
+    let template = fs::read_to_string(place.path("calibration/calibration.toml")).unwrap();
+    let text = format!(
+        "{}\n{}",
+        common::CALIBRATION,
+        "[traces]\n[[traces.condition]]\nforce_n = 1\nspeed_mm_s = 1\nhumidity_pct = 1\nfiles = []\n\
+         [pattern]\nwidth_um = 1\nspacing_um = 1\ndepth_um = 1\n"
+    );
+    for table in ["", "material", "surface", "specimen", "measurements", "traces", "traces.condition", "pattern", "fit"]
+    {
+        let header =
+            if table == "traces.condition" { "[[traces.condition]]\n".to_owned() } else { format!("[{table}]\n") };
+        let spoiled = match table {
+            "" => format!("no_such_key = 1\n{text}"),
+            _ => text.replace(&header, &format!("{header}no_such_key = 1\n")),
+        };
+        let document = Document::new("c.toml", spoiled);
+        let refused = Calibration::from_document(&document).unwrap_err();
+        let keys = refused.expected.clone().unwrap_or_default();
+        let Some(keys) = keys.strip_prefix("one of ") else { panic!("{table}: {refused}") };
+        let mut section = String::new();
+        // The table's own lines, up to the next header.
+        let starts = |line: &str| line.trim_start_matches("# ").starts_with('[');
+        let mut own = table.is_empty();
+        for line in template.lines() {
+            if starts(line) {
+                own = line.trim_start_matches("# ").starts_with(header.trim_end());
+            }
+            if own {
+                section += &format!("{line}\n");
+            }
+        }
+        for key in keys.split(", ") {
+            let is_explained = if table.is_empty() && !["name", "source"].contains(&key) {
+                template.contains(&format!("[{key}]"))
+            } else if (table, key) == ("traces", "condition") {
+                template.contains("[[traces.condition]]")
+            } else {
+                section.lines().any(|line| line.trim_start_matches("# ").starts_with(&format!("{key} = ")))
+            };
+            assert!(is_explained, "{table}: {key} is not in the template");
+        }
+    }
 }

@@ -63,7 +63,7 @@ pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
-pub use simulate::{simulate, simulate_specimen};
+pub use simulate::{planned_steps, simulate, simulate_specimen};
 pub use solid::{
     SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
 };

@@ -67,6 +67,13 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     Ok(simulation)
 }
 
+/// Time steps that one dynamic run of `scene` is planned to take at the scheme's own step: what it costs is known before
+/// it begins. More than [`crate::MOST_STEPS`] are not begun.
+#[must_use]
+pub fn planned_steps(scene: &Scene) -> u64 {
+    Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
+}
+
 /// Columns of the scene's own surface and of its flat companion.
 fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());

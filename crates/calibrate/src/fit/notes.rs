@@ -22,6 +22,9 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
     }
     notes.push(relative_std(model));
     notes.extend(scale(fit));
+    for parameter in fit.parameters.iter().filter(|parameter| !parameter.std_error.is_finite()) {
+        notes.push(format!("{}: not determined by the data; it has no standard error", parameter.name));
+    }
     for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {
         notes
             .push(format!("{}: ended at the bound {}; the data would have it beyond", parameter.name, parameter.value));

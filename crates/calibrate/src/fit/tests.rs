@@ -238,3 +238,74 @@ fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
     problem.measurements.truncate(1);
     assert!(matches!(calibrate(&problem, &Unwatched), Err(CalibrationError::AreaLawNotIdentifiable { .. })));
 }
+
+fn with_peak(mu: f64, std: f64) -> Problem {
+    let mut problem = problem(Coefficients::PerCondition);
+    problem.measurements[1].static_peak = Some(StaticPeak { mu, std });
+    problem
+}
+
+#[test]
+fn a_peak_that_does_not_stand_out_is_left_out_by_name() {
+    for (mu, std) in [(0.19, 0.001), (0.2001, 0.002)] {
+        let fit = calibrate(&with_peak(mu, std), &Unwatched).unwrap();
+        assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none()), "{:?}", fit.pairs);
+        assert!(fit.notes.iter().any(|note| note.starts_with("static_mean of measurement 2: not determined")));
+    }
+    // A peak that stands out, and to which mu_s hardly matters: whatever is found has a finite error or none.
+    let fit = calibrate(&with_peak(0.201, 1e-5), &Unwatched);
+    let fit = fit.unwrap_or_else(|error| panic!("{error}"));
+    assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none_or(f64::is_finite)), "{:?}", fit.pairs);
+}
+
+#[test]
+fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
+    struct Idle;
+    impl slipgrid_springblock::Monitor for Idle {
+        fn advance(&self, _: f64) {
+            panic!("a run was begun");
+        }
+    }
+    let refused = |spoil: &dyn Fn(&mut Problem)| {
+        let mut problem = problem(Coefficients::PerCondition);
+        spoil(&mut problem);
+        calibrate(&problem, &Idle).unwrap_err()
+    };
+    let peak = refused(&|p| p.measurements[2].static_peak = Some(StaticPeak { mu: 1.5, std: 0.01 }));
+    assert!(matches!(peak, CalibrationError::PeakTooHigh { number: 3, .. }), "{peak}");
+    let slow = refused(&|p| p.measurements[1].speed_m_s = 1e-8);
+    assert!(matches!(slow, CalibrationError::TooManySteps { number: 2, .. }), "{slow}");
+    let law = refused(&|p| p.area_law = Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.01]).unwrap()));
+    assert!(matches!(law, CalibrationError::BeyondLaw { number: 3, .. }), "{law}");
+    let many = refused(&|p| {
+        let at = |i: i32| Measurement { speed_m_s: 2e-6 * (1.0 + 1e-6 * f64::from(i)), ..p.measurements[0] };
+        p.measurements = (0..30).map(at).collect();
+    });
+    assert!(matches!(many, CalibrationError::TooMuchWork { .. }), "{many}");
+}
+
+#[test]
+fn friction_at_which_the_model_does_not_slide_steadily_is_refused_by_name() {
+    let mut problem = problem(Coefficients::Single);
+    problem.area_law = None;
+    problem.measurements.iter_mut().for_each(|measured| measured.mu_dynamic = 4.0);
+    let refused = calibrate(&problem, &Unwatched).unwrap_err();
+    assert!(matches!(refused, CalibrationError::NoSliding { number: 1, .. }), "{refused}");
+    let refused = before::check_deltas(&[1.01, 0.46]).unwrap_err();
+    assert!(matches!(refused, CalibrationError::NotQuasiStatic { number: 2, .. }), "{refused}");
+    assert!(before::check_deltas(&[0.98, 1.015]).is_ok() && before::check_deltas(&[f64::NAN]).is_err());
+}
+
+#[test]
+fn a_heavy_load_is_given_the_travel_that_its_onset_takes() {
+    let mut problem = problem(Coefficients::Single);
+    problem.layer.height_m = 200e-6;
+    problem.area_law = None;
+    problem.measurements.truncate(1);
+    problem.measurements[0].pressure_pa = 6.4e6;
+    problem.measurements[0].mu_dynamic = 0.25;
+    problem.measurements[0].static_peak = Some(StaticPeak { mu: 0.26, std: 0.002 });
+    let pairs = vec![LocalFriction::new(0.3, 0.25, 0.05).unwrap()];
+    let found = flat::dynamic(&problem, &pairs, &Unwatched).unwrap();
+    assert!(found[0].mu_static.unwrap() > found[0].mu_dynamic, "{found:?}");
+}

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::peak::RunIn;
+
 /// Why nothing can be read from a trace. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TraceError {
@@ -106,6 +108,24 @@ pub enum TraceError {
         /// Samples with exactly this value.
         samples: usize,
     },
+    /// Nothing rubs.
+    #[error(
+        "friction is {mu:.6} in the window, as of a sample that does not slide: expected torque or friction force \
+         while the sample slides, and its unit in the header"
+    )]
+    NoFriction {
+        /// Mean friction coefficient in the window.
+        mu: f64,
+    },
+    /// Friction changes as of a sample that is only loaded, or that has hardly begun to slide.
+    #[error(
+        "friction changes by {:+.0} % of its mean over the window: the sample sticks or has not settled; expected \
+         steady sliding, or a window_s that holds it", 100.0 * relative
+    )]
+    Unsettled {
+        /// Change of mu over the window, relative to the mean.
+        relative: f64,
+    },
     /// A torque without the radius at which it acts.
     #[error(
         "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
@@ -144,11 +164,15 @@ pub enum TraceFlag {
     },
     /// Samples are missing where the mean hardly notices.
     Gap {
-        /// Last sample before.
+        /// Last sample before the longest gap.
         from_s: f64,
-        /// First sample after.
+        /// First sample after it.
         to_s: f64,
+        /// Gaps in all.
+        count: usize,
     },
+    /// Friction falls slowly before the window: no static peak.
+    RunIn(RunIn),
     /// The sensor was at the end of its range before the window: no static peak is taken.
     PeakSaturated {
         /// The value, in the channel's SI unit.
@@ -190,7 +214,17 @@ impl fmt::Display for TraceFlag {
             Self::LoadUnsteady { relative_std } => {
                 write!(f, "the normal force varies by {:.1} % in the window", 100.0 * relative_std)
             }
-            Self::Gap { from_s, to_s } => write!(f, "no samples from {from_s:.2} to {to_s:.2} s"),
+            Self::Gap { from_s, to_s, count: 1 } => write!(f, "no samples from {from_s:.2} to {to_s:.2} s"),
+            Self::Gap { from_s, to_s, count } => {
+                write!(f, "{count} gaps; the longest has no samples from {from_s:.2} to {to_s:.2} s")
+            }
+            Self::RunIn(run_in) => write!(
+                f,
+                "friction falls by {:.4} after {:.2} s, half of it within {:.2} s: run-in, no static peak",
+                run_in.fall,
+                run_in.from_s,
+                run_in.half_s - run_in.from_s
+            ),
             Self::PeakSaturated { value } => {
                 write!(f, "the sensor stood at {value} before the window: no static peak is taken")
             }

@@ -15,11 +15,12 @@ mod stick_slip;
 mod window;
 
 pub use faults::{TraceError, TraceFlag};
-pub use peak::TracePeak;
+pub use peak::{RunIn, TracePeak};
 pub use repeats::{MeanStd, Repeats, average};
 pub use stick_slip::StickSlip;
 pub use window::WindowMean;
 
+use peak::{BeforeWindow, before_window};
 use series::median;
 
 /// Samples in the window below which no mean is taken: two in each batch of its error.
@@ -36,6 +37,11 @@ const LOAD_OFF: (f64, f64) = (0.05, 0.5);
 const LOAD_UNSTEADY: f64 = 0.05;
 /// Share of samples in the window against the mean's sign that is taken for noise.
 const OTHER_SIGN: f64 = 0.05;
+/// Friction coefficient below which nothing slides dry: a hundredth of the least that solids have.
+const NO_FRICTION: f64 = 1e-4;
+/// Change of friction over the window, relative to its mean, from which there is no sliding to speak of: a sample that
+/// sticks from the first sample on is loaded by 2 (t2 - t1) / (t2 + t1), 1.2 over the usual window.
+const UNSETTLED: f64 = 0.6;
 /// A sensor is at its end where this many samples in a row are exactly its greatest value ...
 const SATURATED_RUN: usize = 5;
 /// ... unless rounding leaves so few different values that this happens by chance.
@@ -88,6 +94,10 @@ pub struct TraceOptions {
     pub effective_radius_m: f64,
     /// Nominal normal force on the whole sample holder, in newtons, where known.
     pub nominal_force_n: Option<f64>,
+    /// Sliding speed, in m/s: it tells a peak at the onset of sliding from run-in.
+    pub speed_m_s: f64,
+    /// Look for a static peak; run-in is not looked for either where this is off.
+    pub static_peak: bool,
 }
 
 /// The averaging window of Balestra et al., J. Tribol. 144, 031704: 10 to 40 s.
@@ -146,11 +156,25 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     }
 
     let window = window::window_mean(&time_s, &mu, options.window_s);
+    if window.mu.abs() < NO_FRICTION {
+        return Err(TraceError::NoFriction { mu: window.mu });
+    }
+    if window.drift.abs() > (UNSETTLED * window.mu).max(DRIFT.1 * window.drift_stderr) {
+        return Err(TraceError::Unsettled { relative: window.drift / window.mu });
+    }
     if window.drift.abs() > (DRIFT.0 * window.mu).max(DRIFT.1 * window.drift_stderr) {
         flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
     }
     let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
-    let static_peak = peak::static_peak(&time_s, &mu, options.window_s[0]).filter(|_| !saturated);
+    let stands_out = before_window(&time_s, &mu, options.window_s[0], options.speed_m_s, usual_pause(&time_s));
+    let static_peak = match stands_out.filter(|_| options.static_peak && !saturated) {
+        Some(BeforeWindow::Peak(peak)) => Some(peak),
+        Some(BeforeWindow::RunIn(run_in)) => {
+            flags.push(TraceFlag::RunIn(run_in));
+            None
+        }
+        None => None,
+    };
     if let Some(peak) = static_peak.filter(TracePeak::is_coarse) {
         flags.push(TraceFlag::PeakCoarse { samples: peak.samples_at_top });
     }
@@ -220,13 +244,14 @@ fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<std::ops::Range<
     Ok(inside)
 }
 
+/// The usual time between samples; where the clock is coarse, between its ticks.
 fn usual_pause(time_s: &[f64]) -> f64 {
-    median(time_s.windows(2).map(|pair| pair[1] - pair[0]).collect())
+    median(time_s.windows(2).map(|pair| pair[1] - pair[0]).filter(|pause| *pause > 0.0).collect())
 }
 
 fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError> {
     let usual = usual_pause(time_s);
-    let mut flags = Vec::new();
+    let (mut longest, mut count) = ([0.0, 0.0], 0);
     for pair in time_s.windows(2) {
         let (from_s, to_s) = (pair[0], pair[1]);
         if to_s - from_s <= GAP_FACTOR * usual || from_s >= window_s[1] {
@@ -236,8 +261,13 @@ fn gaps(time_s: &[f64], window_s: [f64; 2]) -> Result<Vec<TraceFlag>, TraceError
         if missing > GAP_IN_WINDOW * (window_s[1] - window_s[0]) {
             return Err(TraceError::Gap { from_s, to_s });
         }
-        flags.push(TraceFlag::Gap { from_s, to_s });
+        count += 1;
+        if to_s - from_s > longest[1] - longest[0] {
+            longest = [from_s, to_s];
+        }
     }
+    let flags: Vec<TraceFlag> =
+        (count > 0).then_some(TraceFlag::Gap { from_s: longest[0], to_s: longest[1], count }).into_iter().collect();
     Ok(flags)
 }
 

@@ -20,8 +20,14 @@ fn good() -> TraceChannels {
     TraceChannels { time_s, tangential: Tangential::TorqueNm(torque), normal_force_n }
 }
 
-const OPTIONS: TraceOptions =
-    TraceOptions { window_s: DEFAULT_WINDOW_S, effective_radius_m: RADIUS_M, nominal_force_n: Some(150.0) };
+/// At 50 um/s friction falls from its peak within 50 um.
+const OPTIONS: TraceOptions = TraceOptions {
+    window_s: DEFAULT_WINDOW_S,
+    effective_radius_m: RADIUS_M,
+    nominal_force_n: Some(150.0),
+    speed_m_s: 50e-6,
+    static_peak: true,
+};
 
 fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
     match &mut channels.tangential {
@@ -178,4 +184,55 @@ fn repeats_have_their_mean_and_deviation() {
     without.static_peak = None;
     assert_eq!(average(&[one, without]).unwrap().mu_static, None);
     assert_eq!(average(&[]), None);
+}
+
+#[test]
+fn run_in_is_told_and_the_search_for_a_peak_can_be_turned_off() {
+    // At 2 mm/s the fall within a second is one within 2 mm.
+    let fast = analyse(&good(), &TraceOptions { speed_m_s: 2e-3, ..OPTIONS }).unwrap();
+    assert_eq!(fast.static_peak, None);
+    assert!(matches!(fast.flags[..], [TraceFlag::RunIn(_)]), "{:?}", fast.flags);
+    assert!(fast.flags[0].to_string().contains("run-in, no static peak"));
+    for speed_m_s in [50e-6, 2e-3] {
+        let off = analyse(&good(), &TraceOptions { static_peak: false, speed_m_s, ..OPTIONS }).unwrap();
+        assert_eq!((off.static_peak, &off.flags[..]), (None, &[][..]));
+        assert_eq!(off.window, fast.window);
+    }
+}
+
+#[test]
+fn a_sample_that_does_not_slide_is_refused() {
+    let with = |friction: &dyn Fn(f64) -> f64| {
+        let mut channels = good();
+        let times = channels.time_s.clone();
+        let mut noise = Noise::new(9);
+        for (torque, clock) in torque(&mut channels).iter_mut().zip(times) {
+            *torque = (friction(clock - 100.0) + 1e-6 * noise.normal()) * 150.0 * RADIUS_M;
+        }
+        analyse(&channels, &OPTIONS).unwrap_err()
+    };
+    assert!(matches!(with(&|_| 2e-5), TraceError::NoFriction { mu } if (mu - 2e-5).abs() < 1e-6));
+    // Loaded from the first sample on: the mean at 25 s, the rise over 30 s.
+    let sticks = with(&|t| 0.004 * t);
+    assert!(matches!(sticks, TraceError::Unsettled { relative } if (relative - 1.2).abs() < 0.01), "{sticks}");
+}
+
+#[test]
+fn a_clock_that_stands_still_between_samples_has_no_gaps() {
+    let mut channels = good();
+    let times = channels.time_s.clone();
+    // Every sample twice, as some exports write them: half of the pauses are nil.
+    let twice = |values: &[f64]| values.iter().flat_map(|value| [*value; 2]).collect::<Vec<f64>>();
+    channels.time_s = twice(&times);
+    channels.normal_force_n = twice(&channels.normal_force_n);
+    *torque(&mut channels) = twice(&torque(&mut channels).clone());
+    let found = analyse(&channels, &OPTIONS).unwrap();
+    assert!(!found.flags.iter().any(|flag| matches!(flag, TraceFlag::Gap { .. })), "{:?}", found.flags);
+    // Several short gaps are told once.
+    let mut gaps = good();
+    for from in [60, 100, 140] {
+        gaps.time_s[from..].iter_mut().for_each(|t| *t += 0.6);
+    }
+    let found = analyse(&gaps, &TraceOptions { static_peak: false, ..OPTIONS }).unwrap();
+    assert!(matches!(found.flags[..], [TraceFlag::Gap { count: 3, .. }]), "{:?}", found.flags);
 }

@@ -17,6 +17,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&args.scene, overrides)?;
+    for told in &input.told {
+        console.note(&format!("warning: {told}"));
+    }
     let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), &progress);
     let wall_s = progress.finish();

@@ -57,6 +57,7 @@ fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
         window_s,
         effective_radius_m: radius.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?,
         specimens: args.specimens.unwrap_or(1).max(1),
+        static_peak: !args.no_static_peak,
     })
 }
 
@@ -66,6 +67,12 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
         None => Err(Diagnostic { key: Some(flag.into()), reason: "is missing".into(), ..Diagnostic::default() }
             .expected("the condition of these exports; a calibration file with [traces] needs no flags")),
     };
+    let mut known = std::collections::HashSet::new();
+    for file in &args.files {
+        if !known.insert(file.canonicalize().unwrap_or_else(|_| file.clone())) {
+            return Err(Diagnostic::file(file, "is given twice: one export is one repeat").expected("each export once"));
+        }
+    }
     Ok(TraceCondition {
         surface: if args.patterned { SurfaceKind::Patterned } else { SurfaceKind::Flat },
         force_n: needed("--force-n", args.force_n, FORCE_N)?,

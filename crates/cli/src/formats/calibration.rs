@@ -3,20 +3,24 @@
 use std::path::Path;
 
 use serde::Deserialize;
+use slipgrid_export::Outline;
 use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::Pattern;
 use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::laser;
 use super::material::existing;
+use super::measured::{self, Placed, Specimens};
 use super::measurements::{self, Measurement};
 use super::pattern::{PatternFile, read_pattern};
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
-use super::traces::{self, ConditionTraces, SurfaceKind, TracesFile};
+use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
+use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
 use crate::units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
@@ -29,7 +33,7 @@ struct CalibrationFile {
     source: String,
     material: Spanned<BulkFile>,
     surface: Option<Spanned<SurfaceFile>>,
-    specimen: SpecimenFile,
+    specimen: Spanned<SpecimenFile>,
     measurements: Option<Spanned<MeasurementsFile>>,
     traces: Option<Spanned<TracesFile>>,
     pattern: Option<Spanned<PatternFile>>,
@@ -48,7 +52,13 @@ struct BulkFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SpecimenFile {
-    radius_mm: Number,
+    radius_mm: Option<Number>,
+    shape: Option<Spanned<String>>,
+    diameter_mm: Option<Number>,
+    length_mm: Option<Number>,
+    width_mm: Option<Number>,
+    outer_diameter_mm: Option<Number>,
+    inner_diameter_mm: Option<Number>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -133,8 +143,8 @@ pub struct Calibration {
     pub surface: Surface,
     /// Pressure P0 up to which friction is proportional to load, in pascals.
     pub threshold_pa: f64,
-    /// Radius of one specimen, in metres.
-    pub specimen_radius_m: f64,
+    /// Area of one specimen's face, in square metres.
+    pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
     /// Measurements on patterned samples; empty without any.
@@ -151,6 +161,10 @@ pub struct Calibration {
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
     pub relative_std: f64,
+    /// Where the measurements on flat samples stand, in their order in the files.
+    pub placed: Vec<Placed>,
+    /// What is unusual, one sentence each.
+    pub told: Vec<String>,
 }
 
 impl Calibration {
@@ -183,10 +197,22 @@ impl Calibration {
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
         let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
-        let (flat, patterned, traces) = read_measured(document, &file)?;
-        let pattern = file.pattern.as_ref();
-        let pattern = pattern.map(|table| read_pattern(document, table, &DEFAULT_LAYER)).transpose()?;
         let fit = file.fit.as_ref();
+        let coefficients =
+            fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
+                document.choice(name, &Coefficients::ALL, Coefficients::name)
+            })?;
+        let outline = read_outline(document, &file.specimen)?;
+        let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
+        let mut told = bulk_told(document, bulk)?;
+        told.extend(outline_told(document, &file.specimen, &outline)?);
+        let Measured { flat: placed, patterned, traces } = read_measured(document, &file)?;
+        for rows in [&placed, &patterned] {
+            told.extend(measured::check(rows, &specimens)?);
+        }
+        measured::refuse_repeated(&placed, coefficients)?;
+        let pattern = file.pattern.as_ref();
+        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
         let area_law_scale_pa = read_scale(document, &file)?;
         Ok(Self {
             name: file.name,
@@ -196,9 +222,9 @@ impl Calibration {
             poisson_ratio: document.optional(bulk.poisson_ratio.as_ref(), POISSON)?.unwrap_or(DEFAULT_POISSON_RATIO),
             surface,
             threshold_pa,
-            specimen_radius_m: document.number(&file.specimen.radius_mm, LENGTH_MM)?,
-            flat,
-            patterned,
+            specimen_area_m2: specimens.area_m2,
+            flat: placed.iter().map(|row| row.measurement).collect(),
+            patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
             pattern,
             area_law_scale_pa,
@@ -207,27 +233,133 @@ impl Calibration {
                 .map_or(Ok(DiscrepancyForm::Constant), |name| {
                     document.choice(name, &DiscrepancyForm::ALL, DiscrepancyForm::name)
                 })?,
-            coefficients: fit
-                .and_then(|fit| fit.coefficients.as_ref())
-                .map_or(Ok(Coefficients::PerCondition), |name| {
-                    document.choice(name, &Coefficients::ALL, Coefficients::name)
-                })?,
+            coefficients,
             relative_std: document
                 .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
+            placed,
+            told: told.iter().map(Diagnostic::to_string).collect(),
         })
+    }
+
+    /// Where `measurement` on a flat sample stands.
+    #[must_use]
+    pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
+        self.placed.iter().find(|placed| placed.measurement == *measurement)
     }
 
     /// Nominal pressure of a normal force on one specimen, in pascals.
     #[must_use]
     pub fn pressure_pa(&self, force_n: f64) -> f64 {
-        // P = F / (pi r^2)
-        force_n / (std::f64::consts::PI * self.specimen_radius_m * self.specimen_radius_m)
+        // P = F / A
+        force_n / self.specimen_area_m2
     }
 }
 
+/// The specimen's face: a disc by its radius, or the shapes of a design's specimen.
+fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
+    let file = table.get_ref();
+    let others = [
+        ("disc", &file.diameter_mm),
+        ("rectangle", &file.length_mm),
+        ("rectangle", &file.width_mm),
+        ("ring", &file.outer_diameter_mm),
+        ("ring", &file.inner_diameter_mm),
+    ];
+    if let Some(radius) = &file.radius_mm {
+        let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
+        if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
+            return Err(document.refuse(stray, "stands beside radius_mm").expected("one of the two"));
+        }
+        return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
+    }
+    // The lengths say what shape it is where the file does not.
+    let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
+    let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
+    let shape = file.shape.clone().or(named).ok_or_else(|| {
+        document.missing(table.span(), "radius_mm").expected(
+            "radius_mm or diameter_mm of a disc, outer_diameter_mm and inner_diameter_mm of a ring, or length_mm and \
+             width_mm of a rectangle",
+        )
+    })?;
+    let as_design = laser::SpecimenFile {
+        shape,
+        diameter_mm: file.diameter_mm.clone(),
+        length_mm: file.length_mm.clone(),
+        width_mm: file.width_mm.clone(),
+        outer_diameter_mm: file.outer_diameter_mm.clone(),
+        inner_diameter_mm: file.inner_diameter_mm.clone(),
+        cavities: None,
+    };
+    Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
+}
+
+fn area_m2(outline: &Outline) -> f64 {
+    match outline {
+        // pi r^2
+        Outline::Disc { diameter_m } => std::f64::consts::PI * (diameter_m / 2.0) * (diameter_m / 2.0),
+        other => other.area_m2(),
+    }
+}
+
+/// Its greatest extent, in metres.
+fn extent_m(outline: &Outline) -> f64 {
+    match *outline {
+        Outline::Disc { diameter_m } => diameter_m,
+        Outline::Rectangle { length_m, width_m } => length_m.max(width_m),
+        Outline::Ring { outer_diameter_m, .. } => outer_diameter_m,
+    }
+}
+
+/// What is unusual of the specimen's size.
+fn outline_told(
+    document: &Document,
+    table: &Spanned<SpecimenFile>,
+    outline: &Outline,
+) -> Result<Option<Diagnostic>, Diagnostic> {
+    let file = table.get_ref();
+    let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
+    let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
+    SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
+}
+
+/// What is unusual of the bulk.
+fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
+    if let Some(std) = bulk.youngs_modulus_std_gpa.as_ref().filter(|std| *std.get_ref() >= modulus_gpa) {
+        let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
+        return Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"));
+    }
+    let judged = [(MODULUS, &bulk.youngs_modulus_gpa), (DENSITY, &bulk.density_g_cm3)];
+    let told = judged.into_iter().filter_map(|(quantity, number)| {
+        quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
+    });
+    told.collect()
+}
+
+/// The pattern, of which one period fits on the specimen: what the model's cell takes grows with it.
+fn read_fitting_pattern(
+    document: &Document,
+    table: &Spanned<PatternFile>,
+    outline: &Outline,
+) -> Result<Pattern, Diagnostic> {
+    let pattern = read_pattern(document, table, &DEFAULT_LAYER)?;
+    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(outline)));
+    if pitch_mm > extent_mm {
+        let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");
+        return Err(document
+            .refuse(table.span(), reason)
+            .expected("width_um and spacing_um of which a period fits on the specimen"));
+    }
+    Ok(pattern)
+}
+
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
-type Measured = (Vec<Measurement>, Vec<Measurement>, Vec<ConditionTraces>);
+struct Measured {
+    flat: Vec<Placed>,
+    patterned: Vec<Placed>,
+    traces: Vec<ConditionTraces>,
+}
 
 fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured, Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
@@ -235,7 +367,8 @@ fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured
         let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
         for (table, name) in tables.iter_mut().zip(names) {
             if let Some(name) = name {
-                *table = measurements::read(&existing(document, name, name.get_ref())?)?;
+                let path = existing(document, name, name.get_ref())?;
+                *table = Placed::rows(&path, measurements::read(&path)?);
             }
         }
     }
@@ -243,23 +376,28 @@ fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured
     if let Some(table) = &file.traces {
         let (setup, conditions) = traces::read_table(document, table.get_ref())?;
         for kind in SurfaceKind::ALL {
-            if !tables[kind as usize].is_empty() && conditions.iter().any(|condition| condition.surface == kind) {
+            if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {
                 let reason = format!("has {} samples, and so has [measurements]", kind.name());
                 return Err(document.refuse(table.span(), reason).expected("one of the two"));
             }
         }
-        for condition in &conditions {
-            let traces = traces::analyse_condition(&setup, condition)?;
-            tables[condition.surface as usize].push(traces.measurement());
+        let only: Vec<TraceCondition> = conditions.iter().map(|(_, condition)| condition.clone()).collect();
+        for (traces, (span, condition)) in traces::analyse_conditions(&setup, &only)?.into_iter().zip(&conditions) {
+            let line = document.refuse(span.clone(), "").line.unwrap_or(1);
+            let (measurement, path) = (traces.measurement(), document.path().to_owned());
+            tables[condition.surface as usize].push(Placed { measurement, path, line });
             read.push(traces);
         }
     }
     let [flat, patterned] = tables;
     if flat.is_empty() {
-        let place = file.measurements.as_ref().map_or(0..0, Spanned::span);
-        return Err(document.missing(place, "measurements.flat").expected("a table, or [traces] of flat samples"));
+        let missing = match &file.measurements {
+            Some(table) => document.missing(table.span(), "flat"),
+            None => document.missing(0..0, "measurements.flat"),
+        };
+        return Err(missing.expected("a table, or [traces] of flat samples"));
     }
-    Ok((flat, patterned, read))
+    Ok(Measured { flat, patterned, traces: read })
 }
 
 fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {

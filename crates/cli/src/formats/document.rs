@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 use super::file_kind::FileKind;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::input::read_text;
+use crate::plausible;
 use crate::units::Quantity;
 
 /// Letters of a refused value that a message repeats.
@@ -127,7 +128,8 @@ impl Document {
         if quantity.accepts(*value.get_ref()) {
             Ok(quantity.to_si(*value.get_ref()))
         } else {
-            Err(self.refuse(value.span(), "is out of range").expected(quantity.to_string()))
+            let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
+            Err(self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}")))
         }
     }
 
@@ -221,7 +223,16 @@ impl Document {
             ("map", "table"),
         ];
         let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
+        // Names of the program's own types are none of the user's words.
+        let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
+        let is_listed = self.text.get(span.clone()).is_some_and(|text| text.starts_with("[["));
         let mut refused = self.refuse(span, "");
+        if is_listed && message.starts_with("invalid type: map") {
+            let key = refused.key.clone().unwrap_or_default();
+            refused.value = None;
+            "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
+            return refused.expected(format!("one table, [{key}]"));
+        }
         if let Some((what, expected)) = said.rsplit_once(", expected ") {
             what.clone_into(&mut refused.reason);
             refused = refused.expected(expected);
@@ -321,6 +332,11 @@ mod tests {
                 "inner = { width_um = \"wide\" }",
                 "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number",
             ),
+            (
+                "[[inner]]\nwidth_um = 1.0",
+                "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
+            ),
+            ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
             (
                 "[inner]\nwidth_um = 1\ncount = -3",
                 "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",

@@ -40,19 +40,26 @@ struct AblationFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
-    shape: Spanned<String>,
+    /// `disc`, `rectangle` or `ring`.
+    pub shape: Spanned<String>,
+    /// Of a disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    diameter_mm: Option<Number>,
+    pub diameter_mm: Option<Number>,
+    /// Of a rectangle, along the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    length_mm: Option<Number>,
+    pub length_mm: Option<Number>,
+    /// Of a rectangle, across it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    width_mm: Option<Number>,
+    pub width_mm: Option<Number>,
+    /// Of a ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    outer_diameter_mm: Option<Number>,
+    pub outer_diameter_mm: Option<Number>,
+    /// Of its hole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    inner_diameter_mm: Option<Number>,
+    pub inner_diameter_mm: Option<Number>,
+    /// What becomes of cavities at the rim: `whole` or `clipped`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    cavities: Option<Spanned<String>>,
+    pub cavities: Option<Spanned<String>>,
 }
 
 impl From<&Specimen> for SpecimenFile {

@@ -36,13 +36,13 @@ const COLUMNS: [(&str, Quantity, bool); 7] = [
     ("mu_static_std", FRICTION_STD, false),
 ];
 
-/// Reads the table at `path`.
+/// Reads the table at `path`: every row with its line.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
-pub fn read(path: &Path) -> Result<Vec<Measurement>, Diagnostic> {
+pub fn read(path: &Path) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
     let text = read_text(path, "a table of measurements")?;
-    parse(path, &text)
+    rows(path, &text)
 }
 
 /// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments.
@@ -50,6 +50,10 @@ pub fn read(path: &Path) -> Result<Vec<Measurement>, Diagnostic> {
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
 pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
+    Ok(rows(path, text)?.into_iter().map(|(_, row)| row).collect())
+}
+
+fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
     let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
         line: Some(line),
         key: key.map(Into::into),
@@ -123,15 +127,15 @@ pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
             mu_static_std,
         ] = values
         {
-            rows.push(Measurement {
-                force_n,
-                speed_m_s,
-                humidity,
-                mu_dynamic,
-                mu_dynamic_std,
-                mu_static,
-                mu_static_std,
-            });
+            let (given, lacking) = (COLUMNS[5].0, COLUMNS[6].0);
+            if mu_static.is_some() != mu_static_std.is_some() {
+                let (there, absent) = if mu_static.is_some() { (given, lacking) } else { (lacking, given) };
+                return Err(refuse(line, Some(there), None, format!("stands without {absent}"))
+                    .expected("both in a row, or neither where no static peak was measured"));
+            }
+            let row =
+                Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, mu_static, mu_static_std };
+            rows.push((line, row));
         }
     }
     if rows.is_empty() {
@@ -209,6 +213,11 @@ mod tests {
             (format!("{header}\n50,2,15,NaN,0.01"), "a.csv:2: mu_dynamic: \"NaN\" is out of range"),
             (format!("{header}\n\n50,2,150,0.2,0.01"), "a.csv:3: humidity_pct: \"150\" is out of range"),
             (format!("{header}\n50,fast,15,0.2,0.01"), "a.csv:2: speed_mm_s: \"fast\" is no number"),
+            (format!("{header},mu_static,mu_static_std\n50,2,15,0.2,0.01,0.3,"), "a.csv:2: mu_static: stands without"),
+            (
+                format!("{header},mu_static_std\n50,2,15,0.2,0.01,0.1"),
+                "a.csv:2: mu_static_std: stands without mu_static",
+            ),
             (header.replace("force_n", "force_kn"), "a.csv:1: force_kn: is not a known column"),
             (header.replace("force_n,", ""), "a.csv:1: force_n: is missing"),
         ] {

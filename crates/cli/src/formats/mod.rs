@@ -10,6 +10,7 @@ pub mod laser;
 pub mod limits;
 pub mod material;
 pub mod material_uncertainty;
+pub mod measured;
 pub mod measurements;
 pub mod pattern;
 pub mod scene;
@@ -20,6 +21,7 @@ pub mod trace_columns;
 pub mod trace_file;
 pub mod traces;
 pub mod trade_offs;
+pub mod unusual;
 pub mod values;
 
 pub use document::Document;

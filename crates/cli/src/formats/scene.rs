@@ -13,6 +13,7 @@ use super::laser::{SpecimenFile, read_specimen};
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::{MaterialUncertainty, read_referenced};
 use super::pattern::{PatternFile, read_pattern, require_section};
+use super::unusual;
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::on_specimen::{self, SpecimenError};
@@ -149,6 +150,8 @@ pub struct SceneInput {
     pub specimen: Option<Specimen>,
     /// Per load: coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
+    /// What is unusual in the file and its material.
+    pub told: Vec<Diagnostic>,
     document: Document,
     places: Places,
 }
@@ -221,7 +224,9 @@ impl SceneInput {
         {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
-        let input = Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, document, places };
+        let told = unusual::of_scene(&document, file);
+        let input =
+            Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }

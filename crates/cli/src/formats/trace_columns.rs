@@ -64,24 +64,90 @@ impl Channel {
     const fn units(self) -> &'static [(&'static str, f64)] {
         const MINUTE: f64 = 60.0;
         const GRAM_FORCE: f64 = 9.806_65e-3;
-        const FORCE: &[(&str, f64)] =
-            &[("n", 1.0), ("mn", 1e-3), ("kn", 1e3), ("gf", GRAM_FORCE), ("kgf", 1e3 * GRAM_FORCE)];
+        const POUND_FORCE: f64 = 4.448_221_615_260_5;
+        const INCH: f64 = 25.4e-3;
+        const FORCE: &[(&str, f64)] = &[
+            ("n", 1.0),
+            ("newton", 1.0),
+            ("newtons", 1.0),
+            ("mn", 1e-3),
+            ("un", 1e-6),
+            ("kn", 1e3),
+            ("dan", 10.0),
+            ("gf", GRAM_FORCE),
+            ("kgf", 1e3 * GRAM_FORCE),
+            ("kp", 1e3 * GRAM_FORCE),
+            ("lbf", POUND_FORCE),
+        ];
         match self {
-            Self::Time => &[("s", 1.0), ("sec", 1.0), ("seconds", 1.0), ("ms", 1e-3), ("min", MINUTE), ("h", 3600.0)],
-            Self::Torque => &[("nm", 1.0), ("mnm", 1e-3), ("ncm", 1e-2), ("nmm", 1e-3)],
+            Self::Time => &[
+                ("s", 1.0),
+                ("sec", 1.0),
+                ("secs", 1.0),
+                ("second", 1.0),
+                ("seconds", 1.0),
+                ("ms", 1e-3),
+                ("msec", 1e-3),
+                ("milliseconds", 1e-3),
+                ("us", 1e-6),
+                ("min", MINUTE),
+                ("mins", MINUTE),
+                ("minutes", MINUTE),
+                ("h", 3600.0),
+                ("hr", 3600.0),
+                ("hours", 3600.0),
+            ],
+            Self::Torque => &[
+                ("nm", 1.0),
+                ("mnm", 1e-3),
+                ("unm", 1e-6),
+                ("knm", 1e3),
+                ("ncm", 1e-2),
+                ("nmm", 1e-3),
+                ("kgfm", 1e3 * GRAM_FORCE),
+                ("kgfcm", 10.0 * GRAM_FORCE),
+                ("gfcm", 1e-2 * GRAM_FORCE),
+                ("lbfin", POUND_FORCE * INCH),
+                ("inlbf", POUND_FORCE * INCH),
+                ("lbfft", 12.0 * POUND_FORCE * INCH),
+                ("ftlbf", 12.0 * POUND_FORCE * INCH),
+            ],
             Self::FrictionForce | Self::NormalForce => FORCE,
             Self::Speed => &[
                 ("mms", 1e-3),
                 ("ms", 1.0),
                 ("cms", 1e-2),
                 ("ums", 1e-6),
-                ("rpm", 1.0 / MINUTE),
                 ("mmin", 1.0 / MINUTE),
+                ("mmmin", 1e-3 / MINUTE),
+                ("cmmin", 1e-2 / MINUTE),
+                ("ummin", 1e-6 / MINUTE),
+                ("kmh", 1.0 / 3.6),
             ],
-            Self::Revolutions => {
-                &[("rpm", 1.0 / MINUTE), ("1min", 1.0 / MINUTE), ("revmin", 1.0 / MINUTE), ("1s", 1.0)]
-            }
-            Self::Humidity => &[("pct", 1e-2), ("%", 1e-2), ("rh", 1e-2), ("%rh", 1e-2), ("percent", 1e-2)],
+            Self::Revolutions => &[
+                ("rpm", 1.0 / MINUTE),
+                ("1min", 1.0 / MINUTE),
+                ("min1", 1.0 / MINUTE),
+                ("rmin", 1.0 / MINUTE),
+                ("umin", 1.0 / MINUTE),
+                ("revmin", 1.0 / MINUTE),
+                ("1s", 1.0),
+                ("s1", 1.0),
+                ("hz", 1.0),
+                ("rps", 1.0),
+                ("revs", 1.0),
+                ("rads", 1.0 / std::f64::consts::TAU),
+            ],
+            Self::Humidity => &[
+                ("pct", 1e-2),
+                ("%", 1e-2),
+                ("rh", 1e-2),
+                ("%rh", 1e-2),
+                ("rh%", 1e-2),
+                ("%rf", 1e-2),
+                ("pctrh", 1e-2),
+                ("percent", 1e-2),
+            ],
             Self::Repeat => &[("", 1.0)],
         }
     }
@@ -129,16 +195,21 @@ impl Column {
         if unit.is_empty() {
             return Ok(());
         }
-        self.factor = self.factor_of(&unit).ok_or_else(|| cell.trim().to_owned())?;
+        let written = || cell.trim().trim_matches(|letter: char| "[](){}\"".contains(letter)).trim().to_owned();
+        self.factor = self.factor_of(&unit).ok_or_else(written)?;
         Ok(())
     }
 
     fn factor_of(&mut self, unit: &str) -> Option<f64> {
+        let of = |channel: Channel| channel.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor);
         // A speed in revolutions is of the axis.
-        if self.channel == Channel::Speed && matches!(unit, "rpm" | "1min") {
+        if self.channel == Channel::Speed
+            && let Some(factor) = of(Channel::Revolutions)
+        {
             self.channel = Channel::Revolutions;
+            return Some(factor);
         }
-        self.channel.units().iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
+        of(self.channel)
     }
 }
 
@@ -148,6 +219,15 @@ impl Column {
 /// Name and unit of a column that is used and whose unit is not known.
 pub fn columns(cells: &[&str]) -> Result<Vec<Option<Column>>, (String, String)> {
     cells.iter().map(|cell| column(cell)).collect()
+}
+
+/// How many columns of kinds that a trace needs a header names, known or unknown in their units.
+pub fn needed_columns(cells: &[&str]) -> usize {
+    let is_needed = |cell: &str| match column(cell) {
+        Ok(found) => found.is_some_and(|column| column.channel.is_needed()),
+        Err(_) => true,
+    };
+    cells.iter().filter(|cell| is_needed(cell)).count()
 }
 
 fn column(cell: &str) -> Result<Option<Column>, (String, String)> {
@@ -177,7 +257,12 @@ fn channel(name: &str) -> Option<Channel> {
 /// A unit without brackets, dots, spaces and signs: `[N·m]` is `nm`, `mm/s` is `mms`.
 fn unit_letters(cell: &str) -> String {
     let kept = cell.chars().filter(|c| c.is_alphanumeric() || *c == '%');
-    kept.map(|c| if matches!(c, 'µ' | 'μ') { 'u' } else { c.to_ascii_lowercase() }).collect()
+    let plain = |letter| match letter {
+        'µ' | 'μ' => 'u',
+        '¹' => '1',
+        letter => letter.to_ascii_lowercase(),
+    };
+    kept.map(plain).collect()
 }
 
 #[cfg(test)]
@@ -202,6 +287,16 @@ mod tests {
             ("speed_mm_s", Channel::Speed, 1e-3),
             ("Sliding speed (m/s)", Channel::Speed, 1.0),
             ("speed [rpm]", Channel::Revolutions, 1.0 / 60.0),
+            ("speed [rad/s]", Channel::Revolutions, 1.0 / std::f64::consts::TAU),
+            ("speed (mm/min)", Channel::Speed, 1e-3 / 60.0),
+            ("velocity_um_s", Channel::Speed, 1e-6),
+            ("Drehzahl [min\u{207b}¹]", Channel::Revolutions, 1.0 / 60.0),
+            ("Drehzahl (U/min)", Channel::Revolutions, 1.0 / 60.0),
+            ("time (hours)", Channel::Time, 3600.0),
+            ("Fz [lbf]", Channel::NormalForce, 4.448_221_615_260_5),
+            ("Fz [daN]", Channel::NormalForce, 10.0),
+            ("torque [lbf.in]", Channel::Torque, 4.448_221_615_260_5 * 25.4e-3),
+            ("RH [% r.h.]", Channel::Humidity, 1e-2),
             ("RH [%]", Channel::Humidity, 1e-2),
             ("humidity_pct", Channel::Humidity, 1e-2),
             ("run", Channel::Repeat, 1.0),
@@ -212,6 +307,6 @@ mod tests {
         for other in ["COF", "Temperature [C]", "Z-position (mm)", ""] {
             assert_eq!(column(other), Ok(None), "{other}");
         }
-        assert_eq!(column("Fz [psi]"), Err(("Fz [psi]".into(), "psi]".into())));
+        assert_eq!(column("Fz [psi]"), Err(("Fz [psi]".into(), "psi".into())));
     }
 }

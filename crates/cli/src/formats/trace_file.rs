@@ -4,7 +4,7 @@ use std::path::Path;
 
 use slipgrid_calibrate::trace::{Tangential, TraceChannels};
 
-use super::trace_columns::{Channel, Column, columns};
+use super::trace_columns::{Channel, Column, columns, needed_columns};
 use crate::diagnostic::Diagnostic;
 use crate::input::read_bytes;
 
@@ -21,6 +21,8 @@ pub struct Recorded {
     pub humidity: Option<f64>,
     /// Rows without a number in a needed column: left out.
     pub incomplete_rows: usize,
+    /// Rows that repeat the row before them: left out.
+    pub repeated_rows: usize,
 }
 
 /// A file of one repeat or several.
@@ -75,10 +77,8 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
     let Some((separator, header)) = lines().find_map(|(number, line)| {
         let separator = SEPARATORS.into_iter().find(|&separator| line.contains(separator))?;
         let cells = cut(line, separator);
-        // A table has at least two of its columns named; one may be what is missing.
-        let found = columns(&cells).ok()?;
-        let needed = found.iter().flatten().filter(|column| column.channel.is_needed()).count();
-        (needed >= 2).then_some((separator, Line { number, cells }))
+        // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
+        (needed_columns(&cells) >= 2).then_some((separator, Line { number, cells }))
     }) else {
         return Err(Diagnostic::file(path, "has no line that names its columns")
             .expected("a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`"));
@@ -148,8 +148,9 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
 
 fn unknown_unit(refuse: &dyn Fn(u32, String) -> Diagnostic, line: u32, name: &str, unit: &str) -> Diagnostic {
     let reason = format!("has the unit \"{unit}\", which is not known");
-    Diagnostic { key: Some(name.into()), ..refuse(line, reason) }
-        .expected("s, ms or min; N m, N mm, N cm or mN m; N, mN, kN or gf; mm/s, m/s or rpm; %")
+    Diagnostic { key: Some(name.into()), ..refuse(line, reason) }.expected(
+        "s, ms, min or h; N m, N mm, N cm or mN m; N, mN, kN, gf, kgf or lbf; mm/s, m/s, mm/min, um/s or rpm; %",
+    )
 }
 
 fn check_layout(
@@ -222,7 +223,7 @@ fn is_missing(cell: &str) -> bool {
 }
 
 /// Values of one row by channel, SI units.
-#[derive(Default)]
+#[derive(Clone, Default, PartialEq)]
 struct Row([Option<f64>; Channel::COUNT]);
 
 impl Row {
@@ -255,6 +256,8 @@ struct Table {
     turns_per_s: Vec<f64>,
     humidity: Vec<f64>,
     incomplete: usize,
+    repeated: usize,
+    last: Option<Row>,
 }
 
 impl Table {
@@ -270,6 +273,11 @@ impl Table {
             self.incomplete += 1;
             return;
         };
+        if self.last.as_ref() == Some(row) {
+            self.repeated += 1;
+            return;
+        }
+        self.last = Some(row.clone());
         self.time_s.push(time_s);
         self.normal_force_n.push(normal_force_n);
         self.torque_nm.extend(torque);
@@ -291,6 +299,7 @@ impl Table {
             speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
             humidity: mean(&self.humidity),
             incomplete_rows: self.incomplete,
+            repeated_rows: self.repeated,
             channels: TraceChannels {
                 tangential: if self.torque_nm.is_empty() {
                     Tangential::ForceN(self.friction_n)

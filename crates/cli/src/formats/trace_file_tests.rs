@@ -62,11 +62,22 @@ fn refusals_name_line_and_column() {
         ("time,Tz,Temp\n0,1,2\n", "t.csv:1: no column is the normal force"),
         ("time,Fz,Temp\n0,1,2\n", "t.csv:1: no column is the torque or the friction force"),
         ("time,Tz,Fz,Fx\n0,1,2,3\n", "t.csv:1: has both a torque and a friction force"),
-        ("time;Tz;Fz\ns;lbf ft;N\n0;1;2\n", "t.csv:2: Tz: has the unit \"lbf ft\", which is not known"),
+        ("time;Tz;Fz\ns;bananas;N\n0;1;2\n", "t.csv:2: Tz: has the unit \"bananas\", which is not known"),
+        ("time [s];Tz [Nm];Fz [psi]\n0;1;2\n", "t.csv:1: Fz [psi]: has the unit \"psi\", which is not known"),
     ] {
         let refused = parsed(text).unwrap_err();
         assert!(refused.starts_with(message), "{refused}");
     }
     let armless = parse(Path::new("t.csv"), "time,Tz,Fz\n0,1,2\n", None).unwrap_err().to_string();
     assert!(armless.contains("no effective radius is given"), "{armless}");
+}
+
+#[test]
+fn rows_that_repeat_the_row_before_are_left_out_and_counted() {
+    let found = parsed("time,Tz,Fz\n0,1,2\n0,1,2\n1,1,2\n1,1,2\n1,1,2\n2,1,2\n").unwrap();
+    let repeat = &found.repeats[0];
+    assert_eq!((repeat.channels.time_s.as_slice(), repeat.repeated_rows), (&[0.0, 1.0, 2.0][..], 3));
+    // Another value at the same time is another sample.
+    let found = parsed("time,Tz,Fz\n0,1,2\n0,1.5,2\n1,1,2\n").unwrap();
+    assert_eq!((found.repeats[0].channels.time_s.len(), found.repeats[0].repeated_rows), (3, 0));
 }

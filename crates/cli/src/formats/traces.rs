@@ -1,9 +1,12 @@
 //! The table `[traces]` of a calibration: which exports belong to which condition, and what they say.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_calibrate::trace::{DEFAULT_WINDOW_S, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average};
+use slipgrid_calibrate::trace::{
+    DEFAULT_WINDOW_S, Repeats, Tangential, TraceChannels, TraceFindings, TraceFlag, TraceOptions, analyse, average,
+};
 use toml::Spanned;
 
 use super::document::Document;
@@ -11,6 +14,7 @@ use super::measurements::Measurement;
 use super::trace_file;
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
+use crate::plausible::FRICTION;
 use crate::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
 /// `[traces]` as a file writes it.
@@ -20,6 +24,7 @@ pub struct TracesFile {
     window_s: Option<NumberList>,
     effective_radius_mm: Option<Number>,
     specimens: Option<Spanned<u64>>,
+    static_peak: Option<bool>,
     condition: Spanned<Vec<ConditionFile>>,
 }
 
@@ -65,6 +70,8 @@ pub struct TraceSetup {
     pub effective_radius_m: Option<f64>,
     /// Specimens that share the recorded normal force.
     pub specimens: u32,
+    /// Look for a static peak.
+    pub static_peak: bool,
 }
 
 /// Traces of one condition.
@@ -128,11 +135,14 @@ const SPEED_OFF: f64 = 0.1;
 /// Departure of a recorded humidity that is told.
 const HUMIDITY_OFF: f64 = 0.05;
 
+/// Conditions, each with its place in the file.
+pub type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
+
 /// Reads the table; files are looked for.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in it.
-pub fn read_table(document: &Document, file: &TracesFile) -> Result<(TraceSetup, Vec<TraceCondition>), Diagnostic> {
+pub fn read_table(document: &Document, file: &TracesFile) -> Result<(TraceSetup, PlacedConditions), Diagnostic> {
     let window_s =
         file.window_s.as_ref().map_or(Ok(DEFAULT_WINDOW_S), |window| match document.numbers(window, TIME_S)?[..] {
             [from, to] if from < to => Ok([from, to]),
@@ -151,11 +161,21 @@ pub fn read_table(document: &Document, file: &TracesFile) -> Result<(TraceSetup,
     if file.condition.get_ref().is_empty() {
         return Err(document.refuse(file.condition.span(), "is empty").expected("at least one [[traces.condition]]"));
     }
-    let conditions = file.condition.get_ref().iter().map(|condition| read_condition(document, condition));
-    Ok((TraceSetup { window_s, effective_radius_m, specimens }, conditions.collect::<Result<_, _>>()?))
+    let static_peak = file.static_peak.unwrap_or(true);
+    // Every export that was named, with its own place and line.
+    let mut named: Vec<(PathBuf, Option<u32>)> = Vec::new();
+    let mut conditions = Vec::new();
+    for condition in file.condition.get_ref() {
+        conditions.push((condition.force_n.span(), read_condition(document, condition, &mut named)?));
+    }
+    Ok((TraceSetup { window_s, effective_radius_m, specimens, static_peak }, conditions))
 }
 
-fn read_condition(document: &Document, file: &ConditionFile) -> Result<TraceCondition, Diagnostic> {
+fn read_condition(
+    document: &Document,
+    file: &ConditionFile,
+    named: &mut Vec<(PathBuf, Option<u32>)>,
+) -> Result<TraceCondition, Diagnostic> {
     let surface = file
         .surface
         .as_ref()
@@ -166,6 +186,16 @@ fn read_condition(document: &Document, file: &ConditionFile) -> Result<TraceCond
         let found = matching(&document.resolve(name.get_ref()));
         if found.is_empty() {
             return Err(document.refuse(name.span(), "names no file").expected("an export, or a name with * in it"));
+        }
+        for path in &found {
+            let own = whole(path);
+            let here = document.refuse(name.span(), "");
+            if let Some((_, line)) = named.iter().find(|(other, _)| *other == own) {
+                let before = line.map_or_else(String::new, |line| format!(", as line {line} does"));
+                let reason = format!("names {} once more{before}: one export is one repeat", path.display());
+                return Err(Diagnostic { reason, ..here }.expected("each export once"));
+            }
+            named.push((own, here.line));
         }
         files.extend(found);
     }
@@ -179,6 +209,11 @@ fn read_condition(document: &Document, file: &ConditionFile) -> Result<TraceCond
         humidity: number(&file.humidity_pct, HUMIDITY_PCT)?,
         files,
     })
+}
+
+/// The path from the root, by which one file is known under any name.
+fn whole(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
 /// Files whose names fit `pattern`, in which * stands for any letters of the name; sorted.
@@ -212,16 +247,48 @@ fn fits(name: &str, parts: &[&str]) -> bool {
     true
 }
 
+/// Reads and analyses every trace of all conditions.
+///
+/// # Errors
+/// As [`analyse_condition`], and for an export that holds what another holds.
+pub fn analyse_conditions(
+    setup: &TraceSetup,
+    conditions: &[TraceCondition],
+) -> Result<Vec<ConditionTraces>, Diagnostic> {
+    let mut seen = Vec::new();
+    conditions.iter().map(|condition| analyse_among(setup, condition, &mut seen)).collect()
+}
+
 /// Reads and analyses every trace of a condition.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that is no export, or the first trace that cannot be used; how many more
-/// there are is said.
+/// [`Diagnostic`] for a file that is no export, that is given twice or holds what another holds, or the first trace
+/// that cannot be used; how many more there are is said.
 pub fn analyse_condition(setup: &TraceSetup, condition: &TraceCondition) -> Result<ConditionTraces, Diagnostic> {
+    analyse_among(setup, condition, &mut Vec::new())
+}
+
+/// A trace that was read, by its label and what is nearly unique of it: samples, and the sums of its channels.
+type Seen = (String, usize, [u64; 3]);
+
+fn fingerprint(channels: &TraceChannels) -> (usize, [u64; 3]) {
+    let (Tangential::TorqueNm(tangential) | Tangential::ForceN(tangential)) = &channels.tangential;
+    // Sums of squares: of the clock's own start nothing is left but in the first.
+    let sum = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().to_bits();
+    (channels.time_s.len(), [sum(&channels.time_s), sum(tangential), sum(&channels.normal_force_n)])
+}
+
+fn analyse_among(
+    setup: &TraceSetup,
+    condition: &TraceCondition,
+    seen: &mut Vec<Seen>,
+) -> Result<ConditionTraces, Diagnostic> {
     let options = TraceOptions {
         window_s: setup.window_s,
         effective_radius_m: setup.effective_radius_m.unwrap_or(f64::NAN),
         nominal_force_n: Some(condition.force_n * f64::from(setup.specimens)),
+        speed_m_s: condition.speed_m_s,
+        static_peak: setup.static_peak,
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {
@@ -230,16 +297,37 @@ pub fn analyse_condition(setup: &TraceSetup, condition: &TraceCondition) -> Resu
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
+            let which = if several { format!("repeat {}: ", repeat.number) } else { String::new() };
+            let (samples, sums) = fingerprint(&repeat.channels);
+            if let Some((other, ..)) = seen.iter().find(|(_, n, other)| (*n, other) == (samples, &sums)) {
+                let reason = format!("{which}holds the {samples} samples of {other} again: one export given twice");
+                return Err(
+                    Diagnostic::file(path, reason).expected("each repeat once; remove or replace one of the two")
+                );
+            }
+            seen.push((label.clone(), samples, sums));
+            if let Some(reason) = stands_still(condition, repeat) {
+                refused.push(Diagnostic::file(path, format!("{which}{reason}")));
+                continue;
+            }
             match analyse(&repeat.channels, &options) {
                 Ok(findings) => {
                     let mut flags: Vec<String> = findings.flags.iter().map(TraceFlag::to_string).collect();
                     flags.extend(departures(condition, repeat));
+                    let mu = findings.window.mu;
+                    match FRICTION.judge(mu) {
+                        Ok(told) => flags.extend(told.map(|reason| format!("mu {mu:.4} {reason}"))),
+                        Err(expected) => {
+                            let reason = format!("{which}friction is {mu:.4} in the window, which cannot be");
+                            refused.push(Diagnostic::file(path, reason).expected(format!(
+                                "{expected}; the unit of a column stands in its name, as `torque_mnm`"
+                            )));
+                            continue;
+                        }
+                    }
                     traces.push(ReadTrace { label, findings, flags });
                 }
-                Err(error) => {
-                    let which = if several { format!("repeat {}: ", repeat.number) } else { String::new() };
-                    refused.push(Diagnostic::file(path, format!("{which}{error}")));
-                }
+                Err(error) => refused.push(Diagnostic::file(path, format!("{which}{error}"))),
             }
         }
     }
@@ -257,6 +345,18 @@ pub fn analyse_condition(setup: &TraceSetup, condition: &TraceCondition) -> Resu
     }
 }
 
+/// Recorded speed over the nominal one below which the drive stood still.
+const STILL: f64 = 0.01;
+
+/// Says that a trace was recorded at rest, where it has a column of speed.
+fn stands_still(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Option<String> {
+    let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
+    let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
+    Some(format!(
+        "the recorded speed is {found:.4} mm/s, of {nominal} mm/s: the sample does not slide, or its unit is another"
+    ))
+}
+
 /// Where recorded speed, humidity and rows are not what the condition says.
 fn departures(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Vec<String> {
     let mut flags = Vec::new();
@@ -267,6 +367,10 @@ fn departures(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Vec<
     if let Some(humidity) = repeat.humidity.filter(|h| (h - condition.humidity).abs() > HUMIDITY_OFF) {
         let (found, nominal) = (HUMIDITY_PCT.from_si(humidity), HUMIDITY_PCT.from_si(condition.humidity));
         flags.push(format!("the recorded humidity is {found:.1} %, not the nominal {nominal}"));
+    }
+    if repeat.repeated_rows > 0 {
+        let (count, all) = (repeat.repeated_rows, repeat.repeated_rows + repeat.channels.time_s.len());
+        flags.push(format!("{count} of {all} rows repeat the row before them and were left out"));
     }
     if repeat.incomplete_rows > 0 {
         flags.push(format!("{} rows without a number were left out", repeat.incomplete_rows));

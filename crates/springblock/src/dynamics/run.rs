@@ -46,6 +46,15 @@ pub struct Scheme {
 }
 
 impl Scheme {
+    /// The time step where `scene` names none, in seconds.
+    #[must_use]
+    pub fn own_step_s(scene: &Scene) -> f64 {
+        match scene.run.fidelity {
+            Fidelity::Reference => REFERENCE_STEP_S,
+            _ => LEAPFROG_STEP * Scales::new(&scene.elastic, scene.layer.block_m).time_s,
+        }
+    }
+
     /// The scheme that `scene` asks for on `lattice`.
     ///
     /// # Errors
@@ -53,13 +62,13 @@ impl Scheme {
     pub fn choose(scene: &Scene, lattice: &Lattice) -> Result<Self, SceneError> {
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let runge_kutta = scene.run.fidelity == Fidelity::Reference;
-        let (default_law, default_step_s, limit, name) = if runge_kutta {
-            (Springs::Exact, REFERENCE_STEP_S, RUNGE_KUTTA_LIMIT, "Runge-Kutta method")
+        let (default_law, limit, name) = if runge_kutta {
+            (Springs::Exact, RUNGE_KUTTA_LIMIT, "Runge-Kutta method")
         } else {
-            (Springs::Linear, LEAPFROG_STEP * scales.time_s, LEAPFROG_LIMIT, "leapfrog")
+            (Springs::Linear, LEAPFROG_LIMIT, "leapfrog")
         };
         let limit_s = limit / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
-        let step_s = scene.run.step_s.unwrap_or(default_step_s);
+        let step_s = scene.run.step_s.unwrap_or_else(|| Self::own_step_s(scene));
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: name });
         }

@@ -1,6 +1,8 @@
 //! The call into the fit.
 
-use slipgrid_calibrate::{AreaLawScale, CalibrationError, Measurement, Problem, StaticPeak, calibrate};
+use std::path::Path;
+
+use slipgrid_calibrate::{AreaLawScale, CalibrationError, Measurement, Problem, StaticPeak, calibrate, planned_steps};
 
 use slipgrid_material::THRESHOLD_PRESSURE_PA;
 
@@ -8,33 +10,32 @@ use super::details::FitDetails;
 use super::{CalibrationInput, Fit, FittedPair};
 use crate::CliError;
 use crate::commands::area_curve::persson_curve;
-use crate::formats::calibration::Coefficients;
+use crate::diagnostic::Diagnostic;
+use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 use crate::progress::Progress;
 
-/// Fits local coefficients to the measurements of `input`.
+/// What is fitted to the measurements of `input`.
 ///
 /// # Errors
-/// [`CliError::Other`] if nothing can be fitted.
-pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliError> {
-    let area_m2 = std::f64::consts::PI * input.specimen_radius_m * input.specimen_radius_m;
+/// [`CliError::Other`] if the law that is to be fitted has no curve.
+pub fn problem(input: &CalibrationInput) -> Result<Problem, CliError> {
     let measurements = input
         .measurements
         .iter()
         .map(|measured| Measurement {
-            // P = F / (pi r^2)
-            pressure_pa: measured.force_n / area_m2,
+            // P = F / A
+            pressure_pa: measured.force_n / input.specimen_area_m2,
             speed_m_s: measured.speed_m_s,
             mu_dynamic: measured.mu_dynamic,
             mu_dynamic_std: measured.mu_dynamic_std,
             static_peak: measured.mu_static.zip(measured.mu_static_std).map(|(mu, std)| StaticPeak { mu, std }),
         })
         .collect();
-    let scale = input.area_law_scale_pa.map(persson_scale).transpose()?;
-    let problem = Problem {
+    Ok(Problem {
         elastic: input.elastic,
         area_law: input.area_law.clone(),
-        area_law_scale: scale.clone(),
+        area_law_scale: input.area_law_scale_pa.map(persson_scale).transpose()?,
         layer: input.layer,
         measurements,
         coefficients: match input.coefficients {
@@ -44,24 +45,74 @@ pub fn fit(input: &CalibrationInput, progress: &Progress) -> Result<Fit, CliErro
         relative_std: input.relative_std,
         static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
         seed: input.seed,
+    })
+}
+
+/// Time steps of a lattice of 20,000 blocks in a second on one core, about.
+const STEPS_PER_S: f64 = 1e4;
+/// A fit that is estimated to take longer says so before it begins, in minutes.
+const LONG_MIN: f64 = 0.5;
+
+/// Says how long the fit will take, where that is long.
+pub fn estimate(problem: &Problem) -> Option<String> {
+    let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
+    let blocks = problem.layer.columns() as f64 * problem.layer.rows() as f64;
+    // Two rounds, each of two runs where peaks are fitted.
+    let runs = if problem.measurements.iter().any(|measured| measured.static_peak.is_some()) { 4.0 } else { 2.0 };
+    // Each run has one thread.
+    let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
+    let minutes = runs * steps as f64 * (blocks / 2e4) / (STEPS_PER_S * threads) / 60.0;
+    (minutes > LONG_MIN).then(|| {
+        format!("the runs of the flat sample take {steps} time steps a round, roughly {minutes:.1} minutes in all; slow sliding and heavy loads take the most")
+    })
+}
+
+/// A refused fit, at the measurement that it is about.
+pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> CliError {
+    let change = match error {
+        CalibrationError::Cancelled => return CliError::Other("stopped".to_owned()),
+        CalibrationError::NoSliding { status, .. } => match *status {
+            "no_onset" => {
+                "friction and a load at which the modelled layer slides as a whole, or no mu_static in this row"
+            }
+            _ => "a load and a speed at which the modelled layer slides",
+        },
+        CalibrationError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
+        CalibrationError::BeyondLaw { .. } => "another [surface], or a smaller load",
+        CalibrationError::NotQuasiStatic { .. } => "a larger force_n or a smaller speed_mm_s",
+        CalibrationError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
+        CalibrationError::TooMuchWork { .. } => "fewer rows, or larger speeds",
+        _ => return CliError::Other(format!("calibration: {error}")),
     };
-    let fitted = calibrate(&problem, progress).map_err(|error| match error {
-        CalibrationError::Cancelled => CliError::Other("stopped".to_owned()),
-        error => CliError::Other(format!("calibration: {error}")),
-    })?;
+    let text = error.to_string();
+    let reason = text.split_once(": expected").map_or(text.as_str(), |(reason, _)| reason);
+    let row = error.measurement().and_then(|number| calibration.place(calibration.flat.get(number - 1)?));
+    let Some(row) = row else { return Diagnostic::file(path, reason).expected(change).into() };
+    // The row is named by its condition instead of by its number.
+    let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
+    let reason = format!("({}): {reason}", row.condition());
+    CliError::from(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(change))
+}
+
+/// Fits local coefficients to the measurements of `problem`.
+///
+/// # Errors
+/// [`CalibrationError`] if nothing can be fitted.
+pub fn fit(problem: &Problem, progress: &Progress) -> Result<Fit, CalibrationError> {
+    let fitted = calibrate(problem, progress)?;
     Ok(Fit {
         pairs: fitted
             .pairs
             .iter()
             .map(|pair| FittedPair {
                 static_mean: pair.static_mean,
-                static_std_error: pair.static_std_error,
+                static_std_error: pair.static_std_error.filter(|error| error.is_finite()),
                 dynamic_mean: pair.dynamic_mean,
-                dynamic_std_error: Some(pair.dynamic_std_error),
+                dynamic_std_error: Some(pair.dynamic_std_error).filter(|error| error.is_finite()),
             })
             .collect(),
         residuals: fitted.predictions.iter().map(|prediction| prediction.residual).collect(),
-        details: FitDetails::new(&fitted, scale.as_ref()),
+        details: FitDetails::new(&fitted, problem.area_law_scale.as_ref()),
         notes: fitted.notes,
     })
 }

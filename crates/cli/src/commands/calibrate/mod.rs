@@ -51,8 +51,8 @@ pub struct CalibrationInput {
     pub elastic: Elastic,
     /// Area law; absent for Amontons-Coulomb.
     pub area_law: Option<AreaLaw>,
-    /// Radius of one specimen, in metres.
-    pub specimen_radius_m: f64,
+    /// Area of one specimen's face, in square metres.
+    pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub measurements: Vec<Measurement>,
     /// What is fitted.
@@ -212,7 +212,7 @@ fn calibrate(
     let mut input = CalibrationInput {
         elastic: calibration.elastic,
         area_law: law,
-        specimen_radius_m: calibration.specimen_radius_m,
+        specimen_area_m2: calibration.specimen_area_m2,
         measurements: calibration.flat.clone(),
         coefficients: calibration.coefficients,
         relative_std: calibration.relative_std,
@@ -220,10 +220,14 @@ fn calibrate(
         seed,
         area_law_scale_pa: calibration.area_law_scale_pa,
     };
+    let problem = fit::problem(&input)?;
+    if let Some(text) = fit::estimate(&problem) {
+        console.note(&text);
+    }
     let progress = Progress::start("calibration", console.quiet);
-    let fit = fit::fit(&input, &progress);
+    let fit = fit::fit(&problem, &progress);
     progress.finish();
-    let fit = fit?;
+    let fit = fit.map_err(|error| fit::refuse(&error, path, calibration))?;
     if calibration.area_law_scale_pa.is_some() {
         input.area_law.clone_from(&fit.details.area_law);
         facts.origin = Some("fit");

@@ -25,6 +25,7 @@ pub fn material_toml(
 ) -> Result<String, CliError> {
     let mut notes = fit.notes.clone();
     notes.extend(facts.notes.iter().cloned());
+    notes.extend(calibration.told.iter().cloned());
     notes.extend(crate::formats::traces::notes(&calibration.traces));
     notes.extend(discrepancy.map(Report::note));
     if facts.synthetic {
@@ -179,7 +180,7 @@ mod tests {
             poisson_ratio: 1.0 / 3.0,
             surface: Surface::None,
             threshold_pa: slipgrid_material::THRESHOLD_PRESSURE_PA,
-            specimen_radius_m: 5e-3,
+            specimen_area_m2: std::f64::consts::PI * 25e-6,
             flat: vec![measurement(200.0, 0.15), measurement(50.0, 0.8), measurement(50.0, 0.15)],
             patterned: Vec::new(),
             traces: Vec::new(),
@@ -188,6 +189,8 @@ mod tests {
             discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,
+            placed: Vec::new(),
+            told: Vec::new(),
         }
     }
 
@@ -201,7 +204,7 @@ mod tests {
         let input = CalibrationInput {
             elastic: calibration.elastic,
             area_law: Some(law.and_then(|law| law.with_factor_std(vec![0.0, 0.02])).unwrap()),
-            specimen_radius_m: calibration.specimen_radius_m,
+            specimen_area_m2: calibration.specimen_area_m2,
             measurements: calibration.flat.clone(),
             coefficients,
             relative_std: calibration.relative_std,

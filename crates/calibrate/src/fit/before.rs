@@ -1,0 +1,96 @@
+//! What can be known before the first dynamic run: peaks that say nothing, coefficients out of reach, time it takes.
+
+use slipgrid_springblock::MOST_STEPS;
+
+use super::{FRICTION_BOUNDS, Layout, first_guess};
+use crate::{CalibrationError, Problem, flat};
+
+/// Static peak over dynamic friction beyond which the model of the flat sample has none: at 0.64 MPa on the usual layer
+/// it is 1.03 for mu_s / mu_d of 1.2, 1.4 for 2, 1.83 for 3, and falls again beyond.
+const MOST_PEAK: f64 = 2.0;
+/// Static peak over dynamic friction, less one, that the model shows of equal coefficients already: smaller ones say
+/// nothing of mu_s.
+const LEAST_EXCESS: f64 = 1e-3;
+/// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
+const MOST_WORK: u64 = 10 * MOST_STEPS;
+
+/// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
+/// the inertia of the layer exceeds friction, it is 0.46.
+const DELTAS: [f64; 2] = [0.5, 1.5];
+
+/// Refuses dynamic runs that say nothing of steady friction.
+pub fn check_deltas(deltas: &[f64]) -> Result<(), CalibrationError> {
+    match (1..).zip(deltas).find(|(_, delta)| !(DELTAS[0]..=DELTAS[1]).contains(*delta)) {
+        Some((number, &delta)) => Err(CalibrationError::NotQuasiStatic { number, delta }),
+        None => Ok(()),
+    }
+}
+
+/// `problem` without the static peaks that do not exceed dynamic friction, and why.
+pub fn without_hidden_peaks(problem: &Problem) -> (Problem, Vec<String>) {
+    let mut problem = problem.clone();
+    let mut notes = Vec::new();
+    for number in 0..problem.measurements.len() {
+        let measured = problem.measurements[number];
+        let Some(peak) = measured.static_peak else { continue };
+        if peak.mu < (1.0 + LEAST_EXCESS) * measured.mu_dynamic {
+            notes.push(left_out(&problem, number, "does not exceed dynamic friction"));
+            problem.measurements[number].static_peak = None;
+        }
+    }
+    (problem, notes)
+}
+
+/// Says that the static peak of a measurement, from 0, is not used.
+pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
+    let measured = &problem.measurements[number];
+    let peak = measured.static_peak.map_or_else(String::new, |peak| format!(" {:.4} +- {:.4}", peak.mu, peak.std));
+    format!(
+        "static_mean of measurement {}: not determined by the data; its static peak{peak} {why} ({:.4} +- {:.4}) and is not fitted",
+        number + 1,
+        measured.mu_dynamic,
+        measured.mu_dynamic_std
+    )
+}
+
+/// Refuses what no run would bring nearer.
+pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
+    let most = FRICTION_BOUNDS[1];
+    for (measured, number) in problem.measurements.iter().zip(1..) {
+        if let Some(peak) = measured.static_peak {
+            let ratio = peak.mu / measured.mu_dynamic;
+            if ratio > MOST_PEAK {
+                return Err(CalibrationError::PeakTooHigh { number, ratio, most: MOST_PEAK });
+            }
+        }
+        if let Some(law) = &problem.area_law {
+            let factor = law.factor(measured.pressure_pa);
+            let mean = measured.mu_dynamic / factor;
+            if !mean.is_finite() || mean > most {
+                return Err(CalibrationError::BeyondLaw { number, factor, mean, most });
+            }
+        }
+    }
+    let steps = planned_steps(problem)?;
+    if let Some(i) = steps.iter().position(|steps| *steps > MOST_STEPS) {
+        let (steps, most) = (steps[i] as f64, MOST_STEPS as f64);
+        return Err(CalibrationError::TooManySteps { number: i + 1, steps, most });
+    }
+    let all = steps.iter().fold(0_u64, |sum, steps| sum.saturating_add(*steps));
+    if all > MOST_WORK {
+        return Err(CalibrationError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
+    }
+    Ok(())
+}
+
+/// Time steps of the first round's dynamic run of every measurement; a fit takes two rounds or more, and twice as many
+/// where static peaks are fitted.
+///
+/// # Errors
+/// [`CalibrationError`] if a number of `problem` has no meaning.
+pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
+    problem.validate()?;
+    let layout = Layout::new(problem);
+    let guess = first_guess(problem, &layout);
+    Ok(flat::planned_steps(problem, &layout.pairs(problem, &guess)?))
+}

@@ -1,0 +1,120 @@
+//! What a calibration's measurements must be before anything is computed from them, and where each stands.
+
+use std::path::{Path, PathBuf};
+
+use super::calibration::Coefficients;
+use super::measurements::Measurement;
+use crate::diagnostic::Diagnostic;
+use crate::plausible::{FORCE, FRICTION, PRESSURE, RELATIVE_DEVIATION, SPEED, STRAIN};
+use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+/// Values that differ by less than this part are the same.
+const SAME: f64 = 1e-9;
+
+/// A measurement and where it stands: a row of a table, or the traces of a condition.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Placed {
+    /// The measurement.
+    pub measurement: Measurement,
+    /// The file that holds it.
+    pub path: PathBuf,
+    /// Its line there, from 1.
+    pub line: u32,
+}
+
+/// What the measurements are judged by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specimens {
+    /// Area of one specimen's face, in square metres.
+    pub area_m2: f64,
+    /// Young's modulus, in pascals.
+    pub modulus_pa: f64,
+}
+
+impl Placed {
+    /// Rows of the table at `path`.
+    #[must_use]
+    pub fn rows(path: &Path, rows: Vec<(u32, Measurement)>) -> Vec<Self> {
+        rows.into_iter().map(|(line, measurement)| Self { measurement, path: path.to_owned(), line }).collect()
+    }
+
+    /// A diagnostic that points at `key` of it.
+    #[must_use]
+    pub fn at(&self, key: &str, value: f64) -> Diagnostic {
+        Diagnostic {
+            line: Some(self.line),
+            key: Some(key.into()),
+            value: Some(tidy(value).to_string().into()),
+            ..Diagnostic::file(&self.path, "")
+        }
+    }
+
+    /// Its condition in words.
+    #[must_use]
+    pub fn condition(&self) -> String {
+        let Measurement { force_n, speed_m_s, humidity, .. } = self.measurement;
+        format!("{force_n} N, {} mm/s, {} %", SPEED_MM_S.from_si(speed_m_s), HUMIDITY_PCT.from_si(humidity))
+    }
+
+    fn is_at_condition_of(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
+        let (own, other) = (&self.measurement, &other.measurement);
+        same(own.force_n, other.force_n) && same(own.speed_m_s, other.speed_m_s) && same(own.humidity, other.humidity)
+    }
+}
+
+/// Checks every measurement by itself; returns what is unusual.
+///
+/// # Errors
+/// [`Diagnostic`] at file and line of the first that cannot be measured or used.
+pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let mut told = Vec::new();
+    for row in rows {
+        let measured = &row.measurement;
+        let speed_mm_s = SPEED_MM_S.from_si(measured.speed_m_s);
+        let pressure_pa = measured.force_n / specimens.area_m2;
+        let pressure_mpa = PRESSURE_MPA.from_si(pressure_pa);
+        let deviation = measured.mu_dynamic_std / measured.mu_dynamic;
+        let by_area = |value: f64, of: &str| {
+            let mut at = row.at("force_n", measured.force_n);
+            let digits = if (0.01..1e4).contains(&value) { format!("{value:.3}") } else { format!("{value:.2e}") };
+            at.value = Some(format!("{} ({digits} {of}, on the specimen's area)", measured.force_n).into());
+            at
+        };
+        told.extend(FORCE.check(measured.force_n, || row.at("force_n", measured.force_n))?);
+        told.extend(SPEED.check(speed_mm_s, || row.at("speed_mm_s", speed_mm_s))?);
+        told.extend(PRESSURE.check(pressure_mpa, || by_area(pressure_mpa, "MPa"))?);
+        let strain = pressure_pa / specimens.modulus_pa;
+        told.extend(STRAIN.check(strain, || by_area(strain, "of Young's modulus"))?);
+        told.extend(FRICTION.check(measured.mu_dynamic, || row.at("mu_dynamic", measured.mu_dynamic))?);
+        told.extend(RELATIVE_DEVIATION.check(deviation, || row.at("mu_dynamic_std", measured.mu_dynamic_std))?);
+        if let (Some(peak), Some(std)) = (measured.mu_static, measured.mu_static_std) {
+            told.extend(FRICTION.check(peak, || row.at("mu_static", peak))?);
+            told.extend(RELATIVE_DEVIATION.check(std / peak, || row.at("mu_static_std", std))?);
+            if peak <= measured.mu_dynamic {
+                let reason = format!("is no static peak: dynamic friction is {}", measured.mu_dynamic);
+                return Err(Diagnostic { reason, ..row.at("mu_static", peak) }
+                    .expected("more than mu_dynamic, or nothing in mu_static and mu_static_std of this row"));
+            }
+        }
+    }
+    Ok(told)
+}
+
+/// Refuses one condition twice where each has coefficients of its own.
+///
+/// # Errors
+/// [`Diagnostic`] at the second.
+pub fn refuse_repeated(rows: &[Placed], coefficients: Coefficients) -> Result<(), Diagnostic> {
+    if coefficients == Coefficients::Single {
+        return Ok(());
+    }
+    for (place, row) in rows.iter().enumerate() {
+        if let Some(first) = rows[..place].iter().find(|first| first.is_at_condition_of(row)) {
+            let reason = format!("has {} again, as line {} has", row.condition(), first.line);
+            return Err(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }
+                .expected("one row a condition: mean and standard deviation of its repeats"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,219 @@
+//! Limits of plausibility: what dry friction experiments on solids give, and what cannot be measured at all.
+//!
+//! The ranges of [`crate::units`] say which numbers a file may hold; these say which of them are likely meant. A
+//! calibration refuses what cannot be measured and tells what is unusual; a scene, which may be a thought experiment, is
+//! only told.
+
+use crate::diagnostic::Diagnostic;
+use crate::units::{self, Quantity, tidy};
+
+/// A quantity of an experiment, in the unit of its key.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plausible {
+    /// What it is, in the plural.
+    pub what: &'static str,
+    /// Its unit, as in the key.
+    pub unit: &'static str,
+    /// Beyond these nothing was measured.
+    pub measurable: [f64; 2],
+    /// Beyond these a slip is likelier than a discovery.
+    pub usual: [f64; 2],
+    /// What lies at the ends.
+    why: &'static str,
+    /// Units that are taken for it, and what turns them into it.
+    slips: &'static [(&'static str, f64)],
+}
+
+/// Friction coefficients.
+pub const FRICTION: Plausible = Plausible {
+    what: "friction coefficients",
+    unit: "",
+    measurable: [1e-3, 10.0],
+    usual: [0.01, 3.0],
+    why: "graphite slides at 0.01, rubber at 3, clean metals in vacuum at 10",
+    slips: &[("a torque in N mm or mN m read as N m, or a force in mN as N: that", 1e-3), ("in per cent, that", 1e-2)],
+};
+/// Young's moduli of specimens.
+pub const MODULUS: Plausible = Plausible {
+    what: "Young's moduli",
+    unit: "GPa",
+    measurable: [1e-6, 1250.0],
+    usual: [5e-4, 250.0],
+    why: "rubber has 0.001, polymers 0.1 to 5, steel 210, diamond 1220 GPa",
+    slips: &[("in MPa, that", 1e-3), ("in Pa, that", 1e-9)],
+};
+/// Densities of specimens.
+pub const DENSITY: Plausible = Plausible {
+    what: "densities",
+    unit: "g/cm3",
+    measurable: [1e-3, 23.0],
+    usual: [0.1, 20.0],
+    why: "foams have 0.1, polymers 0.9 to 2.2, steel 7.9, osmium 22.6 g/cm3",
+    slips: &[("in kg/m3, that", 1e-3)],
+};
+/// Sliding speeds.
+pub const SPEED: Plausible = Plausible {
+    what: "sliding speeds",
+    unit: "mm/s",
+    measurable: [1e-7, 1e5],
+    usual: [1e-4, 1e3],
+    why: "tribometers slide at 0.1 um/s to 1 m/s, brakes at up to 100 m/s",
+    slips: &[("in um/s, that", 1e-3), ("in m/s, that", 1e3)],
+};
+/// Normal forces on one specimen.
+pub const FORCE: Plausible = Plausible {
+    what: "normal forces",
+    unit: "N",
+    measurable: [1e-6, 1e6],
+    usual: [1e-3, 1e4],
+    why: "microtribometers load with 1 mN, large rigs with 10 kN",
+    slips: &[("in mN, that", 1e-3), ("in kN, that", 1e3)],
+};
+/// Nominal pressures.
+pub const PRESSURE: Plausible = Plausible {
+    what: "nominal pressures",
+    unit: "MPa",
+    measurable: [1e-7, 1e4],
+    usual: [1e-4, 100.0],
+    why: "a specimen's own weight presses with 100 Pa, bearings with 100 MPa",
+    slips: &[],
+};
+/// Nominal pressures over Young's modulus.
+pub const STRAIN: Plausible = Plausible {
+    what: "nominal pressures over Young's modulus",
+    unit: "",
+    measurable: [0.0, 0.5],
+    usual: [0.0, 0.05],
+    why: "polymers yield at 0.05 and below, and the model is linear",
+    slips: &[],
+};
+/// Standard deviations of friction coefficients over their means.
+pub const RELATIVE_DEVIATION: Plausible = Plausible {
+    what: "standard deviations of friction over its mean",
+    unit: "",
+    measurable: [1e-6, 1.0],
+    usual: [1e-4, 0.5],
+    why: "repeats differ by 0.1 % at best; a deviation of nil would weigh one row infinitely",
+    slips: &[],
+};
+/// Extents of specimens.
+pub const SPECIMEN: Plausible = Plausible {
+    what: "extents of specimens",
+    unit: "mm",
+    measurable: [1e-3, 1e4],
+    usual: [0.1, 500.0],
+    why: "pins have 0.1 mm, test plates 0.5 m",
+    slips: &[("in um, that", 1e-3)],
+};
+
+/// Every quantity that is judged.
+pub const ALL: [Plausible; 9] =
+    [FRICTION, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN];
+
+/// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
+#[must_use]
+pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
+    let judged = [
+        (units::FRICTION, FRICTION),
+        (units::MODULUS_GPA, MODULUS),
+        (units::DENSITY_G_CM3, DENSITY),
+        (units::SPEED_MM_S, SPEED),
+        (units::FORCE_N, FORCE),
+    ];
+    judged.into_iter().find(|(own, _)| *own == quantity).and_then(|(_, plausible)| plausible.slip(value))
+}
+
+impl Plausible {
+    /// Judges `value`, in the key's unit: nothing where it is usual.
+    ///
+    /// # Errors
+    /// What is wrong with a value that cannot be measured.
+    pub fn judge(&self, value: f64) -> Result<Option<String>, String> {
+        let within = |[from, to]: [f64; 2]| value >= from && value <= to;
+        if within(self.usual) {
+            return Ok(None);
+        }
+        let [from, to] = if within(self.measurable) { self.usual } else { self.measurable };
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let slip = self.slip(value).map_or_else(String::new, |slip| format!("; {slip}"));
+        if within(self.measurable) {
+            Ok(Some(format!("is unusual: {} mostly lie from {from} to {to}{unit}, as {}{slip}", self.what, self.why)))
+        } else {
+            Err(format!("{from} to {to}{unit}, as {}{slip}", self.why))
+        }
+    }
+
+    /// The unit that is likely to have been meant: that in which `value` is usual.
+    #[must_use]
+    pub fn slip(&self, value: f64) -> Option<String> {
+        let within = |value: f64| value >= self.usual[0] && value <= self.usual[1];
+        let (what, factor) = self.slips.iter().find(|(_, factor)| within(value * factor))?;
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        Some(format!("{what} would be {}{unit}", tidy(value * factor)))
+    }
+
+    /// Judges `value` for a calibration; `place` names file, line, key and value. Returns what is to be told.
+    ///
+    /// # Errors
+    /// `place` with what would be accepted, for a value that cannot be measured.
+    pub fn check(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Result<Option<Diagnostic>, Diagnostic> {
+        match self.judge(value) {
+            Ok(told) => Ok(told.map(|reason| Diagnostic { reason, ..place() })),
+            Err(expected) => {
+                let reason = format!("cannot be: {} are not measured there", self.what);
+                Err(Diagnostic { reason, ..place() }.expected(expected))
+            }
+        }
+    }
+
+    /// Judges `value` for a scene, of which nothing is refused.
+    pub fn tell(&self, value: f64, place: impl FnOnce() -> Diagnostic) -> Option<Diagnostic> {
+        self.check(value, place).unwrap_or_else(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_range_is_a_range_within_a_range() {
+        for quantity in ALL {
+            let ([least, most], [from, to]) = (quantity.measurable, quantity.usual);
+            assert!(least <= from && from < to && to <= most, "{quantity:?}");
+            assert!(quantity.judge(from).unwrap().is_none() && quantity.judge(to).unwrap().is_none());
+            assert!(quantity.judge(most).is_ok() && quantity.judge(1.01 * most).is_err(), "{quantity:?}");
+            assert!(quantity.judge(f64::NAN).is_err());
+        }
+    }
+
+    #[test]
+    fn mistaken_units_are_named() {
+        for (quantity, value, says) in [
+            (FRICTION, 143.0, "would be 0.143"),
+            (MODULUS, 380.0, "in MPa, that would be 0.38 GPa"),
+            (MODULUS, 3.8e8, "in Pa, that would be 0.38 GPa"),
+            (DENSITY, 900.0, "in kg/m3, that would be 0.9 g/cm3"),
+        ] {
+            let said = match quantity.judge(value) {
+                Ok(told) => told.unwrap(),
+                Err(expected) => expected,
+            };
+            assert!(said.contains(says), "{said}");
+        }
+    }
+
+    #[test]
+    fn usual_materials_and_tests_are_not_told() {
+        for (quantity, values) in [
+            (FRICTION, &[0.02, 0.25, 1.2, 2.5][..]),
+            (MODULUS, &[0.001, 0.38, 2.5, 70.0, 210.0]),
+            (DENSITY, &[0.9, 1.3, 2.2, 7.9, 19.3]),
+            (SPEED, &[0.001, 2.0, 500.0]),
+            (FORCE, &[0.01, 50.0, 2000.0]),
+            (PRESSURE, &[0.01, 0.65, 2.6, 20.0]),
+        ] {
+            assert!(values.iter().all(|value| quantity.judge(*value) == Ok(None)), "{quantity:?}");
+        }
+    }
+}

@@ -1,0 +1,242 @@
+//! Calibrations and traces: what cannot be used is refused at once and by name, what is odd is told once.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::time::{Duration, Instant};
+
+use common::{CALIBRATION, FLAT, Place};
+use slipgrid_cli::formats::Document;
+use slipgrid_cli::formats::calibration::Calibration;
+
+/// Refusals come before anything is computed.
+const AT_ONCE: Duration = Duration::from_secs(5);
+
+const FLAGS: [&str; 8] =
+    ["--effective-radius-mm", "40", "--force-n", "50", "--speed-mm-s", "2", "--humidity-pct", "15"];
+
+/// A trace of 45 s at 50 Hz under 50 N and 40 mm: friction `mu` at a time, with a ripple that no two seeds share.
+fn trace(seed: u32, mu: impl Fn(f64) -> f64) -> String {
+    let mut text = "time_s,torque_nm,normal_force_n\n".to_owned();
+    for i in 0..=2250 {
+        let t = 0.02 * f64::from(i);
+        let ripple = 1e-4 * (1.7 * f64::from(i * (seed + 3))).sin();
+        writeln!(text, "{t:.3},{:.6},50.0", (mu(t) + ripple) * 50.0 * 0.04).unwrap();
+    }
+    text
+}
+
+fn rise(t: f64) -> f64 {
+    1.0 - (-t / 0.1).exp()
+}
+
+fn run_in(t: f64) -> f64 {
+    rise(t) * (0.25 + 0.05 * (-t / 4.0).exp())
+}
+
+fn traces<'a>(files: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
+    [&["traces"], files, &FLAGS, more].concat()
+}
+
+#[test]
+fn run_in_is_no_static_peak_and_the_search_can_be_turned_off() {
+    let place = Place::with(&[
+        ("run-in.csv", &trace(1, run_in)),
+        ("peak.csv", &trace(2, |t| run_in(t) + if (0.38..0.42).contains(&t) { 0.08 } else { 0.0 })),
+    ]);
+    let told = place.succeed(&traces(&["run-in.csv"], &[]));
+    assert!(told.contains("run-in, no static peak"), "{told}");
+    place.succeed(&traces(&["run-in.csv"], &["-o", "slow"]));
+    let row = fs::read_to_string(place.path("slow/flat.csv")).unwrap();
+    assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
+    place.succeed(&traces(&["peak.csv"], &["-o", "sharp"]));
+    let row = fs::read_to_string(place.path("sharp/flat.csv")).unwrap();
+    assert!(!row.lines().last().unwrap().ends_with(",,"), "{row}");
+    let told = place.succeed(&traces(&["peak.csv"], &["--no-static-peak", "-o", "off"]));
+    assert!(!told.contains("run-in"), "{told}");
+    let row = fs::read_to_string(place.path("off/flat.csv")).unwrap();
+    assert!(row.lines().last().unwrap().ends_with(",,"), "{row}");
+}
+
+#[test]
+fn traces_that_cannot_be_used_are_refused_by_name() {
+    let flat = |t: f64| 0.25 * rise(t);
+    let good = trace(1, flat);
+    let twice: String = good.lines().flat_map(|line| [line, "\n", line, "\n"]).collect();
+    let still: String = good
+        .lines()
+        .map(|line| format!("{line},{}\n", if line.starts_with("time") { "speed_mm_s" } else { "0.001" }))
+        .collect();
+    let place = Place::with(&[
+        ("a.csv", &good),
+        ("copy.csv", &good),
+        ("b.csv", &trace(2, flat)),
+        ("thousand.csv", &trace(3, |t| 143.0 * rise(t))),
+        ("sticks.csv", &trace(4, |t| 0.01 * t)),
+        ("still.csv", &still),
+        ("twice.csv", &twice.replacen("time_s,torque_nm,normal_force_n\n", "", 1)),
+        ("psi.csv", &good.replace("normal_force_n", "Fz [psi]")),
+    ]);
+    for (files, says) in [
+        (&["a.csv", "a.csv"][..], "a.csv: is given twice"),
+        (&["a.csv", "./a.csv"], "a.csv: is given twice"),
+        (&["a.csv", "copy.csv"], "copy.csv: holds the 2251 samples of a.csv again"),
+        (&["thousand.csv"], "would be 0.143"),
+        (&["sticks.csv"], "the sample sticks or has not settled"),
+        (&["still.csv"], "the recorded speed is 0.0010 mm/s, of 2 mm/s: the sample does not slide"),
+        (&["psi.csv"], "psi.csv:1: Fz [psi]: has the unit \"psi\", which is not known"),
+    ] {
+        let message = place.refuse(&traces(files, &[]));
+        assert!(message.contains(says), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+    // Every row twice: the same friction, told in one line.
+    let (once, twice) = (place.succeed(&traces(&["a.csv"], &[])), place.succeed(&traces(&["twice.csv"], &[])));
+    assert!(twice.contains("2251 of 4502 rows repeat the row before them"), "{twice}");
+    assert!(twice.lines().count() <= once.lines().count() + 1, "{twice}");
+    let mean = |told: &str| told.lines().find(|line| line.contains("mean of")).unwrap().to_owned();
+    assert_eq!(mean(&once), mean(&twice));
+}
+
+#[test]
+fn one_export_named_twice_in_a_calibration_is_refused() {
+    let place = Place::with(&[("a-1.csv", &trace(1, |t| 0.25 * rise(t)))]);
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    let condition = "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\n";
+    let text = format!("{head}[traces]\neffective_radius_mm = 40.0\n{condition}files = [\"a-1.csv\", \"a-*.csv\"]\n");
+    fs::write(place.path("c.toml"), &text).unwrap();
+    let message = place.refuse(&["traces", "c.toml"]);
+    assert!(message.contains("c.toml:17: traces.condition.files") && message.contains("as line 17 does"), "{message}");
+    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", ", "")).unwrap();
+    place.succeed(&["traces", "c.toml"]);
+    let off = text.replace("\"a-1.csv\", ", "").replace("[traces]\n", "[traces]\nstatic_peak = false\n");
+    fs::write(place.path("c.toml"), off).unwrap();
+    place.succeed(&["traces", "c.toml"]);
+}
+
+/// Rows that a calibration cannot use, and what is said.
+const ROWS: [(&str, &str); 13] = [
+    ("50,2,15,0.248,0.002,0.20,0.01", "flat.csv:2: mu_static: 0.2 is no static peak: dynamic friction is 0.248"),
+    ("50,2,15,0.248,0.002,0.3,", "flat.csv:2: mu_static: stands without mu_static_std"),
+    (
+        "50,2,15,0.248,0.002,1.5,0.01",
+        "flat.csv:2: (50 N, 2 mm/s, 15 %): the static peak is 6.05 times dynamic friction",
+    ),
+    ("50,2,15,0.248,0,,", "flat.csv:2: mu_dynamic_std: 0 cannot be"),
+    ("50,2,15,0.248,0.3,,", "flat.csv:2: mu_dynamic_std: 0.3 cannot be"),
+    ("50,2,15,0.0005,0.0001,,", "flat.csv:2: mu_dynamic: 0.0005 cannot be"),
+    ("50,0.00005,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00005 mm/s, 15 %): its run takes"),
+    (
+        "500000,2,15,0.248,0.002,,",
+        "flat.csv:2: force_n: 500000 (16.753 of Young's modulus, on the specimen's area) cannot be",
+    ),
+    ("0.000005,2,15,0.248,0.002,,", "flat.csv:2: force_n: 0.000005 (6.37e-8 MPa, on the specimen's area) cannot be"),
+    ("10000,2,15,4.5,0.002,,", "flat.csv:2: (10000 N, 2 mm/s, 15 %): friction over the area law's factor"),
+    ("50,2,15,0.248,0.002,,\n50,2,15,0.25,0.002,,", "flat.csv:3: has 50 N, 2 mm/s, 15 % again, as line 2 has"),
+    ("50,2,15,0.248,0.002,0.3,0.9", "flat.csv:2: mu_static_std: 0.9 cannot be"),
+    ("50,2000000,15,0.248,0.002,,", "flat.csv:2: speed_mm_s: \"2000000\" is out of range"),
+];
+
+#[test]
+fn measurements_that_cannot_be_used_are_refused_at_once() {
+    let header = FLAT.lines().next().unwrap();
+    let place = Place::with(&[("c.toml", CALIBRATION)]);
+    for (row, says) in ROWS {
+        fs::write(place.path("flat.csv"), format!("{header},mu_static,mu_static_std\n{row}\n")).unwrap();
+        let start = Instant::now();
+        let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+        assert!(message.contains(says), "{row}\n{message}");
+        assert!(message.contains("expected"), "{message}");
+        assert!(start.elapsed() < AT_ONCE, "{row}: {:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn mistaken_units_and_sizes_are_refused_at_once() {
+    let place = Place::with(&[("flat.csv", FLAT)]);
+    let pattern = "[pattern]\nwidth_um = 1e6\nspacing_um = 1e6\ndepth_um = 20\n[fit]";
+    for (from, to, says) in [
+        (
+            "youngs_modulus_gpa = 0.38",
+            "youngs_modulus_gpa = 3.8e8",
+            "c.toml:4: material.youngs_modulus_gpa: 3.8e8 is out of range",
+        ),
+        ("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 3.8e8", "in Pa, that would be 0.38 GPa"),
+        ("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 1500", "in MPa, that would be 1.5 GPa"),
+        ("density_g_cm3 = 0.9", "density_g_cm3 = 900", "in kg/m3, that would be 0.9 g/cm3"),
+        ("density_g_cm3 = 0.9", "density_g_cm3 = 1e-6", "c.toml:6: material.density_g_cm3: 1e-6 cannot be"),
+        ("radius_mm = 5.0", "radius_mm = 0.00005", "c.toml:10: specimen.radius_mm: 0.00005 cannot be"),
+        ("[fit]", pattern, "c.toml:13: pattern: repeats every 2000 mm, more than the specimen's 10 mm"),
+        ("std_gpa = 0.08", "std_gpa = 80", "c.toml:5: material.youngs_modulus_std_gpa: 80 leaves Young's modulus"),
+        ("[specimen]", "[[specimen]]", "c.toml:9: specimen: stands in double brackets"),
+        ("flat = \"flat.csv\"", "", "c.toml:11: measurements.flat: is missing"),
+    ] {
+        fs::write(place.path("c.toml"), CALIBRATION.replace(from, to)).unwrap();
+        let start = Instant::now();
+        let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+        assert!(message.contains(says), "{message}");
+        assert!(start.elapsed() < AT_ONCE, "{to}: {:?}", start.elapsed());
+    }
+}
+
+#[test]
+fn what_is_merely_unusual_is_told() {
+    let place = Place::with(&[("flat.csv", FLAT)]);
+    let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
+    let read = Calibration::from_document(&Document::new(place.path("c.toml"), text)).unwrap();
+    assert!(
+        read.told.len() == 1 && read.told[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
+        "{:?}",
+        read.told
+    );
+    assert!(read.told[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.told);
+    let usual = Calibration::from_document(&Document::new(place.path("c.toml"), CALIBRATION)).unwrap();
+    assert_eq!(usual.told, [""; 0]);
+    // A scene is told on stderr and solved.
+    fs::write(place.path("s.toml"), common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"))
+        .unwrap();
+    let output = place.run(&["simulate", "s.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success() && told.contains("warning: s.toml:2: material.youngs_modulus_gpa: 380.0 is unusual"),
+        "{told}"
+    );
+}
+
+#[test]
+fn pressure_follows_from_the_area_of_every_shape_of_specimen() {
+    let place = Place::with(&[("flat.csv", FLAT)]);
+    let read = |keys: &str| {
+        let text = CALIBRATION.replace("radius_mm = 5.0", keys);
+        Calibration::from_document(&Document::new(place.path("c.toml"), text)).map_err(|refused| refused.to_string())
+    };
+    let quarter_pi = std::f64::consts::FRAC_PI_4;
+    for (keys, area_mm2) in [
+        ("radius_mm = 5.0", quarter_pi * 100.0),
+        ("diameter_mm = 10.0", quarter_pi * 100.0),
+        ("outer_diameter_mm = 30.0\ninner_diameter_mm = 20.0", quarter_pi * 500.0),
+        ("shape = \"ring\"\nouter_diameter_mm = 30.0\ninner_diameter_mm = 20.0", quarter_pi * 500.0),
+        ("shape = \"rectangle\"\nlength_mm = 10.0\nwidth_mm = 4.0", 40.0),
+    ] {
+        let found = read(keys).unwrap();
+        // 50 N in MPa are 50 N/mm2 over the area.
+        assert!((found.pressure_pa(50.0) / (50e6 / area_mm2) - 1.0).abs() < 1e-12, "{keys}");
+    }
+    for (keys, says) in [
+        ("", "specimen.radius_mm: is missing"),
+        ("radius_mm = 5.0\ndiameter_mm = 10.0", "specimen.diameter_mm: 10.0 stands beside radius_mm"),
+        ("outer_diameter_mm = 30.0", "specimen.inner_diameter_mm: is missing"),
+        ("outer_diameter_mm = 20.0\ninner_diameter_mm = 20.0", "inner_diameter_mm: 20.0 leaves nothing of the ring"),
+        (
+            "shape = \"ring\"\nouter_diameter_mm = 20.0\ninner_diameter_mm = 10.0\nwidth_mm = 1.0",
+            "has no meaning for a ring",
+        ),
+        ("radius_um = 5.0", "did you mean `radius_mm`?"),
+    ] {
+        let refused = read(keys).unwrap_err();
+        assert!(refused.contains(says), "{refused}");
+    }
+}
