@@ -6,6 +6,7 @@
 //! | [`formats`] | scene, design, calibration and material files, tables of measurements |
 //! | [`diagnostic`] | why input was refused: file, line, key, reason |
 //! | [`input`] | files opened, or refused with what was expected |
+//! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
 //! | [`units`] | units of the files to SI and back |
@@ -29,6 +30,7 @@ pub mod diagnostic;
 mod error;
 pub mod formats;
 pub mod input;
+pub mod lock;
 pub mod output;
 pub mod progress;
 pub mod report;

@@ -39,6 +39,7 @@ use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::design::Design;
+use crate::lock::Lock;
 use crate::output::{Outputs, check_folder};
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json};
@@ -55,6 +56,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut design = Design::read(&args.design)?;
     let folder = args.output.clone().unwrap_or_else(|| subject::default_folder(&args.design));
     check_folder(&folder)?;
+    let _held = Lock::new(&subject::lock_path(&folder))?;
     let mut timings = Timings::default();
 
     let (material, uncertainty) = material::of_design(&mut design, console)?;

@@ -115,6 +115,8 @@ pub struct Study {
     known: Mutex<BTreeMap<Key, Answered>>,
     /// Answers read back.
     resumed: usize,
+    /// Loads that an answer has ratios at.
+    loads: usize,
     file: Option<Mutex<Writer>>,
 }
 
@@ -142,7 +144,7 @@ impl Study {
         }
         let resumed = known.len();
         let writer = Writer { path, header: header(&depends_on), whole, file: None };
-        Ok(Self { known: Mutex::new(known), resumed, file: Some(Mutex::new(writer)) })
+        Ok(Self { known: Mutex::new(known), resumed, loads, file: Some(Mutex::new(writer)) })
     }
 
     /// Answers read back from the file.
@@ -170,8 +172,10 @@ impl Study {
             Err(ModelFailure::Trial { reason }) => Err(reason),
             Err(other) => return Err(other),
         };
-        // Two threads may have come to one design: its first answer is written.
+        // Two threads may have come to one design: its first answer is written, if it could be read again.
+        let is_readable = answered.as_ref().map_or(true, |answer| answer.check(self.loads).is_ok());
         if self.known().insert(key, answered.clone()).is_none()
+            && is_readable
             && let Some(file) = &self.file
         {
             let [width_um, spacing_um, depth_um] =
