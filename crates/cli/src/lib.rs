@@ -41,6 +41,7 @@ use std::io::{ErrorKind, Write};
 
 use clap::{CommandFactory, FromArgMatches};
 
+use diagnostic::printable_lines;
 pub use error::CliError;
 
 /// Exit codes of the program.
@@ -74,8 +75,16 @@ impl Console<'_> {
     pub fn note(&mut self, text: &str) {
         if !self.quiet {
             // Notes are a courtesy: a closed stderr stops nothing.
-            let _ = writeln!(self.err, "{text}");
+            let _ = writeln!(self.err, "{}", printable_lines(text));
         }
+    }
+
+    /// Results for people on stdout: what files put into them cannot steer a terminal.
+    ///
+    /// # Errors
+    /// What the system said.
+    pub fn answer(&mut self, text: &str) -> std::io::Result<()> {
+        self.out.write_all(printable_lines(text).as_bytes())
     }
 }
 
@@ -95,7 +104,7 @@ where
         Ok(arguments) => arguments,
         Err(refused) => {
             // Help and version are answers, not errors.
-            let text = refused.render();
+            let text = printable_lines(&refused.render().to_string());
             let told = if refused.use_stderr() { write!(err, "{text}") } else { write!(out, "{text}") };
             let _ = told;
             return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
@@ -122,7 +131,7 @@ where
         // The reader of our stdout left early, as `head` does.
         Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
         Err(error) => {
-            let _ = writeln!(err, "error: {error}");
+            let _ = writeln!(err, "error: {}", printable_lines(&error.to_string()));
             error.exit_code()
         }
     }

@@ -43,6 +43,9 @@ impl Lock {
     /// [`Diagnostic`] if another run holds it, by who and since when; [`WriteError`] if the system refuses.
     pub fn new(path: &Path) -> Result<Self, CliError> {
         let failed = |source: io::Error| WriteError { path: path.to_owned(), source };
+        if path.is_dir() {
+            return Err(Diagnostic::file(path, "is a folder where a file is to go").expected("no such folder").into());
+        }
         let missing = |above: &&Path| !above.as_os_str().is_empty() && !above.exists();
         let made: Vec<PathBuf> = path.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
         if let Some(parent) = path.parent() {

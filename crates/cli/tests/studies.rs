@@ -40,9 +40,8 @@ impl Dice {
 }
 
 /// What stands where a number stood.
-const VALUES: [&str; 14] = [
-    "-5", "0", "1e300", "-1e300", "1e999", "NaN", "null", "\"a\"", "[]", "{}", "1e-300", "0.5,0.5", "[0.9]", "true",
-];
+const VALUES: [&str; 14] =
+    ["-5", "0", "1e300", "-1e300", "1e999", "NaN", "null", "\"a\"", "[]", "{}", "1e-300", "0.5,0.5", "[0.9]", "true"];
 
 /// `study` with one line spoiled.
 fn spoil(study: &str, dice: &mut Dice) -> Vec<u8> {

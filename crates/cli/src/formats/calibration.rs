@@ -1,6 +1,6 @@
 //! Calibration files: what `calibrate` takes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
@@ -151,6 +151,8 @@ pub struct Calibration {
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
     pub relative_std: f64,
+    /// The files that it was read from.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Calibration {
@@ -189,6 +191,7 @@ impl Calibration {
         let fit = file.fit.as_ref();
         let area_law_scale_pa = read_scale(document, &file)?;
         Ok(Self {
+            inputs: inputs(document, &file, &surface, &traces),
             name: file.name,
             source: file.source,
             elastic,
@@ -224,6 +227,18 @@ impl Calibration {
         // P = F / (pi r^2)
         force_n / (std::f64::consts::PI * self.specimen_radius_m * self.specimen_radius_m)
     }
+}
+
+/// The calibration's file, its tables, its map and its traces.
+fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
+    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
+    let tables = tables.flatten().map(|name| document.resolve(name.get_ref()));
+    let map = match surface {
+        Surface::Map { path, .. } => Some(path.clone()),
+        _ => None,
+    };
+    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
+    std::iter::once(document.path().to_owned()).chain(tables).chain(map).chain(traces).collect()
 }
 
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.

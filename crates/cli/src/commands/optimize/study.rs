@@ -54,7 +54,8 @@ impl Answer {
         }
         let sizes = [("least_pressure", self.least_pressure), ("clearance_um", self.clearance_um.unwrap_or(0.0))];
         let beyond = sizes.into_iter().find(|(_, value)| !(value.abs() <= LARGEST));
-        let beyond = beyond.or(Some(("peak_pressure_mpa", self.peak_pressure_mpa)).filter(|&(_, value)| !positive(value)));
+        let beyond =
+            beyond.or(Some(("peak_pressure_mpa", self.peak_pressure_mpa)).filter(|&(_, value)| !positive(value)));
         match beyond {
             Some((name, value)) => Err(Fault {
                 reason: format!("answer.{name}: {value:e} is out of range"),
@@ -134,6 +135,15 @@ impl Study {
         loads: usize,
         resume: bool,
     ) -> Result<Self, CliError> {
+        if path.is_dir() {
+            return Err(Diagnostic::file(&path, "is a folder where the study is to go")
+                .expected("no such folder")
+                .into());
+        }
+        if !resume && !is_replaceable(&path) {
+            let refused = Diagnostic::file(&path, "is no study and would be replaced by one");
+            return Err(refused.expected("another folder of results, or no such file").into());
+        }
         let (mut known, mut whole) = (BTreeMap::new(), None);
         if resume && path.exists() {
             let mut text = Vec::new();
@@ -211,7 +221,9 @@ impl Writer {
         let failed = |error: std::io::Error| format!("{}: cannot be written: {error}", self.path.display());
         let (mut file, text) = match self.file.take() {
             Some(file) => (file, text),
-            None => (self.open().map_err(failed)?, if self.whole.is_none() { self.header.clone() + &text } else { text }),
+            None => {
+                (self.open().map_err(failed)?, if self.whole.is_none() { self.header.clone() + &text } else { text })
+            }
         };
         // One call: lines of two processes may follow one another, and do not mix.
         file.write_all(text.as_bytes()).map_err(failed)?;
@@ -227,6 +239,14 @@ impl Writer {
         whole.set_len(self.whole.unwrap_or(0))?;
         File::options().append(true).open(&self.path)
     }
+}
+
+/// Whether the file at `path` is a study, or holds nothing.
+fn is_replaceable(path: &Path) -> bool {
+    const BEGINNING: &[u8] = b"{\"depends_on\":";
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(BEGINNING.len() as u64).read_to_end(&mut head));
+    read.is_err() || BEGINNING.starts_with(&head)
 }
 
 /// The first line.
@@ -417,6 +437,18 @@ mod tests {
         let broken = whole.replacen("\"ratio\"", "\"rat", 1);
         assert!(refused(&broken, 0.38).contains("study.jsonl:2: "));
     }
+    #[test]
+    fn what_is_no_study_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.study.jsonl");
+        let begun = |path: &Path| Study::in_file(path.to_owned(), depends_on(0.38), 2, false).map(|_| ());
+        for (text, ok) in [("", true), ("{\"depe", true), ("{\"depends_on\":{}}\n", true), ("my notes", false)] {
+            fs::write(&path, text).unwrap();
+            assert_eq!(begun(&path).is_ok(), ok, "{text}");
+        }
+        assert!(begun(folder.path()).unwrap_err().to_string().contains("is a folder"));
+    }
+
     #[test]
     fn a_line_that_cannot_be_an_answer_is_refused_by_its_number() {
         let folder = tempfile::tempdir().unwrap();
