@@ -162,7 +162,7 @@ fn bytes(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
 fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
     let text =
         small().replace("quantity = \"ratio\"", "quantity = \"mu_dynamic\"").replace("value = 0.9", "value = 0.25");
-    let more = "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n[tolerances]\nwidth_std_um = 1.0\ndraws = 40\n";
+    let more = "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n[tolerances]\nwidth_std_um = 1.0\ndraws = 100\n";
     let place = Place::with(&[("d.toml", &(text + more)), ("s.toml", SCENE)]);
     for (folder, threads) in [("one", "1"), ("two", "2")] {
         let code = place.run(&["optimize", "d.toml", "--table", "--threads", threads, "-o", folder]).status.code();
@@ -194,7 +194,8 @@ fn trade_offs_that_no_design_allows_say_so_beside_everything_else() {
         "max_areal_density = 0.01",
         "max_peak_pressure_mpa = 1.0",
     ] {
-        let text = small().replace("max_peak_pressure_mpa = 20.0", limit).replace("spot_um = 23.0", lasers);
+        let text = small().replace("max_evaluations = 12", "max_evaluations = 800");
+        let text = text.replace("max_peak_pressure_mpa = 20.0", limit).replace("spot_um = 23.0", lasers);
         let more = "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n";
         let place = Place::with(&[("with.toml", &(text.clone() + more)), ("without.toml", &text)]);
         let [with, without] = ["with.toml", "without.toml"].map(|name| place.run(&["optimize", name]));
