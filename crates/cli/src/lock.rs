@@ -6,6 +6,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::CliError;
@@ -16,6 +17,21 @@ use crate::output::WriteError;
 const ATTEMPTS: usize = 20;
 /// Longest content of a lock file, in bytes.
 const MOST_BYTES: u64 = 1000;
+
+/// Files of the locks that this process holds.
+static HELD: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn held() -> MutexGuard<'static, Vec<PathBuf>> {
+    // Paths are whole when they enter: those of a panicking thread are as good as any.
+    HELD.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the files of all locks that this process holds: for a program that is about to end.
+pub fn remove_all() {
+    for path in held().drain(..) {
+        let _ = fs::remove_file(path);
+    }
+}
 
 /// Held from its making to its end; then the file is removed, with the folders that were made for it if nothing else
 /// came into them.
@@ -77,6 +93,7 @@ impl Lock {
             }
             own.write(&mut file).map_err(failed)?;
             lock.file = Some(file);
+            held().push(path.to_owned());
             return Ok(lock);
         }
         Err(lock.refuse(None).into())
@@ -99,6 +116,7 @@ impl Lock {
 impl Drop for Lock {
     fn drop(&mut self) {
         let Some(file) = self.file.take() else { return self.remove_made() };
+        held().retain(|held| *held != self.path);
         // While it is locked, so that nobody else's goes. What cannot be removed is taken over by the next run.
         if cfg!(unix) {
             let _ = fs::remove_file(&self.path);
