@@ -9,6 +9,7 @@
 //! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
+//! | [`on_specimen`] | patterns solved on the specimen they are cut into |
 //! | [`units`] | units of the files to SI and back |
 //! | [`report`] | results as JSON, tables and text |
 //! | [`charts`] | results as pictures |
@@ -31,6 +32,7 @@ mod error;
 pub mod formats;
 pub mod input;
 pub mod lock;
+pub mod on_specimen;
 pub mod output;
 pub mod progress;
 pub mod report;

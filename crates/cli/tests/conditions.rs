@@ -23,7 +23,7 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
     };
     let rows: String = measured.iter().map(row).collect();
     DESIGN
-        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("quantity = \"ratio\"\n", "")
         .replace("value = 0.9\ntolerance = 0.01", target)

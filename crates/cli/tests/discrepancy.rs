@@ -12,7 +12,7 @@ use serde_json::Value;
 /// A short sample and one pressure.
 fn design(target: &str, material: &str) -> String {
     DESIGN
-        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9\ntolerance = 0.01", target)
         .replace("[40.0, 400.0]", "[40.0, 100.0]")

@@ -12,7 +12,7 @@ use serde_json::Value;
 /// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
 fn design(value: &str, evaluations: u32) -> String {
     DESIGN
-        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("[40.0, 400.0]", "[40.0, 100.0]")
         .replace("[40.0, 1000.0]", "[40.0, 200.0]")
         .replace("[0.65, 2.6]", "[2.6]")

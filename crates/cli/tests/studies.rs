@@ -20,7 +20,6 @@ fn small() -> String {
         .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 10.0]")
         .replace("layer_um = 200.0", "layer_um = 40.0")
         .replace("block_um = 10.0", "block_um = 20.0")
-        .replace("length_um = 9960.0", "length_um = 400.0")
         .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
         .replace("max_evaluations = 50", "max_evaluations = 12")
         .replace("tolerance = 0.01", "tolerance = 0.2")

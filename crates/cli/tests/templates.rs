@@ -39,8 +39,7 @@ fn templates_run_as_they_are() {
 
     // The design as it is, but on a short sample and with few evaluations: it takes a second instead of ten.
     let text = fs::read_to_string(place.path("design.toml")).unwrap();
-    let short =
-        text.replace("length_um = 9960.0", "length_um = 1500.0").replace("tolerance = 0.02", "tolerance = 0.05");
+    let short = text.replace("diameter_mm = 10.0", "diameter_mm = 2.0").replace("tolerance = 0.02", "tolerance = 0.05");
     fs::write(place.path("short.toml"), short).unwrap();
     let output = place.run(&["optimize", "short.toml", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -12,7 +12,7 @@ use serde_json::Value;
 /// A short sample and one pressure; standard errors as a calibration writes them.
 fn design(more: &str) -> String {
     let text = DESIGN
-        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9", "value = 0.88")
         .replace("tolerance = 0.01", "tolerance = 0.02")

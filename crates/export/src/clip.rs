@@ -99,8 +99,18 @@ fn contains_origin(polygon: &[[f64; 2]]) -> bool {
     !polygon.is_empty() && edges(polygon).all(|([xa, ya], [xb, yb])| xa * yb - xb * ya > 0.0)
 }
 
+/// Points of a circle nearer than this share of its radius are one: between them lies no arc, and not a whole turn.
+const ONE_POINT: f64 = 1e-9;
+
+fn is_one_point(a: [f64; 2], b: [f64; 2], radius_m: f64) -> bool {
+    (a[0] - b[0]).hypot(a[1] - b[1]) <= ONE_POINT * radius_m
+}
+
 /// Appends the points of the arc between `from` and `to`, without these two.
 fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m: f64, anticlockwise: bool) {
+    if is_one_point(from, to, radius_m) {
+        return;
+    }
     let (start, end) = (libm::atan2(from[1], from[0]), libm::atan2(to[1], to[0]));
     let turn = if anticlockwise { end - start } else { start - end }.rem_euclid(std::f64::consts::TAU);
     let count = chords(turn, radius_m);
@@ -130,29 +140,38 @@ fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygo
 /// The part of a convex polygon within the disc.
 fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     let mut kept: Polygon = Vec::with_capacity(polygon.len() + 8);
-    let mut first_entry = None;
-    let mut exit: Option<[f64; 2]> = None;
+    // Where the boundary left the disc, and the corner within it that the edge before ended at: on the rim it may be the
+    // last point within, which no edge after it tells.
+    let (mut exit, mut corner): (Option<[f64; 2]>, Option<[f64; 2]>) = (None, None);
     for (a, b) in edges(polygon) {
-        let Some([t0, t1]) = chord_in_disc(a, b, radius_m) else { continue };
+        let chord = chord_in_disc(a, b, radius_m);
+        if let Some(left) = corner.take().filter(|_| chord.is_none_or(|[t0, _]| t0 > 0.0)) {
+            kept.push(left);
+            exit = Some(left);
+        }
+        let Some([t0, t1]) = chord else { continue };
         let start = at(a, b, t0);
-        if t0 > 0.0 {
-            match exit.take() {
-                Some(left) => push_arc(&mut kept, left, start, radius_m, true),
-                None => first_entry = Some(start),
-            }
+        if let Some(left) = exit.take() {
+            push_arc(&mut kept, left, start, radius_m, true);
         }
         kept.push(start);
         if t1 < 1.0 {
             let end = at(a, b, t1);
             kept.push(end);
             exit = Some(end);
+        } else {
+            corner = Some(b);
         }
     }
-    if let (Some(exit), Some(entry)) = (exit, first_entry) {
-        push_arc(&mut kept, exit, entry, radius_m, true);
+    let Some(&first) = kept.first() else {
+        return if contains_origin(polygon) { circle([0.0; 2], radius_m) } else { kept };
+    };
+    if let Some(left) = corner.filter(|corner| !is_one_point(*corner, first, radius_m)) {
+        kept.push(left);
+        exit = Some(left);
     }
-    if kept.is_empty() && contains_origin(polygon) {
-        return circle([0.0; 2], radius_m);
+    if let Some(left) = exit {
+        push_arc(&mut kept, left, first, radius_m, true);
     }
     kept
 }

@@ -13,6 +13,7 @@
 //! |---|---|
 //! | [`Outline`] | the specimen's face: disc, rectangle or ring |
 //! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
+//! | [`LaidStrip`] | a strip of it along the sliding direction, for solvers |
 //! | [`Heading`] | name, version and notes that drawings carry |
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | the lines that the spot follows |
@@ -60,6 +61,7 @@ mod outline;
 mod process;
 mod stl;
 mod stream;
+mod strips;
 mod svg;
 mod words;
 mod work;
@@ -82,6 +84,7 @@ pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances};
 pub use stl::{CHORDS, check as check_stl, stl};
+pub use strips::LaidStrip;
 pub use svg::svg;
 pub use work::{WorkSheet, laser_time_s, passes};
 

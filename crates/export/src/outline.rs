@@ -135,6 +135,20 @@ impl Outline {
         }
     }
 
+    /// The parts of the line along x at `y_m` that lie on the face, in metres, from the least x: one, two beside a hole, or
+    /// none.
+    pub(crate) fn chords_along_x_m(&self, y_m: f64) -> Vec<[f64; 2]> {
+        // The normal is y; y turned anticlockwise is -x.
+        let Some([low_m, high_m]) = self.chord_m([0.0, 1.0], y_m) else { return Vec::new() };
+        let (left_m, right_m) = (-high_m, -low_m);
+        let hole_m = self.hole_m() / 2.0;
+        if y_m.abs() >= hole_m {
+            return vec![[left_m, right_m]];
+        }
+        let half_m = ((hole_m - y_m) * (hole_m + y_m)).sqrt();
+        vec![[left_m, -half_m], [half_m, right_m]]
+    }
+
     /// The name used in files.
     #[must_use]
     pub const fn name(&self) -> &'static str {

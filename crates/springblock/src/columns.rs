@@ -168,6 +168,49 @@ pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
     columns
 }
 
+/// A strip of the specimen's face, `length` lattice spacings long, with cavities over the intervals `cavities`, ascending
+/// and apart, and `depth` rows deep: each land and each cavity is divided into the nearest whole number of columns. A land
+/// thinner than [`THINNEST`] goes to the cavities beside it, a cavity as thin to the land.
+#[must_use]
+pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
+    let cavity = Column { width: 1.0, coverage: 1.0, cavity_rows: snapped(depth) };
+    let mut columns: Vec<Column> = Vec::new();
+    let mut filled = 0.0;
+    let mut fill = |to: f64, piece: Column| {
+        let blocks = snapped(to - filled);
+        if blocks >= THINNEST {
+            let count = columns_in(blocks);
+            columns.extend(std::iter::repeat_n(Column { width: blocks / count as f64, ..piece }, count));
+            filled = to;
+        }
+    };
+    for (number, &[start, end]) in cavities.iter().enumerate() {
+        fill(start, Column::land(1.0));
+        // Up to the strip's end or the next cavity where the land between is too thin.
+        let next = cavities.get(number + 1).map_or(length, |next| next[0]);
+        fill(if next - end < THINNEST { next } else { end }, cavity);
+    }
+    fill(length, Column::land(1.0));
+    columns
+}
+
+/// The same on whole blocks, what time integration runs on: every edge lies on the nearest block, a cavity is at least one
+/// block wide, at least one row deep and leaves a row of `rows`.
+#[must_use]
+pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
+    let columns = columns_in(snapped(length));
+    let deepest = (rows.max(2) - 1) as f64;
+    let cavity = Column { width: 1.0, coverage: 1.0, cavity_rows: snapped(depth).round().clamp(1.0, deepest) };
+    let mut whole = flat(columns);
+    for &[start, end] in cavities {
+        // Within the strip, whose length is bounded: the casts are exact.
+        let from = (snapped(start).round() as usize).min(columns);
+        let to = (snapped(end).round() as usize).max(from + 1).min(columns);
+        whole[from..to].fill(cavity);
+    }
+    whole
+}
+
 /// Thinnest column that a clipped piece may leave: springs along the axes stay positive between
 /// 1/sqrt(3) and sqrt(3) lattice spacings.
 const THINNEST: f64 = 0.6;

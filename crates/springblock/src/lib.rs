@@ -15,6 +15,7 @@
 //! |---|---|
 //! | [`Scene`] | what is to be simulated, fixed |
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
+//! | [`Face`], [`Strip`], [`simulate_specimen`] | the same of a specimen as it is cut, strip by strip |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
 //! | [`SectionModel`] | the steady ratio of many patterns: what a search calls |
 //! | [`SolidModel`] | the same of a three-dimensional cell |
@@ -45,6 +46,7 @@ mod columns;
 mod draws;
 mod dynamics;
 mod error;
+mod face;
 mod lattice;
 mod monitor;
 mod outcome;
@@ -56,11 +58,12 @@ mod steady;
 
 pub use dynamics::MOST_STEPS;
 pub use error::SceneError;
+pub use face::{Face, Strip};
 pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
-pub use simulate::simulate;
+pub use simulate::{simulate, simulate_specimen};
 pub use solid::{
     SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
 };

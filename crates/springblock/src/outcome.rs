@@ -159,6 +159,9 @@ pub struct LoadOutcome {
     pub ratio_stderr: Option<f64>,
     /// Estimated change of the ratio from this block size to vanishing blocks; `None` for a flat scene.
     pub ratio_discretization_error: Option<f64>,
+    /// Standard error of the ratio from what stands for the specimen's layout: strips that sample its face, one strip for
+    /// all in time, a cell for its middle; `None` where nothing does.
+    pub ratio_layout_error: Option<f64>,
 }
 
 /// Results of a scene.

@@ -2,6 +2,9 @@
 
 mod averaging;
 mod space;
+mod specimen;
+
+pub use specimen::simulate_specimen;
 
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -240,15 +243,41 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     };
     let (own, flat) = surfaces(scene, nearest.as_ref());
     let lattices: Vec<Lattice> = [Some(own), flat].into_iter().flatten().map(|c| lattice(scene, c)).collect();
+    let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
+    let (loads, scheme) = integrate(scene, &lattices, &corrections, monitor)?;
+    let mut model = vec![describe_scheme(scene, &scheme)];
+    describe_protocol(scene, &scheme, &mut model);
+    describe_extent(scene, &mut model);
+    describe_draws(scene, &mut model);
     if scene.run.warm_start {
-        for lattice in &lattices {
+        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
+    }
+    if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
+        model.push(format!(
+            "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
+            nearest.width_m() * 1e6,
+            nearest.spacing_m() * 1e6,
+            nearest.depth_m() * 1e6,
+        ));
+    }
+    describe_law(scene, &mut model);
+    Ok(Simulation { model, loads })
+}
+
+/// Runs `lattices`, a surface and its flat companion where it has one, in time at every load; `corrections` of the ratio by
+/// load.
+fn integrate(
+    scene: &Scene,
+    lattices: &[Lattice],
+    corrections: &[f64],
+    monitor: &dyn Monitor,
+) -> Result<(Vec<LoadOutcome>, Scheme), SceneError> {
+    if scene.run.warm_start {
+        for lattice in lattices {
             affordable(scene, lattice.nx(), lattice.is_periodic())?;
         }
     }
     let schemes = lattices.iter().map(|lattice| Scheme::choose(scene, lattice)).collect::<Result<Vec<_>, _>>()?;
-
-    let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
-
     let surfaces = lattices.len();
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
@@ -265,10 +294,11 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
             DynamicRun { scene, load, lattice, scheme, threads, share, seed, stderr_share }.run(monitor)
         })
         .collect();
-    let loads = collect(scene, surfaces, &corrections, outcomes);
+    Ok((collect(scene, surfaces, corrections, outcomes), schemes[0]))
+}
 
-    let scheme = schemes[0];
-    let mut model = vec![format!(
+fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
+    format!(
         "{}: {} springs, {} at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m)",
         scene.run.fidelity.name(),
         scheme.springs.name(),
@@ -276,7 +306,11 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
         scheme.step_s * 1e9,
         scheme.limit_s * 1e9,
         scene.run.damping,
-    )];
+    )
+}
+
+/// What is said of runs that are not begun, and of a bulk at rest.
+fn describe_protocol(scene: &Scene, scheme: &Scheme, model: &mut Vec<String>) {
     let steps = Plan::new(scene, scheme.step_s).total();
     if steps > MOST_STEPS {
         model.push(format!(
@@ -287,21 +321,6 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     if scene.speed_m_s == 0.0 {
         model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
     }
-    describe_extent(scene, &mut model);
-    describe_draws(scene, &mut model);
-    if scene.run.warm_start {
-        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
-    }
-    if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
-        model.push(format!(
-            "nearest whole blocks ({:.0} / {:.0} / {:.0} um) plus the steady difference of the ratio to the pattern itself; mu_static and the interface are those of the whole blocks",
-            nearest.width_m() * 1e6,
-            nearest.spacing_m() * 1e6,
-            nearest.depth_m() * 1e6,
-        ));
-    }
-    describe_law(scene, &mut model);
-    Ok(Simulation { model, loads })
 }
 
 /// Seed of the local coefficients of draw number `draw`.
@@ -398,7 +417,15 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         let (own, of_flat) = (surface.mu_dynamic_stderr?, flat.mu_dynamic_stderr?);
         Some(own.hypot(ratio * of_flat) / flat.mu_dynamic?.abs())
     });
-    LoadOutcome { pressure_pa: load.pressure_pa, surface, flat, ratio, ratio_stderr, ratio_discretization_error: None }
+    LoadOutcome {
+        pressure_pa: load.pressure_pa,
+        surface,
+        flat,
+        ratio,
+        ratio_stderr,
+        ratio_discretization_error: None,
+        ratio_layout_error: None,
+    }
 }
 
 fn describe_extent(scene: &Scene, model: &mut Vec<String>) {

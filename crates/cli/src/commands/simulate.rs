@@ -1,10 +1,9 @@
 //! `simulate`: friction of a given surface at given loads.
 
-use slipgrid_springblock::simulate;
-
 use super::pictures;
 use crate::args::SimulateArgs;
 use crate::formats::scene::{Overrides, SceneInput};
+use crate::on_specimen::simulate_on;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::SimulationReport;
@@ -23,9 +22,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&args.scene, overrides)?;
     let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
-    let solved = simulate(&input.scene, &progress);
+    let solved = simulate_on(&input.scene, input.specimen.as_ref(), &progress);
     let wall_s = progress.finish();
-    let simulation = solved.map_err(|error| input.refuse(&error))?;
+    let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();

@@ -167,7 +167,8 @@ impl Design {
         let file: DesignFile = document.parse()?;
         let ranges = read_ranges(&document, &file)?;
         let target = read_target(&document, &file.target)?;
-        let layer = read_layer(&document, &file.sample)?;
+        let specimen = read_specimen(&document, &file.specimen)?;
+        let layer = read_layer(&document, &file.sample, Some(&specimen))?;
         let bounds = file.bounds.get_ref();
         let (width_m, spacing_m, depth_m) = (
             read_range(&document, &bounds.width_um)?,
@@ -190,8 +191,7 @@ impl Design {
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
-        let outline = read_specimen(&document, &file.specimen)?;
-        check_specimen(&document, &file.specimen, &outline, &texture, (width_m, spacing_m, depth_m))?;
+        check_specimen(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let (material, uncertainty) = read_material_input(&document, &file.material)?;
         if let MaterialInput::Given(material) = &material {
@@ -229,7 +229,7 @@ impl Design {
             constraints: Constraints { limits, quantities },
             measures,
             laser,
-            outline,
+            outline: specimen,
             layer,
             speed_m_s: SPEED_MM_S.to_si(DEFAULT_SPEED_MM_S),
             seed: file.search.seed.unwrap_or(1),

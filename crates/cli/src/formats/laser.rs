@@ -1,13 +1,13 @@
 //! Laser and specimen in design files.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_export::{Ablation, AblationPoint, Exposure, Laser, Outline};
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::{Number, NumberList};
+use super::values::{Number, NumberList, number};
 use crate::diagnostic::Diagnostic;
-use crate::report::specimen::{AT_THE_RIM, Specimen};
+use crate::report::specimen::{AT_THE_RIM, Specimen, SpecimenReport};
 use crate::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
 
 /// The laser as a design writes it.
@@ -36,17 +36,39 @@ struct AblationFile {
     depth_std_um: Option<NumberList>,
 }
 
-/// The specimen as a design writes it.
-#[derive(Clone, Debug, Deserialize)]
+/// The specimen as a design or a scene writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
     shape: Spanned<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     diameter_mm: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     length_mm: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     outer_diameter_mm: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     inner_diameter_mm: Option<Number>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     cavities: Option<Spanned<String>>,
+}
+
+impl From<&Specimen> for SpecimenFile {
+    fn from(specimen: &Specimen) -> Self {
+        let known = SpecimenReport::from(specimen);
+        let number = |length_mm: Option<f64>| length_mm.map(number);
+        Self {
+            shape: Spanned::new(0..0, known.shape),
+            diameter_mm: number(known.diameter_mm),
+            length_mm: number(known.length_mm),
+            width_mm: number(known.width_mm),
+            outer_diameter_mm: number(known.outer_diameter_mm),
+            inner_diameter_mm: number(known.inner_diameter_mm),
+            cavities: known.cavities.map(|name| Spanned::new(0..0, name)),
+        }
+    }
 }
 
 /// Reads the laser; `limits` are depth per burst and smallest land, as the limits give them.

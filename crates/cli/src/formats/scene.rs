@@ -9,12 +9,15 @@ use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
+use super::laser::{SpecimenFile, read_specimen};
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::{MaterialUncertainty, read_referenced};
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{DAMPING, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
+use crate::on_specimen::{self, SpecimenError};
+use crate::report::specimen::Specimen;
+use crate::units::{DAMPING, LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, TOLERANCE, tidy};
 
 /// A scene as a file writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -31,6 +34,9 @@ pub struct SceneFile {
     /// Texture; absent for a flat surface.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pattern: Option<Spanned<PatternFile>>,
+    /// The specimen that the pattern is laid on; absent where a sample is one strip of `sample.length_um`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub specimen: Option<Spanned<SpecimenFile>>,
     /// The modelled layer.
     #[serde(default = "default_sample")]
     pub sample: Spanned<SampleFile>,
@@ -45,7 +51,8 @@ pub struct SceneFile {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SampleFile {
-    /// Length of the specimen along the sliding direction; 9960 when absent.
+    /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
+    /// absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<Number>,
     /// Height of the elastic layer; 200 when absent.
@@ -138,6 +145,8 @@ pub struct SceneInput {
     pub uncertainty: MaterialUncertainty,
     /// Speed and humidity that select its coefficients.
     pub condition: Option<Condition>,
+    /// The specimen whose layout a sample is; absent for one strip, and for cells.
+    pub specimen: Option<Specimen>,
     /// Per load: coefficients were taken from the nearest measured pressure.
     pub friction_extrapolated: Vec<bool>,
     document: Document,
@@ -174,9 +183,10 @@ impl SceneInput {
         let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
-        let layer = read_layer(&document, &file.sample)?;
+        let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
+        let layer = read_layer(&document, &file.sample, specimen.as_ref())?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
-        let run = read_run(&document, &file.run, overrides)?;
+        let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
         let load = PRESSURE_MPA.or_least();
@@ -195,6 +205,8 @@ impl SceneInput {
             width: place(texture.map(|pattern| &pattern.width_um)),
             step: place(file.run.step_ns.as_ref()),
         };
+        // A flat specimen is its strip, and one period has no rim.
+        let specimen = specimen.filter(|_| pattern.is_some() && run.extent == Extent::Sample);
         let scene = Scene {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
@@ -202,14 +214,14 @@ impl SceneInput {
             layer,
             loads,
             speed_m_s,
-            run,
+            run: if specimen.is_some() { on_specimen::solved_as(run, pattern.as_ref()) } else { run },
         };
         if scene.dimensions() == 2
             && let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref())
         {
             require_section(&document, &file.get_ref().texture(), pattern.texture())?;
         }
-        let input = Self { scene, material, uncertainty, condition, friction_extrapolated, document, places };
+        let input = Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, document, places };
         input.scene.validate().map_err(|error| input.refuse(&error))?;
         Ok(input)
     }
@@ -281,6 +293,17 @@ impl SceneInput {
         }
     }
 
+    /// Points at the place where the solver found the scene wanting, or the specimen the pattern.
+    #[must_use]
+    pub fn refuse_on_specimen(&self, error: &SpecimenError) -> Diagnostic {
+        match error {
+            SpecimenError::Scene(error) => self.refuse(error),
+            SpecimenError::Layout(error) => {
+                self.at(&self.places.width, "pattern.width_um", f64::NAN, format!("um: {error}"))
+            }
+        }
+    }
+
     /// Refuses what stands at `place`, or `key` by name where the file leaves its value to the default.
     fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
         match place {
@@ -326,20 +349,36 @@ pub fn loads(
     Ok((loads, outside))
 }
 
-/// Reads the modelled layer and checks that it is made of whole blocks.
+/// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
-pub fn read_layer(document: &Document, file: &Spanned<SampleFile>) -> Result<Layer, Diagnostic> {
+pub fn read_layer(
+    document: &Document,
+    file: &Spanned<SampleFile>,
+    specimen: Option<&Specimen>,
+) -> Result<Layer, Diagnostic> {
     let sample = file.get_ref();
     let or = |value: Option<&Number>, default_m: f64| {
         document.optional(value, LENGTH_UM).map(|read| read.unwrap_or(default_m))
     };
-    let layer = Layer {
-        length_m: or(sample.length_um.as_ref(), DEFAULT_LAYER.length_m)?,
-        height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?,
-        block_m: or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?,
+    let block_m = or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?;
+    let length_m = match (&sample.length_um, specimen) {
+        (Some(length), Some(specimen)) => {
+            let [length_m, _] = specimen.outline.extents_m();
+            return Err(document
+                .refuse(length.span(), "is given beside [specimen], which says how long the specimen is")
+                .expected(format!(
+                    "no such key: the {} is {} mm long",
+                    specimen.outline.name(),
+                    LENGTH_MM.from_si(length_m)
+                )));
+        }
+        // The nearest whole blocks: strips of the layout keep their own lengths.
+        (None, Some(specimen)) => (specimen.outline.extents_m()[0] / block_m).round().max(1.0) * block_m,
+        (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
+    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?, block_m };
     let block_um = LENGTH_UM.from_si(layer.block_m);
     for (name, value, length_m) in
         [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]
@@ -401,7 +440,12 @@ fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&
     }
 }
 
-fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result<RunOptions, Diagnostic> {
+fn read_run(
+    document: &Document,
+    file: &RunFile,
+    overrides: Overrides,
+    has_specimen: bool,
+) -> Result<RunOptions, Diagnostic> {
     let default = RunOptions::default();
     let fidelity =
         file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
@@ -412,7 +456,9 @@ fn read_run(document: &Document, file: &RunFile, overrides: Overrides) -> Result
     if let Some(dimensions) = &file.dimensions {
         match dimensions.get_ref() {
             2 => {}
-            3 if fidelity != Fidelity::Reference && extent == Extent::Cell && springs != Some(Springs::Exact) => {}
+            3 if fidelity != Fidelity::Reference
+                && (extent == Extent::Cell || has_specimen)
+                && springs != Some(Springs::Exact) => {}
             3 => {
                 return Err(document
                     .refuse(

@@ -14,6 +14,8 @@ const TIME_AVERAGE: &str = "time average";
 const TIME_AND_DRAWS: &str = "time average and local coefficients drawn";
 /// Part of a run: which local coefficients it drew.
 const DRAWS: &str = "local coefficients drawn";
+/// Part of a run: what stands for the specimen as it is laid out.
+const LAYOUT: &str = "layout on the specimen";
 /// Part of a static peak, which follows them at most one to one.
 const STATIC: &str = "static coefficient";
 /// What is open where slopes could not be computed.
@@ -107,7 +109,10 @@ impl ErrorReport {
     /// The part of the run itself: how long it lasted and what it drew.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {
-        let own = self.parts.iter().filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS].contains(&part.input.as_str()));
+        let own = self
+            .parts
+            .iter()
+            .filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT].contains(&part.input.as_str()));
         own.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
     }
 }
@@ -138,7 +143,11 @@ impl Solved<'_> {
         let drawn = self.drawn(place, load);
         let surface = &load.surface;
         let mu = surface.mu_dynamic.map(|mu| mu * factor);
-        let own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
+        let layout = load.ratio_layout_error.map(|std| std * factor);
+        let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        let of_layout = |std: Option<f64>| std.map(|std| PartsReport { input: LAYOUT.to_owned(), std });
+        let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
+        own_mu.extend(of_layout(layout.zip(flat_mu).map(|(std, mu)| std * mu)));
         let material_mu = material.as_ref().map(|material| &material.mu);
         let flat = load.flat.as_ref();
         PressureErrors {
@@ -146,7 +155,8 @@ impl Solved<'_> {
             predicted: None,
             ratio: flat.map(|_| {
                 let ratio = load.ratio.map(|ratio| ratio * factor);
-                let own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), drawn.ratio);
+                let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), drawn.ratio);
+                own.extend(of_layout(layout));
                 ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
             }),
             mu: ErrorReport::new(mu, own_mu, material_mu),

@@ -73,7 +73,6 @@ diameter_mm = 10.0
 [sample]
 layer_um = 200.0
 block_um = 10.0
-length_um = 9960.0
 [search]
 seed = 1
 max_evaluations = 50

@@ -256,3 +256,27 @@ fn rings_take_what_is_clear_of_hole_and_rim() {
         }
     }
 }
+
+/// What the rim leaves of a groove whose corners lie on it is neither a whole turn of the rim nor nothing.
+#[test]
+fn clipped_grooves_have_the_area_of_the_slices_they_are() {
+    for (width_um, spacing_um) in [(400.0, 824.5), (130.0, 370.0), (40.0, 92.4), (250.0, 250.0), (400.0, 600.0)] {
+        let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, 5e-6).unwrap();
+        for diameter_m in [10e-3, 6e-3, 2e-3, 9.7e-3] {
+            let layout = Layout::clipped(pattern, Outline::Disc { diameter_m }).unwrap();
+            let radius_m = diameter_m / 2.0;
+            // Area of the disc up to x: x sqrt(R^2 - x^2) + R^2 asin(x / R).
+            let up_to = |x_m: f64| {
+                let x_m = x_m.clamp(-radius_m, radius_m);
+                x_m * (radius_m * radius_m - x_m * x_m).max(0.0).sqrt() + radius_m * radius_m * (x_m / radius_m).asin()
+            };
+            for cavity in layout.iter() {
+                let half_m = cavity.width_m / 2.0;
+                let slice_m2 = up_to(cavity.centre_x_m + half_m) - up_to(cavity.centre_x_m - half_m);
+                let error = (cavity.area_m2() - slice_m2).abs();
+                // Arcs are chords 10 nm away at most.
+                assert!(error < 1e-8 * 2.0 * diameter_m, "{width_um} {diameter_m} {} {slice_m2}", cavity.area_m2());
+            }
+        }
+    }
+}

@@ -34,6 +34,7 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
         ratio: ratio.as_deref().map(average),
         ratio_stderr: standard_error(ratio.as_deref(), ratio_stderr.as_deref()),
         ratio_discretization_error: first.ratio_discretization_error,
+        ratio_layout_error: first.ratio_layout_error,
     })
 }
 
@@ -139,6 +140,7 @@ mod tests {
             ratio: Some(ratio),
             ratio_stderr: Some(1e-4),
             ratio_discretization_error: None,
+            ratio_layout_error: None,
         }
     }
 

@@ -108,6 +108,12 @@ impl SteadyModel {
         &self.lattice
     }
 
+    /// Force per length that a unit descent of the bulk takes without friction, over k.
+    #[must_use]
+    pub fn stiffness_per_length(&self) -> f64 {
+        self.system.bulk_stiffness() / self.system.load()
+    }
+
     /// Steady sliding under `load`.
     #[must_use]
     pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {

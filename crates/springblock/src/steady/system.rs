@@ -174,6 +174,13 @@ impl System {
         2 * (self.position[i] * self.rows + j)
     }
 
+    /// Vertical force on the bulk by its own unit rise, the blocks following without friction.
+    pub fn bulk_stiffness(&self) -> f64 {
+        // c0 - b . u_b
+        let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();
+        self.bulk_stiffness - give
+    }
+
     /// Horizontal force of the bulk's springs on the layer at the displacements `displacement`.
     #[cfg(test)]
     pub fn bulk_horizontal_force(&self, lattice: &Lattice, displacement: &[f64]) -> f64 {
@@ -216,8 +223,7 @@ impl LinearResponse for System {
         factor.solve(displacement);
         // Load on the bulk: c0 H - b.u = -P L l with u = u_T + H u_b
         let pull: f64 = self.coupling.iter().zip(displacement.iter()).map(|(b, u)| b * u).sum();
-        let give: f64 = self.coupling.iter().zip(&self.bulk_response).map(|(b, u)| b * u).sum();
-        let height = (pull - self.load) / (self.bulk_stiffness - give);
+        let height = (pull - self.load) / self.bulk_stiffness();
         for (u, response) in displacement.iter_mut().zip(&self.bulk_response) {
             *u += height * response;
         }

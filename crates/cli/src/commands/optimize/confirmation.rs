@@ -1,13 +1,14 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{RunOptions, Scene, SceneError};
+use slipgrid_springblock::{RunOptions, Scene};
 
 use super::conditions::in_words;
 use super::in_time::in_time;
 use super::rounds::Rounds;
 use super::stages::Timings;
 use crate::formats::design::Design;
+use crate::on_specimen::SpecimenError;
 use crate::progress::Progress;
 use crate::{CliError, Console};
 
@@ -24,13 +25,13 @@ impl Rounds {
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<(), CliError> {
-        let refuse = |error: SceneError| design.refuse(error.to_string());
+        let refuse = |error: SpecimenError| design.refuse(error.to_string());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.sliding_m = self.scene.run.sliding_m;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         let bar = Progress::start("confirmation", console.quiet);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
-        let (confirmed, run) = in_time(scene, &bar).map_err(refuse)?;
+        let (confirmed, run) = in_time(scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
         self.confirming = run;
         self.predicted = Some(predicted);
@@ -59,7 +60,8 @@ impl Rounds {
                 let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
                 let (loads, speed_m_s) = (at.loads.clone(), at.condition.speed_m_s);
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
-                let (confirmed, _) = in_time(scene, &bar).map_err(|error| design.refuse(error.to_string()))?;
+                let (confirmed, _) =
+                    in_time(scene, Some(&design.outline), &bar).map_err(|error| design.refuse(error.to_string()))?;
                 timings.confirm_further += bar.finish();
                 self.further[place].confirmed = Some(confirmed);
             }

@@ -3,7 +3,7 @@
 use slipgrid_calibrate::uncertainty::Knowledge;
 use slipgrid_material::{Condition, LocalFriction, Material};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Layer, Load, RunOptions};
+use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
 use toml::Spanned;
 
 use crate::CliError;
@@ -13,6 +13,7 @@ use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
+use crate::report::specimen::Specimen;
 use crate::units::{DENSITY_G_CM3, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
 
 /// What design.toml is made of.
@@ -27,6 +28,8 @@ pub struct DesignScene<'a> {
     pub condition: Option<&'a Condition>,
     /// The design.
     pub pattern: &'a Pattern,
+    /// The specimen that it is laid on.
+    pub specimen: &'a Specimen,
     /// The modelled layer.
     pub layer: &'a Layer,
     /// Loads with their coefficients.
@@ -50,8 +53,9 @@ impl DesignScene<'_> {
             condition: None,
             material: unplaced(PathOr::Table(Box::new(self.material(&knowledge)))),
             pattern: Some(unplaced(self.pattern.into())),
+            specimen: Some(unplaced(self.specimen.into())),
             sample: unplaced(SampleFile {
-                length_um: Some(micrometres(self.layer.length_m)),
+                length_um: None,
                 layer_um: Some(micrometres(self.layer.height_m)),
                 block_um: Some(micrometres(self.layer.block_m)),
             }),
@@ -61,7 +65,7 @@ impl DesignScene<'_> {
             }),
             run: RunFile {
                 fidelity: Some(unplaced(self.run.fidelity.name().to_owned())),
-                extent: Some(unplaced(self.run.extent.name().to_owned())),
+                extent: Some(unplaced(Extent::Sample.name().to_owned())),
                 seed: Some(self.run.seed),
                 sliding_um: Some(micrometres(self.run.sliding_m)),
                 mu_stderr: self.run.mu_stderr.map(number),
@@ -178,6 +182,7 @@ mod tests {
     use super::*;
     use crate::formats::Document;
     use crate::formats::scene::{Overrides, SceneInput};
+    use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, Friction, Provenance};
     use slipgrid_pattern::Planform;
 
@@ -193,7 +198,8 @@ mod tests {
             provenance: Provenance { name: "a \"b\"".into(), synthetic_surface: true, ..Provenance::default() },
         };
         let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
-        let layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
+        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6 };
+        let specimen = Specimen { outline: Outline::Disc { diameter_m: 8e-3 }, is_clipped: true };
         let run = RunOptions { seed: 7, ..RunOptions::default() };
         let scene = DesignScene {
             name: "test",
@@ -201,6 +207,7 @@ mod tests {
             uncertainty: &MaterialUncertainty::default(),
             condition: None,
             pattern: &pattern,
+            specimen: &specimen,
             layer: &layer,
             loads: &loads,
             speed_m_s: 2e-3,
@@ -208,7 +215,7 @@ mod tests {
         };
         let document = Document::new("design.toml", scene.to_toml().unwrap());
         let read = SceneInput::from_file(document.clone(), &document.parse().unwrap(), Overrides::default()).unwrap();
-        assert_eq!(read.scene.pattern, Some(pattern));
+        assert_eq!((read.scene.pattern, read.specimen), (Some(pattern), Some(specimen)));
         assert_eq!((read.scene.layer, read.scene.run, read.scene.speed_m_s), (layer, run, 2e-3));
         assert_eq!(read.scene.area_law, material.area_law);
         assert_eq!(read.scene.loads, loads);

@@ -1,6 +1,6 @@
 //! The quantities of a design that its limits hold, as the search's model gives them.
 
-use slipgrid_export::{Laser, laser_time_s};
+use slipgrid_export::{Laser, Layout, laser_time_s};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
@@ -47,8 +47,8 @@ impl Limited {
             .map(|measure| {
                 Ok(match measure {
                     Measure::PeakPressure => answer.peak_pressure_pa(),
-                    Measure::BearingArea => 1.0 - pattern.areal_density(),
-                    Measure::ArealDensity => pattern.areal_density(),
+                    Measure::BearingArea => 1.0 - self.areal_density(pattern)?,
+                    Measure::ArealDensity => self.areal_density(pattern)?,
                     Measure::LaserTime => self.laser_time_s(pattern)?,
                     // Where nothing is left that could sag, nothing does.
                     Measure::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
@@ -58,10 +58,19 @@ impl Limited {
             .collect()
     }
 
-    fn laser_time_s(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
+    fn layout(&self, pattern: &Pattern) -> Result<Layout, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let outline = self.outline.ok_or_else(|| trial("there is no specimen".to_owned()))?;
-        let layout = outline.layout(*pattern).map_err(|error| trial(error.to_string()))?;
-        laser_time_s(&layout, &self.laser).ok_or_else(|| trial("the laser's time is not known".to_owned()))
+        outline.layout(*pattern).map_err(|error| trial(error.to_string()))
+    }
+
+    /// Of the specimen as it is cut, not of the endless pattern.
+    fn areal_density(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
+        Ok(self.layout(pattern)?.areal_density())
+    }
+
+    fn laser_time_s(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
+        laser_time_s(&self.layout(pattern)?, &self.laser)
+            .ok_or_else(|| ModelFailure::Trial { reason: "the laser's time is not known".to_owned() })
     }
 }

@@ -118,6 +118,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         uncertainty: &uncertainty,
         condition: design.condition.as_ref(),
         pattern: &pattern,
+        specimen: &design.outline,
         layer: &design.layer,
         loads: &loads,
         speed_m_s: design.speed_m_s,

@@ -4,13 +4,15 @@ use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SceneError, SectionModel, SectionOutcome,
-    Simulation, SolidModel, Status, Unwatched, simulate,
+    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SectionModel, SectionOutcome, Simulation,
+    SolidModel, Status, Unwatched, simulate,
 };
 
 use super::limited::Limited;
 use super::study::{Answer, Study};
 use crate::formats::design::Design;
+use crate::on_specimen::{SpecimenError, density_share, on_face, onto};
+use crate::report::specimen::Specimen;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
@@ -41,6 +43,8 @@ pub struct SteadyCell {
     correction: Vec<f64>,
     limited: Limited,
     study: Study,
+    /// What designs are cut into; absent for endless patterns.
+    specimen: Option<Specimen>,
 }
 
 /// What solves steady cells.
@@ -119,7 +123,28 @@ impl SteadyCell {
             asked,
             limited: Limited::default(),
             study: Study::default(),
+            specimen: None,
         }
+    }
+
+    /// Designs are judged as they lie on `specimen` from here on: with the share of its face that their cavities take.
+    #[must_use]
+    pub fn on(mut self, specimen: Specimen) -> Self {
+        self.specimen = Some(specimen);
+        self
+    }
+
+    /// Share of the specimen's face that is cavity over that of the endless pattern.
+    fn share(&self, design: &Pattern) -> Result<f64, ModelFailure> {
+        let dimensions = if self.is_solid() { 3 } else { 2 };
+        let share = self.specimen.as_ref().map(|specimen| density_share(specimen, design, dimensions)).transpose();
+        share.map(|share| share.unwrap_or(1.0)).map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+    }
+
+    /// What a cell says of `design` as it lies on the specimen.
+    fn laid(&self, design: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
+        let share = self.share(design)?;
+        Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
     }
 
     /// The scene with the loads of every condition.
@@ -170,12 +195,17 @@ impl SteadyCell {
         Scene { pattern: Some(*design), ..self.scene.clone() }
     }
 
-    /// The scene of a design, solved.
+    /// The cell of a design, solved, and laid on the specimen.
     ///
     /// # Errors
-    /// [`SceneError`] if the design has no lattice.
-    pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SceneError> {
-        simulate(&self.scene(design), &Unwatched)
+    /// [`SpecimenError`] if the design has no lattice or does not fit on the specimen.
+    pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SpecimenError> {
+        let mut simulation = simulate(&self.scene(design), &Unwatched)?;
+        if let Some(specimen) = &self.specimen {
+            let dimensions = if self.is_solid() { 3 } else { 2 };
+            onto(&mut simulation, density_share(specimen, design, dimensions)?, &[]);
+        }
+        Ok(simulation)
     }
 
     /// Ratios of `design` in `scene`, one of this model's with other coefficients and another area law.
@@ -184,7 +214,7 @@ impl SteadyCell {
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let solver = Solver::new(scene, if self.is_solid() { 3 } else { 2 });
-        Ok(open(Self::answer(scene, &solver, design)?)?.ratio)
+        Ok(self.laid(design, open(Self::answer(scene, &solver, design)?)?)?.ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -192,7 +222,7 @@ impl SteadyCell {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        open(Self::answer(&self.asked, &self.solver, design)?)
+        self.laid(design, open(Self::answer(&self.asked, &self.solver, design)?)?)
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.
@@ -216,6 +246,7 @@ impl SteadyCell {
             correction: vec![0.0; asked.loads.len()],
             limited: Limited::default(),
             study: Study::default(),
+            specimen: self.specimen,
             scene,
             asked,
         }
@@ -292,6 +323,7 @@ impl SteadyCell {
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
         self.limited.check(design)?;
         let answer = self.study.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
+        let answer = self.laid(design, answer)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }

@@ -103,7 +103,7 @@ impl Rounds {
         timings.flat = started.elapsed().as_secs_f64();
         let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
         Ok(Self {
-            model: SteadyCell::new(&scene, &elsewhere, &design.space, flat_mu),
+            model: SteadyCell::new(&scene, &elsewhere, &design.space, flat_mu).on(design.outline),
             guidance: Guidance::new(),
             confirming,
             scene,
@@ -206,7 +206,7 @@ impl Rounds {
             None => format!("searched in space: steady cells in blocks of {block_um} um"),
         }];
         statements.push(format!(
-            "confirmed in time on one cell in space: a specimen {} um long and as wide is beyond reach",
+            "confirmed in time on one cell in space, taken for the specimen in proportion to its cavities: a specimen {} um long and as wide is beyond reach",
             um(self.scene.layer.length_m),
         ));
         statements

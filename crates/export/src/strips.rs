@@ -1,0 +1,169 @@
+//! A layout as strips along the sliding direction: what a solver takes of it.
+
+use slipgrid_pattern::Planform;
+
+use crate::{Cavity, Layout};
+
+/// A strip of the specimen's face along x, the sliding direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LaidStrip {
+    /// Number of the band of the face that it is the middle of, from the rim inwards.
+    pub band: usize,
+    /// Width that it stands for, in metres: its band's area over its length, and that of all bands alike.
+    pub width_m: f64,
+    /// Length along x, in metres.
+    pub length_m: f64,
+    /// Where cavities begin and end, from the strip's least x, in metres; ascending and apart.
+    pub cavities_m: Vec<[f64; 2]>,
+}
+
+/// Strips whose ends and edges agree to this share of the pitch are one.
+const ALIKE: f64 = 1e-9;
+
+impl Layout {
+    /// The face cut into `bands` of equal height across x, each represented by the strip, or beside a hole the strips, in
+    /// its middle. Bands that are alike are one strip of their widths together; the widths make up the area of the face.
+    /// Cavities are those of the layout, cut at the rim where it cuts them.
+    #[must_use]
+    pub fn strips(&self, bands: usize) -> Vec<LaidStrip> {
+        let [_, extent_y_m] = self.outline().extents_m();
+        let height_m = extent_y_m / bands as f64;
+        let cavities: Vec<Cavity> = self.iter().collect();
+        let mut strips: Vec<LaidStrip> = Vec::new();
+        for place in 0..bands {
+            let y_m = (place as f64 + 0.5) * height_m - 0.5 * extent_y_m;
+            let band = place.min(bands - 1 - place);
+            for [left_m, right_m] in self.outline().chords_along_x_m(y_m) {
+                let strip = LaidStrip {
+                    band,
+                    width_m: height_m,
+                    length_m: right_m - left_m,
+                    cavities_m: self.along(&cavities, y_m, [left_m, right_m]),
+                };
+                match strips.iter_mut().find(|known| self.alike(known, &strip)) {
+                    Some(known) => known.width_m += height_m,
+                    None if strip.length_m > 0.0 => strips.push(strip),
+                    None => {}
+                }
+            }
+        }
+        // sum w_s L_s = A: chords in the middle of bands sample a round face.
+        let sampled_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
+        let scale = self.outline().area_m2() / sampled_m2;
+        for strip in &mut strips {
+            strip.width_m *= scale;
+        }
+        strips
+    }
+
+    /// The strip through the middle of the cavities in the row through the specimen's centre, the whole of the face's width.
+    #[must_use]
+    pub fn central_strip(&self) -> Vec<LaidStrip> {
+        let cavities: Vec<Cavity> = self.iter().collect();
+        let chords = self.outline().chords_along_x_m(0.0);
+        let length_m: f64 = chords.iter().map(|[left_m, right_m]| right_m - left_m).sum();
+        let strip = |&[left_m, right_m]: &[f64; 2]| LaidStrip {
+            band: 0,
+            width_m: self.outline().area_m2() / length_m,
+            length_m: right_m - left_m,
+            cavities_m: self.along(&cavities, 0.0, [left_m, right_m]),
+        };
+        chords.iter().map(strip).collect()
+    }
+
+    /// Where `cavities` lie on the chord at `y_m`, from its left end.
+    fn along(&self, cavities: &[Cavity], y_m: f64, [left_m, right_m]: [f64; 2]) -> Vec<[f64; 2]> {
+        let mut found: Vec<[f64; 2]> = cavities
+            .iter()
+            .filter_map(|cavity| {
+                let half_m = half_width_m(cavity, y_m)?;
+                let from_m = (cavity.centre_x_m - half_m).max(left_m) - left_m;
+                let to_m = (cavity.centre_x_m + half_m).min(right_m) - left_m;
+                (to_m > from_m).then_some([from_m, to_m])
+            })
+            .collect();
+        found.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        found
+    }
+
+    fn alike(&self, a: &LaidStrip, b: &LaidStrip) -> bool {
+        let near = |a_m: f64, b_m: f64| (a_m - b_m).abs() <= ALIKE * self.pattern().pitch_m();
+        near(a.length_m, b.length_m)
+            && a.cavities_m.len() == b.cavities_m.len()
+            && a.cavities_m.iter().zip(&b.cavities_m).all(|(a, b)| near(a[0], b[0]) && near(a[1], b[1]))
+    }
+}
+
+/// Half of what a cavity whose sides lie along x and y takes of the line at `y_m`, in metres; `None` where it misses it.
+fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
+    let across_m = (y_m - cavity.centre_y_m).abs();
+    if cavity.planform == Planform::Disc {
+        let radius_m = cavity.width_m / 2.0;
+        return (across_m < radius_m).then(|| ((radius_m - across_m) * (radius_m + across_m)).sqrt());
+    }
+    (across_m < cavity.length_m / 2.0).then_some(cavity.width_m / 2.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Outline;
+    use slipgrid_pattern::Pattern;
+
+    const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
+
+    fn grooves(width_um: f64, spacing_um: f64) -> Pattern {
+        Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap()
+    }
+
+    /// Area of the face and share of cavities by the strips.
+    fn sums(strips: &[LaidStrip]) -> [f64; 2] {
+        let cavity_m = |strip: &LaidStrip| strip.cavities_m.iter().map(|[from, to]| to - from).sum::<f64>();
+        let area_m2: f64 = strips.iter().map(|strip| strip.width_m * strip.length_m).sum();
+        [area_m2, strips.iter().map(|strip| strip.width_m * cavity_m(strip)).sum::<f64>() / area_m2]
+    }
+
+    #[test]
+    fn strips_of_a_disc_have_its_area_and_converge_to_its_share_of_cavities() {
+        for (width_um, spacing_um) in [(400.0, 824.5), (130.0, 370.0), (40.0, 92.4)] {
+            for layout in [Layout::new, Layout::clipped] {
+                let layout = layout(grooves(width_um, spacing_um), DISC).unwrap();
+                let errors = [16, 256].map(|bands| {
+                    let [area_m2, share] = sums(&layout.strips(bands));
+                    assert!((area_m2 / DISC.area_m2() - 1.0).abs() < 1e-12);
+                    (share - layout.areal_density()).abs()
+                });
+                assert!(errors[0] < 0.012 && errors[1] < 1e-3, "{width_um}: {errors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn bands_alike_are_one_strip() {
+        // Both halves of a disc are alike, and all of a plate with grooves across it.
+        let disc = Layout::new(grooves(400.0, 824.5), DISC).unwrap();
+        assert_eq!(disc.strips(16).len(), 8);
+        let plate = Layout::new(grooves(400.0, 824.5), Outline::Rectangle { length_m: 10e-3, width_m: 6e-3 }).unwrap();
+        let strips = plate.strips(16);
+        // Grooves at -3 to 3 pitches of 1224.5 um; the next would pass the edge.
+        assert!(strips.len() == 1 && strips[0].cavities_m.len() == 7, "{strips:?}");
+        assert!((strips[0].width_m - 6e-3).abs() < 1e-12 && (strips[0].cavities_m[3][0] - 4.8e-3).abs() < 1e-12);
+        assert_eq!(plate.central_strip(), strips);
+    }
+
+    #[test]
+    fn a_hole_parts_strips_and_squares_leave_rows_of_land() {
+        let ring = Outline::Ring { outer_diameter_m: 10e-3, inner_diameter_m: 4e-3 };
+        let layout = Layout::new(grooves(130.0, 370.0), ring).unwrap();
+        let strips = layout.strips(10);
+        assert!((sums(&strips)[0] / ring.area_m2() - 1.0).abs() < 1e-12);
+        // Bands at 0.5 and 1.5 mm meet the hole: two strips each, mirrored, not alike.
+        assert_eq!(strips.iter().filter(|strip| strip.band == 4).count(), 2);
+        let squares = Pattern::new(Planform::Square, 130e-6, 370e-6, 20e-6).unwrap();
+        let layout = Layout::new(squares, Outline::Rectangle { length_m: 2.13e-3, width_m: 2.13e-3 }).unwrap();
+        let bare =
+            layout.strips(213).iter().filter(|strip| strip.cavities_m.is_empty()).map(|s| s.width_m).sum::<f64>();
+        // Five rows of 130 um in 2130.
+        assert!((bare / 2.13e-3 - (1.0 - 5.0 * 130.0 / 2130.0)).abs() < 1e-9, "{bare}");
+    }
+}

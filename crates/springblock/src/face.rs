@@ -1,0 +1,116 @@
+//! The face of a specimen: strips along the sliding direction, each with its own cavities and ends.
+
+use crate::SceneError;
+
+/// A strip of a specimen's face along the sliding direction, alike across its width.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Strip {
+    /// Number of the band of the face, counted across the sliding direction, that the strip is the middle of. Strips on
+    /// both sides of a hole lie in one band.
+    pub band: usize,
+    /// Width that it stands for, in metres; the sum of width times length is the area of the face.
+    pub width_m: f64,
+    /// Length along the sliding direction, in metres.
+    pub length_m: f64,
+    /// Where cavities begin and end, from the strip's left end, in metres; ascending and apart.
+    pub cavities_m: Vec<[f64; 2]>,
+}
+
+impl Strip {
+    /// Length under cavities, in metres.
+    #[must_use]
+    pub fn cavity_length_m(&self) -> f64 {
+        self.cavities_m.iter().map(|[start, end]| end - start).sum()
+    }
+
+    /// Area that it stands for, in square metres.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        self.width_m * self.length_m
+    }
+}
+
+/// The face of a specimen with its cavities as they are laid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Face {
+    strips: Vec<Strip>,
+    cavity_share: f64,
+}
+
+impl Face {
+    /// A face of `strips`, of which `cavity_share`, a share from 0 to 1, is cavity: exact where the strips sample it.
+    ///
+    /// # Errors
+    /// [`SceneError::OutOfRange`] without strips, for lengths that are not positive, and for cavities out of order or
+    /// outside their strip.
+    pub fn new(strips: Vec<Strip>, cavity_share: f64) -> Result<Self, SceneError> {
+        let refuse = |quantity, value, expected| Err(SceneError::OutOfRange { quantity, value, expected });
+        if strips.is_empty() {
+            return refuse("strips", 0.0, "at least one strip of the face");
+        }
+        if !(0.0..1.0).contains(&cavity_share) {
+            return refuse("cavity_share", cavity_share, "a share from 0 to less than 1");
+        }
+        for strip in &strips {
+            for (quantity, value) in [("strip width_m", strip.width_m), ("strip length_m", strip.length_m)] {
+                if !(value.is_finite() && value > 0.0) {
+                    return refuse(quantity, value, "a positive number");
+                }
+            }
+            let mut reached_m = 0.0;
+            for &[start_m, end_m] in &strip.cavities_m {
+                if !(start_m >= reached_m && end_m > start_m && end_m <= strip.length_m) {
+                    return refuse("strip cavities_m", start_m, "intervals within the strip, ascending and apart");
+                }
+                reached_m = end_m;
+            }
+        }
+        Ok(Self { strips, cavity_share })
+    }
+
+    /// The strips.
+    #[must_use]
+    pub fn strips(&self) -> &[Strip] {
+        &self.strips
+    }
+
+    /// Share of the face that is cavity.
+    #[must_use]
+    pub const fn cavity_share(&self) -> f64 {
+        self.cavity_share
+    }
+
+    /// The strip that is run in time: the longest with cavities, the first of equals.
+    pub(crate) fn longest(&self) -> &Strip {
+        let textured = |strip: &Strip| !strip.cavities_m.is_empty();
+        let better = |a: &Strip, b: &Strip| (textured(a), a.length_m) > (textured(b), b.length_m);
+        let first = &self.strips[0];
+        self.strips.iter().fold(first, |best, strip| if better(strip, best) { strip } else { best })
+    }
+
+    /// Bands of the face.
+    pub(crate) fn bands(&self) -> usize {
+        self.strips.iter().map(|strip| strip.band + 1).max().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strip(length_m: f64, cavities_m: &[[f64; 2]]) -> Strip {
+        Strip { band: 0, width_m: 1e-3, length_m, cavities_m: cavities_m.to_vec() }
+    }
+
+    #[test]
+    fn strips_that_mean_nothing_are_refused() {
+        let face = |strips: Vec<Strip>, share: f64| Face::new(strips, share);
+        assert!(face(vec![], 0.1).is_err());
+        assert!(face(vec![strip(1e-3, &[])], 1.0).is_err());
+        assert!(face(vec![strip(f64::NAN, &[])], 0.1).is_err());
+        assert!(face(vec![strip(1e-3, &[[1e-4, 2e-4], [1.5e-4, 3e-4]])], 0.1).is_err());
+        assert!(face(vec![strip(1e-3, &[[9e-4, 1.1e-3]])], 0.1).is_err());
+        let good = face(vec![strip(2e-3, &[]), strip(1e-3, &[[1e-4, 2e-4]])], 0.1).unwrap();
+        assert_eq!(good.longest().length_m, 1e-3, "the longest that has cavities");
+    }
+}

@@ -1,0 +1,399 @@
+//! A specimen as it is cut: the sum of the strips of its face along the sliding direction.
+//!
+//! All strips hang from one rigid bulk and come down alike. With k_s the force per length that a unit descent takes of strip
+//! s, w_s its width and L_s its length, their pressures P_s and the friction of the face under the nominal pressure P are
+//!
+//! ```text
+//! P_s = k_s d,     sum w_s L_s P_s = P sum w_s L_s,     mu = sum w_s L_s P_s mu_s / (P sum w_s L_s)
+//! ```
+//!
+//! The strips sample the face. Its share of cavities D is known exactly, and what cavities take off friction goes very
+//! nearly as their share, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. What strips depart from
+//! that proportion is the error of the sampling.
+//!
+//! In time one strip is run, the longest, on whole blocks. The others follow it in what time adds to steady sliding:
+//!
+//! ```text
+//! r = r_steady + (r_dynamic,1 - r_steady,1) D / D_1
+//! ```
+
+use rayon::prelude::*;
+
+use super::{
+    MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol, describe_scheme,
+    discretization_errors, integrate, seed_of,
+};
+use crate::columns;
+use crate::draws;
+use crate::error::SceneError;
+use crate::face::{Face, Strip};
+use crate::lattice::Lattice;
+use crate::monitor::Monitor;
+use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
+use crate::scene::{Fidelity, Load, Scene};
+use crate::section::SectionModel;
+use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
+use slipgrid_pattern::Pattern;
+
+/// Columns of the longest strip that is solved as it is. Of a longer one both ends are kept, half of these each, and
+/// what is left out between them is periodic: what an end does decays within the height of the layer.
+const MOST_STRIP_COLUMNS: f64 = 2400.0;
+/// Columns of the strip that is run in time: the published specimen has 996.
+const MOST_TIMED_COLUMNS: f64 = 1200.0;
+/// Narrowest land at the end of a strip that a lattice resolves, in blocks.
+const LEAST_END_BLOCKS: f64 = 2.0;
+/// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
+/// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
+const TIME_SHARE: f64 = 0.3;
+
+/// Solves `scene`, whose pattern lies on `face` as its strips say, beside the flat face. Loads and strips run in parallel on
+/// rayon's current pool; the result does not depend on the number of threads.
+///
+/// # Errors
+/// [`SceneError`] if the scene means nothing, without a pattern, and where the strips do not fit in memory.
+pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    scene.validate()?;
+    let Some(pattern) = &scene.pattern else {
+        return Err(SceneError::Unsupported {
+            what: "the layout of a flat specimen",
+            instead: "give a pattern, or simulate the flat sample",
+        });
+    };
+    let steady = SteadyFace::new(scene, pattern, face)?;
+    let mut model = Vec::new();
+    let mut loads = match scene.run.fidelity {
+        Fidelity::Steady => {
+            model.push("steady: equilibrium with every contact block sliding, linear elasticity; no time".to_owned());
+            steady.loads.clone()
+        }
+        Fidelity::Dynamic | Fidelity::Reference => in_time(scene, face, pattern, &steady, &mut model, monitor)?,
+    };
+    // What cavities take off the face is that of the cell, in proportion to their share.
+    let share = face.cavity_share() / pattern.section_density();
+    let cells = SectionModel::new(scene).ratios(pattern);
+    for (load, error) in loads.iter_mut().zip(discretization_errors(scene, pattern, &cells)) {
+        load.ratio_discretization_error = error.map(|error| error * share);
+    }
+    model.extend(describe(scene, face, pattern, &steady));
+    describe_draws(scene, &mut model);
+    describe_law(scene, &mut model);
+    Ok(Simulation { model, loads })
+}
+
+/// A part of the face that is solved on one lattice.
+struct Piece {
+    band: usize,
+    /// Area that it stands for, in square metres.
+    area_m2: f64,
+    /// Area of its cavities, in square metres.
+    cavity_area_m2: f64,
+    model: SteadyModel,
+    /// Pressure over the nominal one: P_s / P.
+    pressure_share: f64,
+}
+
+/// Steady sliding of the whole face with mean coefficients.
+struct SteadyFace {
+    loads: Vec<LoadOutcome>,
+    /// Strips that were shortened by whole periods.
+    shortened: usize,
+}
+
+/// `strip` without the periods that make it longer than [`MOST_STRIP_COLUMNS`], and the length left out, in metres.
+fn shortened(strip: &Strip, block_m: f64) -> (Strip, f64) {
+    let most_m = MOST_STRIP_COLUMNS * block_m;
+    let cavities = &strip.cavities_m;
+    if strip.length_m <= most_m {
+        return (strip.clone(), 0.0);
+    }
+    let Some(periods) = cavities.len().checked_sub(1).filter(|periods| *periods > 0) else {
+        let kept = cavities.is_empty();
+        // Nothing but land, or one cavity: land can go.
+        return if kept {
+            (Strip { length_m: most_m, ..strip.clone() }, strip.length_m - most_m)
+        } else {
+            (strip.clone(), 0.0)
+        };
+    };
+    let pitch_m = (cavities[periods][0] - cavities[0][0]) / periods as f64;
+    // Whole periods; at most those that lie between the first and the last cavity.
+    let left_out = (((strip.length_m - most_m) / pitch_m).ceil().max(0.0) as usize).min(periods - 1);
+    let first = (cavities.len() - left_out).div_ceil(2);
+    let out_m = left_out as f64 * pitch_m;
+    let ends = cavities[..first]
+        .iter()
+        .copied()
+        .chain(cavities[first + left_out..].iter().map(|[start_m, end_m]| [start_m - out_m, end_m - out_m]));
+    (Strip { length_m: strip.length_m - out_m, cavities_m: ends.collect(), ..strip.clone() }, out_m)
+}
+
+/// `strip` without land between a cavity and its ends that is narrower than the cavity is deep, or than
+/// [`LEAST_END_BLOCKS`]: on so slender a wall friction raises the pressure that raises friction, and nothing holds it.
+fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
+    let least_m = depth_m.max(LEAST_END_BLOCKS * block_m);
+    let length_m = strip.length_m;
+    if let Some(first) = strip.cavities_m.first_mut().filter(|first| first[0] < least_m) {
+        first[0] = 0.0;
+    }
+    if let Some(last) = strip.cavities_m.last_mut().filter(|last| length_m - last[1] < least_m) {
+        last[1] = length_m;
+    }
+    strip
+}
+
+impl SteadyFace {
+    fn new(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<Self, SceneError> {
+        let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
+        let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
+            strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
+        };
+        let depth = pattern.depth_m() / block_m;
+        let mut planned: Vec<(usize, f64, f64, Lattice)> = Vec::new();
+        let mut count = 0;
+        for strip in face.strips() {
+            let (kept, out_m) = shortened(strip, block_m);
+            let cavity_m2 = |strip: &Strip| strip.cavity_length_m() * strip.width_m;
+            let bearing = without_slivers(kept.clone(), pattern.depth_m(), block_m);
+            let ends = Lattice::new(columns::strip(kept.length_m / block_m, &blocks(&bearing), depth), rows, false);
+            planned.push((strip.band, kept.area_m2(), cavity_m2(&kept), ends));
+            if out_m > 0.0 {
+                count += 1;
+                let middle = if kept.cavities_m.is_empty() {
+                    columns::flat(UNIFORM_COLUMNS)
+                } else {
+                    columns::cell(pattern, block_m)
+                };
+                let cavity_area_m2 = cavity_m2(strip) - cavity_m2(&kept);
+                planned.push((strip.band, out_m * strip.width_m, cavity_area_m2, Lattice::new(middle, rows, true)));
+            }
+        }
+        let bytes = planned.iter().map(|(.., lattice)| factor_bytes(lattice.nx(), rows, lattice.is_periodic())).sum();
+        if bytes > MOST_FACTOR_BYTES {
+            return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+        }
+        let youngs_modulus_pa = scene.elastic.youngs_modulus_pa();
+        let mut pieces: Vec<Piece> = planned
+            .into_par_iter()
+            .map(|(band, area_m2, cavity_area_m2, lattice)| {
+                let model = SteadyModel::new(lattice, block_m, youngs_modulus_pa, scene.run.liftoff);
+                Piece { band, area_m2, cavity_area_m2, pressure_share: model.stiffness_per_length(), model }
+            })
+            .collect();
+        // P_s = k_s d with sum A_s P_s = P sum A_s
+        let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+        let carried: f64 = pieces.iter().map(|piece| piece.area_m2 * piece.pressure_share).sum();
+        for piece in &mut pieces {
+            piece.pressure_share *= area_m2 / carried;
+        }
+        let flat = FlatFace::new(scene, face);
+        let loads = scene.loads.par_iter().map(|load| face_load(scene, face, &pieces, &flat, load)).collect();
+        Ok(Self { loads, shortened: count })
+    }
+}
+
+/// Steady sliding on `model` at `pressure_pa` with the mean coefficient of `load`.
+fn solve(scene: &Scene, model: &SteadyModel, load: &Load, pressure_pa: f64) -> SurfaceOutcome {
+    let dynamic_mu = vec![load.friction.dynamic_mean(); model.lattice().nx()];
+    model.solve(&SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law: scene.area_law.as_ref() })
+}
+
+/// The flat face: uniform but for the ends of its strips.
+struct FlatFace {
+    /// The longest strip, flat.
+    model: SteadyModel,
+    length_m: f64,
+    /// Strips have two ends each: their width over the area of the face, per metre.
+    ends_per_m: f64,
+}
+
+impl FlatFace {
+    fn new(scene: &Scene, face: &Face) -> Self {
+        let block_m = scene.layer.block_m;
+        let length_m = face.longest().length_m.min(MOST_TIMED_COLUMNS * block_m);
+        let columns = columns::strip(length_m / block_m, &[], 0.0);
+        let lattice = Lattice::new(columns, scene.layer.rows(), false);
+        let model = SteadyModel::new(lattice, block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
+        let sum = |of: fn(&Strip) -> f64| face.strips().iter().map(of).sum::<f64>();
+        Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
+    }
+
+    /// The flat face under `load`: what a pair of ends takes off one strip is that of every strip.
+    fn solve(&self, scene: &Scene, load: &Load) -> SurfaceOutcome {
+        let own = solve(scene, &self.model, load, load.pressure_pa);
+        let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
+        let uniform = load.friction.dynamic_mean() * factor;
+        // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
+        let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
+        SurfaceOutcome { mu_dynamic, ..own }
+    }
+}
+
+/// The face under one load.
+fn face_load(scene: &Scene, face: &Face, pieces: &[Piece], flat: &FlatFace, load: &Load) -> LoadOutcome {
+    let surfaces: Vec<SurfaceOutcome> = pieces
+        .par_iter()
+        .map(|piece| solve(scene, &piece.model, load, load.pressure_pa * piece.pressure_share))
+        .collect();
+    let flat = flat.solve(scene, load);
+    let (ratio, sampling_error) = face_ratio(face, pieces, &surfaces, flat.mu_dynamic).unzip();
+    let longest = surfaces.iter().zip(pieces).max_by(|(_, a), (_, b)| {
+        (a.cavity_area_m2 > 0.0, a.model.lattice().nx()).cmp(&(b.cavity_area_m2 > 0.0, b.model.lattice().nx()))
+    });
+    let worst = surfaces.iter().map(|surface| surface.status).find(|status| *status != Status::Converged);
+    let most = |of: fn(&SurfaceOutcome) -> f64| surfaces.iter().map(of).fold(0.0, f64::max);
+    let surface = SurfaceOutcome {
+        status: worst.unwrap_or(Status::Converged),
+        peak_pressure_pa: most(|surface| surface.peak_pressure_pa),
+        residual: Some(most(|surface| surface.residual.unwrap_or(0.0))),
+        tension_blocks: surfaces.iter().map(|surface| surface.tension_blocks).sum(),
+        cavity_closed: surfaces.iter().any(|surface| surface.cavity_closed),
+        clearance_m: surfaces.iter().filter_map(|surface| surface.clearance_m).reduce(f64::min),
+        area_law_extrapolated: surfaces.iter().any(|surface| surface.area_law_extrapolated),
+        iterations: surfaces.iter().map(|surface| surface.iterations).max().unwrap_or(0),
+        mu_dynamic: ratio.zip(flat.mu_dynamic).map(|(ratio, mu)| ratio * mu),
+        ..longest.map_or_else(|| flat.clone(), |(surface, _)| surface.clone())
+    };
+    LoadOutcome { ratio_layout_error: sampling_error, ..compare(load, surface, Some(flat)) }
+}
+
+/// Ratio of the face to the flat one of `flat_mu`, and the standard error of sampling it by strips: what bands depart from
+/// a lowering of friction in proportion to their cavities, as if by chance.
+fn face_ratio(face: &Face, pieces: &[Piece], surfaces: &[SurfaceOutcome], flat_mu: Option<f64>) -> Option<(f64, f64)> {
+    let flat_mu = flat_mu.filter(|mu| *mu != 0.0)?;
+    let area_m2: f64 = pieces.iter().map(|piece| piece.area_m2).sum();
+    // By band: what it takes off the ratio, and its cavities over the face's area.
+    let mut bands = vec![[0.0; 2]; face.bands()];
+    for (piece, surface) in pieces.iter().zip(surfaces) {
+        let [lowered, share] = &mut bands[piece.band];
+        *lowered += piece.area_m2 * piece.pressure_share * (1.0 - surface.mu_dynamic? / flat_mu) / area_m2;
+        *share += piece.cavity_area_m2 / area_m2;
+    }
+    let [lowered, share] = bands.iter().fold([0.0; 2], |sum, band| [sum[0] + band[0], sum[1] + band[1]]);
+    if share == 0.0 {
+        return None;
+    }
+    // 1 - r = D (1 - r_strips) / D_strips
+    let ratio = 1.0 - face.cavity_share() * lowered / share;
+    let departures = bands.iter().map(|band| (band[0] - band[1] * lowered / share).powi(2)).sum::<f64>();
+    Some((ratio, departures.sqrt() * face.cavity_share() / share))
+}
+
+/// Ratios of the face with what time adds to steady sliding on its longest strip.
+fn in_time(
+    scene: &Scene,
+    face: &Face,
+    pattern: &Pattern,
+    steady: &SteadyFace,
+    model: &mut Vec<String>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<LoadOutcome>, SceneError> {
+    let strip = timed_strip(face.longest(), scene.layer.block_m);
+    let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
+    let lattices = timed_lattices(scene, pattern, &strip);
+    let none = vec![0.0; scene.loads.len()];
+    let (mut loads, scheme) = integrate(scene, &lattices, &none, monitor)?;
+    model.push(describe_scheme(scene, &scheme));
+    describe_protocol(scene, &scheme, model);
+    model.push(format!(
+        "in time: the longest strip of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the others follow it in what time adds to steady sliding",
+        strip.length_m * 1e3,
+        strip.cavities_m.len(),
+        scene.layer.block_m * 1e6,
+    ));
+    if scene.run.warm_start {
+        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
+    }
+    let youngs_modulus_pa = scene.elastic.youngs_modulus_pa();
+    let models: Vec<SteadyModel> = lattices
+        .into_par_iter()
+        .map(|lattice| SteadyModel::new(lattice, scene.layer.block_m, youngs_modulus_pa, scene.run.liftoff))
+        .collect();
+    let columns = models[0].lattice().columns();
+    let own_share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
+    let share = if own_share > 0.0 { face.cavity_share() / own_share } else { 0.0 };
+    for ((outcome, load), steady) in loads.iter_mut().zip(&scene.loads).zip(&steady.loads) {
+        let of_steady = drawn_ratio(scene, &models, load);
+        let added = outcome.ratio.zip(of_steady).map(|(dynamic, steady)| dynamic - steady);
+        outcome.ratio = steady.ratio.zip(added).map(|(ratio, added)| ratio + added * share);
+        outcome.ratio_stderr = outcome.ratio_stderr.map(|stderr| stderr * share);
+        let flat_mu = outcome.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        outcome.surface.mu_dynamic = outcome.ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
+        outcome.surface.cavity_closed |= steady.surface.cavity_closed;
+        outcome.surface.area_law_extrapolated |= steady.surface.area_law_extrapolated;
+        // One strip has nothing to follow it.
+        let followed = if face.strips().len() > 1 { TIME_SHARE } else { 0.0 };
+        outcome.ratio_layout_error =
+            steady.ratio_layout_error.zip(added).map(|(sampled, added)| sampled.hypot(followed * added * share));
+    }
+    Ok(loads)
+}
+
+/// The part of `strip` that is run in time: up to the middle of a land where it is too long.
+fn timed_strip(strip: &Strip, block_m: f64) -> Strip {
+    let most_m = MOST_TIMED_COLUMNS * block_m;
+    if strip.length_m <= most_m {
+        return strip.clone();
+    }
+    let middles = strip.cavities_m.windows(2).map(|pair| f64::midpoint(pair[0][1], pair[1][0]));
+    let length_m = middles.take_while(|at_m| *at_m <= most_m).last().unwrap_or(most_m);
+    let cavities_m = strip.cavities_m.iter().copied().filter(|[_, end_m]| *end_m <= length_m).collect();
+    Strip { length_m, cavities_m, ..strip.clone() }
+}
+
+/// The strip and its flat companion on whole blocks.
+fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattice> {
+    let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
+    let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
+    let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
+    let flat = columns::flat(own.len());
+    [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
+}
+
+/// Steady ratio of the first of `models` over the second with the coefficients that the runs in time draw.
+fn drawn_ratio(scene: &Scene, models: &[SteadyModel], load: &Load) -> Option<f64> {
+    let draws = scene.run.draws as usize;
+    let ratio = |draw: usize| {
+        let mu = |model: &SteadyModel| {
+            let drawn = draws::draw(&load.friction, seed_of(scene, draw), model.lattice().nx());
+            let dynamic_mu: Vec<f64> = drawn.iter().map(|drawn| drawn.dynamic_mu).collect();
+            let area_law = scene.area_law.as_ref();
+            let solved = model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
+            solved.mu_dynamic.filter(|mu| *mu != 0.0 && solved.status == Status::Converged)
+        };
+        Some(mu(&models[0])? / mu(&models[1])?)
+    };
+    let sum: Option<f64> = (0..draws).map(ratio).sum();
+    sum.map(|sum| sum / draws as f64)
+}
+
+fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) -> Vec<String> {
+    let strips = face.strips().len();
+    let mut model = vec![format!(
+        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; {} along the sliding direction with cavities and ends of {} own, under one rigid bulk",
+        100.0 * face.cavity_share(),
+        100.0 * pattern.areal_density(),
+        if strips == 1 { "one strip".to_owned() } else { format!("{strips} different strips") },
+        if strips == 1 { "its" } else { "their" },
+    )];
+    if face
+        .strips()
+        .iter()
+        .any(|strip| without_slivers(strip.clone(), pattern.depth_m(), scene.layer.block_m) != *strip)
+    {
+        model.push(
+            "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over"
+                .to_owned(),
+        );
+    }
+    if steady.shortened > 0 {
+        model.push(format!(
+            "strips longer than {:.0} mm: both ends and periodic cells between them, which changes the ratio by less than 1e-4",
+            MOST_STRIP_COLUMNS * scene.layer.block_m * 1e3
+        ));
+    }
+    model.push("two dimensions: vertical planes along the sliding direction, plane stress, nu = 1/3".to_owned());
+    model
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,171 @@
+use super::*;
+use crate::{Extent, Layer, RunOptions, Unwatched, simulate};
+use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_pattern::Planform;
+
+fn scene(run: RunOptions) -> Scene {
+    let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+    Scene {
+        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+        area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
+        pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()),
+        layer: Layer { length_m: 2e-3, height_m: 200e-6, block_m: 10e-6 },
+        loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
+        speed_m_s: 2e-3,
+        run: RunOptions { extent: Extent::Sample, ..run },
+    }
+}
+
+/// A strip with cavities of 130 um every 500 um, the first at `first_m`.
+fn strip(band: usize, length_m: f64, first_m: f64) -> Strip {
+    let starts = (0..1000).map(|number| first_m + 500e-6 * f64::from(number));
+    let cavities_m = starts.map(|start_m| [start_m, start_m + 130e-6]).take_while(|ends_m| ends_m[1] <= length_m);
+    Strip { band, width_m: 1e-3, length_m, cavities_m: cavities_m.collect() }
+}
+
+fn face(strips: Vec<Strip>) -> Face {
+    let sum = |of: &dyn Fn(&Strip) -> f64| strips.iter().map(of).sum::<f64>();
+    let share = sum(&|strip| strip.cavity_length_m() * strip.width_m) / sum(&Strip::area_m2);
+    Face::new(strips, share).unwrap()
+}
+
+fn ratios(scene: &Scene, face: &Face) -> Vec<f64> {
+    simulate_specimen(scene, face, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect()
+}
+
+fn largest_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn one_strip_laid_like_a_sample_is_the_sample() {
+    // A sample begins with 18 columns of land; coefficients that do not scatter.
+    let mut scene = scene(RunOptions::default());
+    for load in &mut scene.loads {
+        load.friction = LocalFriction::new(0.30, 0.27, 0.0).unwrap();
+    }
+    let sample: Vec<f64> = simulate(&scene, &Unwatched).unwrap().loads.iter().map(|load| load.ratio.unwrap()).collect();
+    let own = ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]));
+    assert!(largest_distance(&own, &sample) < 1e-9, "{own:?} {sample:?}");
+}
+
+#[test]
+fn without_an_area_law_no_layout_changes_friction() {
+    let scene = Scene { area_law: None, ..scene(RunOptions::default()) };
+    let own = ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6), strip(1, 1.3e-3, 90e-6), strip(2, 0.4e-3, 1.0)]));
+    assert!(largest_distance(&own, &[1.0, 1.0]) < 1e-9, "{own:?}");
+}
+
+#[test]
+fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
+    let scene = scene(RunOptions::default());
+    let pattern = scene.pattern.unwrap();
+    // A textured strip and a flat one of the same area: the mean of both at their own pressures.
+    let strips = face(vec![strip(0, 2e-3, 180e-6), Strip { band: 1, cavities_m: Vec::new(), ..strip(1, 2e-3, 0.0) }]);
+    let found = simulate_specimen(&scene, &strips, &Unwatched).unwrap();
+    let model = |cavities: &[[f64; 2]]| {
+        let lattice = Lattice::new(columns::strip(200.0, cavities, 2.0), 20, false);
+        SteadyModel::new(lattice, 10e-6, 0.38e9, false)
+    };
+    let cavities: Vec<[f64; 2]> = strips.strips()[0].cavities_m.iter().map(|ends| ends.map(|at| at / 10e-6)).collect();
+    let (textured, flat) = (model(&cavities), model(&[]));
+    let [k_t, k_f] = [textured.stiffness_per_length(), flat.stiffness_per_length()];
+    assert!(k_t < 0.98 * k_f, "cavities make a strip softer: {k_t} {k_f}");
+    for (load, found) in scene.loads.iter().zip(&found.loads) {
+        let at = |model: &SteadyModel, k: f64| {
+            let pressure_pa = load.pressure_pa * 2.0 * k / (k_t + k_f);
+            pressure_pa * solve(&scene, model, load, pressure_pa).mu_dynamic.unwrap()
+        };
+        let mu = (at(&textured, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
+        assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
+    }
+    assert!(found.loads[1].ratio.unwrap() > ratios(&scene, &face(vec![strip(0, 2e-3, 180e-6)]))[1]);
+    assert!(found.model.iter().any(|said| said.contains("13.00 % of its face")), "{:?} {pattern:?}", found.model);
+}
+
+#[test]
+fn a_long_strip_is_its_ends_and_cells_between_them() {
+    let scene = scene(RunOptions::default());
+    let long = strip(0, 31.8e-3, 90e-6);
+    let (short, out_m) = shortened(&long, 10e-6);
+    assert!((out_m / 500e-6 - 16.0).abs() < 1e-9 && short.cavities_m.len() + 16 == long.cavities_m.len());
+    let end = |strip: &Strip| strip.length_m - strip.cavities_m.last().unwrap()[1];
+    assert!((end(&long) - end(&short)).abs() < 1e-12);
+    // The judge: the whole strip on one lattice.
+    let blocks: Vec<[f64; 2]> = long.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / 10e-6)).collect();
+    let whole = SteadyModel::new(Lattice::new(columns::strip(3180.0, &blocks, 2.0), 20, false), 10e-6, 0.38e9, false);
+    let found = simulate_specimen(&scene, &face(vec![long]), &Unwatched).unwrap();
+    for (load, found) in scene.loads.iter().zip(&found.loads) {
+        let mu = solve(&scene, &whole, load, load.pressure_pa).mu_dynamic.unwrap();
+        assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 2e-5, "{:?} {mu}", found.surface.mu_dynamic);
+    }
+}
+
+#[test]
+fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
+    let scene = scene(RunOptions::default());
+    let strips = vec![strip(0, 2e-3, 180e-6), strip(1, 1.8e-3, 80e-6)];
+    let sampled = face(strips.clone());
+    let more = Face::new(strips, 1.1 * sampled.cavity_share()).unwrap();
+    let (own, found) = (ratios(&scene, &sampled), ratios(&scene, &more));
+    for (own, found) in own.iter().zip(&found) {
+        assert!(((1.0 - found) / (1.0 - own) - 1.1).abs() < 1e-9);
+    }
+    let said = simulate_specimen(&scene, &sampled, &Unwatched).unwrap();
+    assert!(said.loads.iter().all(|load| load.ratio_layout_error.is_some_and(|error| error > 0.0 && error < 0.01)));
+}
+
+#[test]
+fn slender_walls_at_the_rim_bear_nothing() {
+    let mut scene = scene(RunOptions::default());
+    scene.pattern = Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 60e-6).unwrap());
+    // 12 um of land, 60 um high, stand before the first cavity and 8 um behind the last.
+    let slender =
+        Strip { length_m: 2e-3, cavities_m: vec![[12e-6, 142e-6], [1.862e-3, 1.992e-3]], ..strip(0, 2e-3, 1.0) };
+    let bare = Strip { cavities_m: vec![[0.0, 142e-6], [1.862e-3, 2e-3]], ..slender.clone() };
+    assert_eq!(without_slivers(slender.clone(), 60e-6, 10e-6), bare);
+    let share = 0.13;
+    let ratios = |strip: Strip| ratios(&scene, &Face::new(vec![strip], share).unwrap());
+    let (own, without) = (ratios(slender), ratios(bare));
+    // The same friction, counted as the face's share of cavities.
+    for (own, without) in own.iter().zip(&without) {
+        assert!(((1.0 - own) * 260.0 / ((1.0 - without) * 280.0) - 1.0).abs() < 1e-9);
+    }
+    let wide = Strip { cavities_m: vec![[80e-6, 210e-6]], ..strip(0, 2e-3, 1.0) };
+    assert_eq!(without_slivers(wide.clone(), 60e-6, 10e-6), wide);
+}
+
+/// What time adds to steady sliding, over the share of cavities, is the same on strips of other lengths and shares to
+/// [`TIME_SHARE`], so that one strip in time serves all within the error stated.
+#[test]
+fn strips_follow_the_longest_in_time() {
+    let run = RunOptions {
+        fidelity: Fidelity::Dynamic,
+        warm_start: true,
+        mu_stderr: Some(0.001),
+        sliding_m: 0.4e-6,
+        ..RunOptions::default()
+    };
+    let mut scene = scene(run);
+    scene.loads.remove(0);
+    let strips = vec![strip(0, 2e-3, 180e-6), strip(1, 1.6e-3, 150e-6), strip(2, 0.9e-3, 180e-6)];
+    let whole = face(strips.clone());
+    let found = &simulate_specimen(&scene, &whole, &Unwatched).unwrap().loads[0];
+    let alone = |strip: &Strip| {
+        let lattices = timed_lattices(&scene, &scene.pattern.unwrap(), strip);
+        let (loads, _) = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap();
+        let models: Vec<SteadyModel> =
+            lattices.into_iter().map(|lattice| SteadyModel::new(lattice, 10e-6, 0.38e9, false)).collect();
+        loads[0].ratio.unwrap() - drawn_ratio(&scene, &models, &scene.loads[0]).unwrap()
+    };
+    let added: Vec<f64> = strips.iter().map(alone).collect();
+    let over_share: Vec<f64> =
+        added.iter().zip(&strips).map(|(added, strip)| added * strip.length_m / strip.cavity_length_m()).collect();
+    assert!(over_share.iter().all(|own| (own / over_share[0] - 1.0).abs() < TIME_SHARE), "{over_share:?}");
+    let area_m2: f64 = strips.iter().map(Strip::area_m2).sum();
+    let all = added.iter().zip(&strips).map(|(added, strip)| added * strip.area_m2()).sum::<f64>() / area_m2;
+    let steady =
+        ratios(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() }, &whole);
+    let distance = (found.ratio.unwrap() - (steady[0] + all)).abs();
+    assert!(distance <= found.ratio_layout_error.unwrap(), "{distance} {:?}", found.ratio_layout_error);
+}
