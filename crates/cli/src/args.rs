@@ -89,7 +89,7 @@ pub struct SimulateArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     pub json: bool,
-    /// Folder for result.json, tables and pictures
+    /// Folder for result.json, timings.json, tables and pictures
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -100,14 +100,16 @@ pub struct SimulateArgs {
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml --table --resume\n\n\
-    Writes result.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
-    process.toml, report.html and pictures. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
+    Writes result.json, timings.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
+    process.toml, report.html and pictures. A file that slipgrid did not write is not replaced. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
     it, 4 budget of evaluations or seconds spent; the best design is written in all three cases.\n\n\
     Every answer of the search's model is appended to out/NAME.study.jsonl at once: a run that was killed\n\
     goes on from there with --resume, and ends with the same results. A study of another material, layer,\n\
-    load or texture is refused; other targets, limits and bounds share it.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear. Of square cavities the\n\
-    model takes the section through their centres, as if they were grooves.")]
+    load or texture is refused; other targets, limits and bounds share it. One run at a time works for a\n\
+    folder: out/NAME.lock says which.\n\n\
+    Grooves across the sliding direction are solved in the vertical plane, squares, rectangles, discs and\n\
+    grooves that slide along or aslant in space; dimensions = 2 or 3 in [search] overrides it.\n\n\
+    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
 pub struct OptimizeArgs {
     /// Design file
     pub design: PathBuf,

@@ -43,27 +43,60 @@ impl Diagnostic {
     }
 }
 
+/// Most letters of a path, a key or a value that a message repeats.
+const LONGEST_PATH: usize = 300;
+const LONGEST_KEY: usize = 120;
+const LONGEST_VALUE: usize = 120;
+/// Most letters of a reason, which may quote what stood there, and of a line on a terminal.
+const LONGEST_REASON: usize = 1000;
+const LONGEST_LINE: usize = 4000;
+
+/// `text` as a terminal may show it: control characters and those that turn the direction of writing escaped, and what
+/// goes beyond `most` letters left out.
+#[must_use]
+pub fn printable(text: &str, most: usize) -> String {
+    let turns = |letter: char| matches!(letter, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let mut shown = String::new();
+    for (place, letter) in text.chars().enumerate() {
+        if place == most {
+            return shown + "...";
+        }
+        if letter.is_control() || turns(letter) {
+            shown.extend(letter.escape_default());
+        } else {
+            shown.push(letter);
+        }
+    }
+    shown
+}
+
+/// The same of every line of `text`.
+#[must_use]
+pub fn printable_lines(text: &str) -> String {
+    text.split('\n').map(|line| printable(line, LONGEST_LINE)).collect::<Vec<_>>().join("\n")
+}
+
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(file) = &self.file {
-            write!(f, "{}:", file.display())?;
+            write!(f, "{}:", printable(&file.to_string_lossy(), LONGEST_PATH))?;
             if let Some(line) = self.line {
                 write!(f, "{line}:")?;
             }
             f.write_str(" ")?;
         }
         if let Some(key) = &self.key {
-            write!(f, "{key}: ")?;
+            write!(f, "{}: ", printable(key, LONGEST_KEY))?;
         }
         if let Some(value) = &self.value {
-            write!(f, "{value} ")?;
+            write!(f, "{} ", printable(value, LONGEST_VALUE))?;
         }
-        f.write_str(&self.reason)?;
+        f.write_str(&printable(&self.reason.replace('\n', "; "), LONGEST_REASON))?;
         if let Some(expected) = &self.expected {
-            write!(f, "; expected {expected}")?;
+            write!(f, "; expected {}", printable(&expected.replace('\n', "; "), LONGEST_REASON))?;
         }
         if let Some(suggestion) = &self.suggestion {
-            write!(f, " (did you mean `{suggestion}`?)")?;
+            write!(f, " (did you mean `{}`?)", printable(suggestion, LONGEST_KEY))?;
         }
         Ok(())
     }
@@ -130,6 +163,23 @@ mod tests {
         ] {
             assert_eq!(nearest(written, keys), meant, "{written}");
         }
+    }
+
+    #[test]
+    fn what_a_terminal_would_obey_is_escaped_and_what_is_long_is_cut() {
+        assert_eq!(printable("a\u{1b}[31m\u{7}\u{202e}b\u{9b}", 99), "a\\u{1b}[31m\\u{7}\\u{202e}b\\u{9b}");
+        assert_eq!(printable("polym\u{e8}re", 99), "polym\u{e8}re");
+        assert_eq!(printable("abcdef", 3), "abc...");
+        assert_eq!(printable("abc", 3), "abc");
+        assert_eq!(printable_lines("a\r\nb\n"), "a\\r\nb\n");
+        let long = "[".repeat(100_000);
+        let refused = Diagnostic {
+            key: Some(long.as_str().into()),
+            value: Some("\u{1b}c".into()),
+            ..Diagnostic::file(Path::new(&long), &long)
+        };
+        let message = refused.to_string();
+        assert!(message.len() < 2000 && !message.contains('\u{1b}'), "{message}");
     }
 
     #[test]

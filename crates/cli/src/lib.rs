@@ -6,6 +6,7 @@
 //! | [`formats`] | scene, design, calibration and material files, tables of measurements |
 //! | [`diagnostic`] | why input was refused: file, line, key, reason |
 //! | [`input`] | files opened, or refused with what was expected |
+//! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
 //! | [`on_specimen`] | patterns solved on the specimen they are cut into |
@@ -30,6 +31,7 @@ pub mod diagnostic;
 mod error;
 pub mod formats;
 pub mod input;
+pub mod lock;
 pub mod on_specimen;
 pub mod output;
 pub mod plausible;
@@ -42,6 +44,7 @@ use std::io::{ErrorKind, Write};
 
 use clap::{CommandFactory, FromArgMatches};
 
+use diagnostic::printable_lines;
 pub use error::CliError;
 
 /// Exit codes of the program.
@@ -75,8 +78,16 @@ impl Console<'_> {
     pub fn note(&mut self, text: &str) {
         if !self.quiet {
             // Notes are a courtesy: a closed stderr stops nothing.
-            let _ = writeln!(self.err, "{text}");
+            let _ = writeln!(self.err, "{}", printable_lines(text));
         }
+    }
+
+    /// Results for people on stdout: what files put into them cannot steer a terminal.
+    ///
+    /// # Errors
+    /// What the system said.
+    pub fn answer(&mut self, text: &str) -> std::io::Result<()> {
+        self.out.write_all(printable_lines(text).as_bytes())
     }
 }
 
@@ -96,7 +107,7 @@ where
         Ok(arguments) => arguments,
         Err(refused) => {
             // Help and version are answers, not errors.
-            let text = refused.render();
+            let text = printable_lines(&refused.render().to_string());
             let told = if refused.use_stderr() { write!(err, "{text}") } else { write!(out, "{text}") };
             let _ = told;
             return if refused.use_stderr() { exit_code::BAD_INPUT } else { exit_code::DONE };
@@ -123,7 +134,7 @@ where
         // The reader of our stdout left early, as `head` does.
         Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
         Err(error) => {
-            let _ = writeln!(err, "error: {error}");
+            let _ = writeln!(err, "error: {}", printable_lines(&error.to_string()));
             error.exit_code()
         }
     }

@@ -1,4 +1,7 @@
-//! Files written whole or not at all: first under another name beside their place, then renamed.
+//! Files written whole or not at all: first under another name beside their place, then renamed. A file that stands
+//! there is replaced only if slipgrid wrote it.
+
+mod written;
 
 use std::fs::{self, Permissions};
 use std::io::{self, BufWriter, Write};
@@ -8,6 +11,7 @@ use std::time::{Duration, SystemTime};
 
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
+use written::is_ours;
 
 /// Name of a file that is not finished, at its beginning and end.
 const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
@@ -96,8 +100,8 @@ impl Outputs {
     /// exists, files of the same names are replaced one by one once all are ready. Other files stay.
     ///
     /// # Errors
-    /// [`WriteError`] if the system refuses; then the folder holds what it held before, unless a
-    /// rename failed.
+    /// [`WriteError`] if the system refuses, or a file of one of the names is not slipgrid's; then the folder holds
+    /// what it held before, unless a rename failed.
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
         let failed = WriteError::at(folder);
         let parent = parent(folder);
@@ -105,6 +109,10 @@ impl Outputs {
         if folder.is_dir() {
             remove_abandoned(folder);
             let mut ready = Vec::new();
+            // Looked at before the work; since then others may have come.
+            for (name, _) in &self.files {
+                refuse_foreign(&folder.join(name))?;
+            }
             for (name, content) in &self.files {
                 ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
             }
@@ -129,7 +137,7 @@ impl Outputs {
 /// Writes one file whole, making its folder if needed.
 ///
 /// # Errors
-/// [`WriteError`] if the system refuses; then `path` holds what it held before.
+/// [`WriteError`] if the system refuses, or the file there is not slipgrid's; then `path` holds what it held before.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let failed = WriteError::at(path);
     if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file()) {
@@ -139,6 +147,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     }
     // What a link leads to is replaced, not the link.
     let path = &fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    refuse_foreign(path)?;
     let folder = parent(path);
     fs::create_dir_all(folder).map_err(&failed)?;
     remove_abandoned(folder);
@@ -147,38 +156,123 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Checks, before long work starts, that results can go to `folder`.
+/// A place for results, as the command line names it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place<'a> {
+    /// The flag.
+    pub flag: &'a str,
+    /// What stands after it.
+    pub path: &'a Path,
+}
+
+impl<'a> Place<'a> {
+    /// The place after `--output`.
+    #[must_use]
+    pub const fn output(path: &'a Path) -> Self {
+        Self { flag: "--output", path }
+    }
+
+    fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
+        Diagnostic::flag(self.flag, self.path.display().to_string(), reason)
+    }
+
+    /// Refuses a link that leads nowhere.
+    fn check_link(&self) -> Result<(), Diagnostic> {
+        if !self.path.exists() && self.path.is_symlink() {
+            return Err(self.refuse("is a link to what does not exist").expected("a link to something, or no link"));
+        }
+        Ok(())
+    }
+
+    /// Refuses to replace the file at `file` if it is one of `inputs`, or not slipgrid's.
+    fn check_replaced(&self, file: &Path, inputs: &[PathBuf]) -> Result<(), Diagnostic> {
+        let reason = if inputs.iter().any(|input| is_same(input, file)) {
+            "is an input of this run and would be replaced"
+        } else if file.is_dir() {
+            "is a folder where a file is to go"
+        } else if !is_ours(file) {
+            "was not written by slipgrid and would be replaced"
+        } else {
+            return Ok(());
+        };
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let reason = if file == self.path { reason.to_owned() } else { format!("holds {name}, which {reason}") };
+        Err(self.refuse(reason).expected("another place, so that nothing is lost"))
+    }
+}
+
+/// Checks, before long work starts, that results can go to a folder. `names` are those of the files that will be
+/// written there, with `*` for any letters; `inputs` are files that this run reads.
 ///
 /// # Errors
-/// [`CliError`] if something else than a folder has that name, or nothing can be written there.
-pub fn check_folder(folder: &Path) -> Result<(), CliError> {
+/// [`CliError`] if something else than a folder has that name, nothing can be written there, or a file would be
+/// replaced that is an input or that slipgrid did not write.
+pub fn check_folder(place: Place<'_>, names: &[&str], inputs: &[PathBuf]) -> Result<(), CliError> {
+    let folder = place.path;
+    place.check_link()?;
     if folder.exists() && !folder.is_dir() {
-        return Err(Diagnostic::flag("--output", folder.display().to_string(), "is a file")
-            .expected("a folder")
-            .into());
+        return Err(place.refuse("is a file").expected("a folder").into());
     }
-    check_parents(folder)
+    check_parents(place)?;
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    let mut there: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    there.sort();
+    let is_named = |path: &&PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        names.iter().any(|pattern| fits(&name, pattern))
+    };
+    for file in there.iter().filter(is_named) {
+        place.check_replaced(file, inputs)?;
+    }
+    Ok(())
 }
 
-/// Checks, before long work starts, that a result can go to the file `path`.
+/// Checks, before long work starts, that a result can go to a file; `inputs` are files that this run reads.
 ///
 /// # Errors
-/// [`CliError`] if a folder has that name, or nothing can be written there.
-pub fn check_file(path: &Path) -> Result<(), CliError> {
-    if path.is_dir() {
-        return Err(Diagnostic::flag("--output", path.display().to_string(), "is a folder").expected("a file").into());
+/// [`CliError`] if a folder has that name, nothing can be written there, or the file there is an input or was not
+/// written by slipgrid.
+pub fn check_file(place: Place<'_>, inputs: &[PathBuf]) -> Result<(), CliError> {
+    place.check_link()?;
+    if place.path.is_dir() {
+        return Err(place.refuse("is a folder").expected("a file").into());
     }
-    check_parents(path)
+    check_parents(place)?;
+    if place.path.exists() {
+        place.check_replaced(place.path, inputs)?;
+    }
+    Ok(())
 }
 
-fn check_parents(path: &Path) -> Result<(), CliError> {
+/// Whether both paths lead to one file.
+fn is_same(left: &Path, right: &Path) -> bool {
+    matches!((fs::canonicalize(left), fs::canonicalize(right)), (Ok(left), Ok(right)) if left == right)
+}
+
+/// Whether `name` is `pattern`, which may hold one `*` for any letters.
+fn fits(name: &str, pattern: &str) -> bool {
+    match pattern.split_once('*') {
+        None => name == pattern,
+        Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
+    }
+}
+
+/// # Errors
+/// [`WriteError`] if the file at `path` is there and not slipgrid's.
+fn refuse_foreign(path: &Path) -> Result<(), WriteError> {
+    if !path.exists() || is_ours(path) {
+        return Ok(());
+    }
+    Err(WriteError { path: path.to_owned(), source: io::Error::other("slipgrid did not write the file that is there") })
+}
+
+fn check_parents(place: Place<'_>) -> Result<(), CliError> {
+    let path = place.path;
     let blocking = path.ancestors().skip(1).find(|above| above.exists());
     match blocking {
         Some(above) if !above.as_os_str().is_empty() && !above.is_dir() => {
             let reason = format!("cannot be made: {} is a file", above.display());
-            Err(Diagnostic::flag("--output", path.display().to_string(), reason)
-                .expected("a path below folders")
-                .into())
+            Err(place.refuse(reason).expected("a path below folders").into())
         }
         _ => Ok(check_writable(path)?),
     }
@@ -264,17 +358,24 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let folder = place.path().join("deep/out");
         let mut outputs = Outputs::default();
-        outputs.add("a.txt", "one");
-        outputs.add("b.txt", "two");
+        outputs.add("a.stl", "slipgrid one");
+        outputs.add("b.stl", "slipgrid two");
         outputs.write(&folder).unwrap();
-        assert_eq!(names(&folder), ["a.txt", "b.txt"]);
+        assert_eq!(names(&folder), ["a.stl", "b.stl"]);
         fs::write(folder.join("notes.txt"), "foreign").unwrap();
 
         let mut outputs = Outputs::default();
-        outputs.add("a.txt", "three");
+        outputs.add("a.stl", "slipgrid three");
         outputs.write(&folder).unwrap();
-        assert_eq!(names(&folder), ["a.txt", "b.txt", "notes.txt"]);
-        assert_eq!(fs::read_to_string(folder.join("a.txt")).unwrap(), "three");
+        assert_eq!(names(&folder), ["a.stl", "b.stl", "notes.txt"]);
+        assert_eq!(fs::read_to_string(folder.join("a.stl")).unwrap(), "slipgrid three");
+        // Of a foreign file not even its neighbours are replaced.
+        let mut outputs = Outputs::default();
+        outputs.add("a.stl", "slipgrid four");
+        outputs.add("notes.txt", "slipgrid five");
+        let refused = outputs.write(&folder).unwrap_err().to_string();
+        assert!(refused.contains("notes.txt: cannot be written: slipgrid did not write"), "{refused}");
+        assert_eq!(fs::read_to_string(folder.join("a.stl")).unwrap(), "slipgrid three");
         assert_eq!(names(&place.path().join("deep")), ["out"]);
     }
 
@@ -307,8 +408,18 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let file = place.path().join("file");
         fs::write(&file, "").unwrap();
-        assert!(check_folder(&file).is_err() && check_folder(&file.join("below")).is_err());
-        assert!(check_file(place.path()).is_err() && check_file(&place.path().join("new/file")).is_ok());
-        assert!(check_folder(Path::new("relative/out")).is_ok());
+        let to_folder = |path: &Path| check_folder(Place::output(path), &["a.toml", "map-*.svg"], &[]);
+        let to_file = |path: &Path| check_file(Place::output(path), &[]);
+        assert!(to_folder(&file).is_err() && to_folder(&file.join("below")).is_err());
+        assert!(to_file(place.path()).is_err() && to_file(&place.path().join("new/file")).is_ok());
+        assert!(to_folder(Path::new("relative/out")).is_ok() && to_folder(place.path()).is_ok());
+        fs::write(place.path().join("map-1.svg"), "<?xml").unwrap();
+        let refused = to_folder(place.path()).unwrap_err().to_string();
+        assert!(refused.contains("holds map-1.svg, which was not written by slipgrid"), "{refused}");
+        assert!(to_file(&place.path().join("map-1.svg")).is_err());
+        let place = tempfile::tempdir().unwrap();
+        fs::create_dir(place.path().join("a.toml")).unwrap();
+        let refused = to_folder(place.path()).unwrap_err().to_string();
+        assert!(refused.contains("holds a.toml, which is a folder where a file is to go"), "{refused}");
     }
 }

@@ -129,8 +129,14 @@ fn results_go_to_a_folder() {
     let place = Place::with(&[("scene.toml", SCENE)]);
     let printed = place.succeed(&["simulate", "scene.toml", "--json", "-o", "out/scene"]);
     let folder = place.path("out/scene");
-    assert_eq!(names(&folder), ["interface-0.65mpa.svg", "interface-2.6mpa.svg", "interface.csv", "result.json"]);
-    assert_eq!(fs::read_to_string(folder.join("result.json")).unwrap(), printed);
+    assert_eq!(
+        names(&folder),
+        ["interface-0.65mpa.svg", "interface-2.6mpa.svg", "interface.csv", "result.json", "timings.json"]
+    );
+    let kept = fs::read_to_string(folder.join("result.json")).unwrap();
+    assert_eq!(json(&kept), timeless(json(&printed)), "all but times");
+    let times = json(&fs::read_to_string(folder.join("timings.json")).unwrap());
+    assert!(times["wall_s"].as_f64().unwrap() >= 0.0 && times["threads"].as_u64().unwrap() >= 1);
     let interface = fs::read_to_string(folder.join("interface.csv")).unwrap();
     assert_eq!(interface.lines().next().unwrap(), "load_mpa,surface,x_um,pressure_mpa,friction_mpa");
     assert!(interface.lines().any(|line| line.starts_with("2.6,patterned,")));
@@ -174,7 +180,7 @@ fn a_synthetic_map_and_its_area_law() {
     assert_eq!((&points[0]["factor"], &points[1]["factor"]), (&Value::from(1.0), &Value::from(1.0)));
     // f(P) = [A(P)/A(P0)] / [P/P0], P = 2 P0
     assert!((points[2]["factor"].as_f64().unwrap() - area(2) / area(1) / 2.0).abs() < 1e-12);
-    assert_eq!(names(&place.path("law")), ["area-law.csv", "area-law.svg", "result.json"]);
+    assert_eq!(names(&place.path("law")), ["area-law.csv", "area-law.svg", "result.json", "timings.json"]);
 
     // Where no pressure reaches down to 0.7 MPa, the area there is computed beside the list.
     let above = json(&place.succeed(&["area-law", "map.asc", "--pressures-mpa", "1.4", "--json"]));
@@ -301,7 +307,7 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     let pictures = ["area-law.svg", "friction.svg", "interface-end.svg", "interface-squares.svg", "interface.svg"];
     let mut expected = vec!["area-law.csv", "friction.csv", "interface.csv", "ratios.csv", "ratios.svg", "report.html"];
     expected.extend(pictures);
-    expected.push("result.json");
+    expected.extend(["result.json", "timings.json"]);
     expected.sort_unstable();
     assert_eq!(names(&folder), expected);
     let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();

@@ -263,11 +263,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
     place.succeed(&["optimize", "list.toml", "-o", "out/two"]);
     let [mut one, mut two] = ["out/one", "out/two"].map(|folder| result(&place, folder));
     for found in [&mut one, &mut two] {
-        let fields = found.as_object_mut().unwrap();
-        for key in ["timings_s", "wall_s", "model"] {
-            fields.remove(key).unwrap();
-        }
-        found["confirmed"][0].as_object_mut().unwrap().remove("site_updates_per_s").unwrap();
+        found.as_object_mut().unwrap().remove("model").unwrap();
     }
     assert_eq!(one, two);
     for name in ["design.toml", "target.svg", "process.toml", "friction.csv"] {

@@ -68,21 +68,18 @@ impl Layout {
         Self::laid(pattern, outline, true)
     }
 
+    /// Whether `pattern` can be laid on `outline`, without laying all of it.
+    ///
+    /// # Errors
+    /// As [`Layout::new`].
+    pub fn check(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<(), ExportError> {
+        let layout = Self::planned(pattern, outline, is_clipped)?;
+        let first = layout.iter().next();
+        first.map(|_| ()).ok_or_else(|| no_cavity_fits(&pattern, &outline))
+    }
+
     fn laid(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
-        outline.validate()?;
-        let orientation = pattern.texture().orientation();
-        let [extent_x_m, extent_y_m] = outline.extents_m();
-        let columns = match pattern.length_m() {
-            None => outline.extent_along_m(orientation) / pattern.pitch_m() + 1.0,
-            Some(_) => extent_x_m / pattern.pitch_m() + 1.0,
-        };
-        let rows = pattern.pitch_across_m().map_or(1.0, |pitch_m| extent_y_m / pitch_m + 1.0);
-        if columns * rows > MOST_CAVITIES as f64 {
-            return Err(ExportError::TooManyCavities { cavities: columns * rows, most: MOST_CAVITIES });
-        }
-        // Half the places, and one more on either side that may still reach in; bounded by MOST_CAVITIES.
-        let reach = [columns, rows].map(|places| (places / 2.0).ceil() as i64 + 1);
-        let mut layout = Self { pattern, outline, is_clipped, reach, cavities: 0, cavity_area_m2: 0.0 };
+        let mut layout = Self::planned(pattern, outline, is_clipped)?;
         let (mut cavities, mut area_m2) = (0, 0.0);
         let mut whole = 0_usize;
         for cavity in layout.iter() {
@@ -101,6 +98,24 @@ impl Layout {
         let disc = pattern.planform() == Planform::Disc;
         layout.cavity_area_m2 = area_m2 + if disc { std::f64::consts::FRAC_PI_4 * square_m2 } else { square_m2 };
         Ok(layout)
+    }
+
+    /// The places on the specimen; its cavities are not counted yet.
+    fn planned(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
+        outline.validate()?;
+        let orientation = pattern.texture().orientation();
+        let [extent_x_m, extent_y_m] = outline.extents_m();
+        let columns = match pattern.length_m() {
+            None => outline.extent_along_m(orientation) / pattern.pitch_m() + 1.0,
+            Some(_) => extent_x_m / pattern.pitch_m() + 1.0,
+        };
+        let rows = pattern.pitch_across_m().map_or(1.0, |pitch_m| extent_y_m / pitch_m + 1.0);
+        if columns * rows > MOST_CAVITIES as f64 {
+            return Err(ExportError::TooManyCavities { cavities: columns * rows, most: MOST_CAVITIES });
+        }
+        // Half the places, and one more on either side that may still reach in; bounded by MOST_CAVITIES.
+        let reach = [columns, rows].map(|places| (places / 2.0).ceil() as i64 + 1);
+        Ok(Self { pattern, outline, is_clipped, reach, cavities: 0, cavity_area_m2: 0.0 })
     }
 
     /// The pattern.

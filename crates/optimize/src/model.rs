@@ -32,6 +32,21 @@ pub enum ModelFailure {
     Cancelled,
 }
 
+impl ModelFailure {
+    /// The failure of a model that gives `got` values of one design where it gave `expected` of another.
+    pub(crate) fn of_another_length(expected: usize, got: usize) -> Self {
+        Self::Broken { reason: format!("it gave {expected} values of one design and {got} of another") }
+    }
+}
+
+/// `values` if there are `expected` of them.
+///
+/// # Errors
+/// [`ModelFailure::Broken`] if there are more or fewer.
+pub(crate) fn as_many(values: Vec<f64>, expected: usize) -> Result<Vec<f64>, ModelFailure> {
+    if values.len() == expected { Ok(values) } else { Err(ModelFailure::of_another_length(expected, values.len())) }
+}
+
 /// The model that predicts a design's friction. Designs are evaluated from several threads at once;
 /// the same design must give the same response, bit by bit.
 pub trait ForwardModel: Sync {

@@ -1,6 +1,7 @@
 //! What uncertain dimensions and parameters make of a response: by sampling the model, and to first order.
 
 use crate::ModelFailure;
+use crate::model::as_many;
 use crate::normal::Normals;
 use crate::sensitivity::{AXES, lengths_m, with_lengths};
 use crate::uncertainty::Uncertainty;
@@ -65,7 +66,8 @@ const MOST_REDRAWS: usize = 1000;
 /// Draws `draws` times from `uncertainty` about `design`, seeded, and asks `model` of each.
 ///
 /// # Errors
-/// [`ModelFailure`] other than of single draws, or where all draws fail.
+/// [`ModelFailure`] other than of single draws, or where all draws fail; [`ModelFailure::Broken`] where draws differ in
+/// their number of values.
 pub fn propagate(
     model: &dyn UncertainModel,
     design: &Pattern,
@@ -89,11 +91,14 @@ pub fn propagate(
         })?);
     }
     let answers: Vec<_> = inputs.par_iter().map(|(at, parameters)| model.respond_at(at, parameters)).collect();
-    let mut samples = Vec::with_capacity(draws);
+    let mut samples: Vec<Vec<f64>> = Vec::with_capacity(draws);
     let mut first_failure = None;
     for answer in answers {
         match answer {
-            Ok(values) if values.iter().all(|value| value.is_finite()) => samples.push(values),
+            Ok(values) if values.iter().all(|value| value.is_finite()) => {
+                let expected = samples.first().map_or(values.len(), Vec::len);
+                samples.push(as_many(values, expected)?);
+            }
             Ok(_) => {}
             Err(failure @ ModelFailure::Trial { .. }) => first_failure = first_failure.or(Some(failure)),
             Err(failure) => return Err(failure),
@@ -175,7 +180,7 @@ impl Linearization {
     /// do not scatter.
     ///
     /// # Errors
-    /// [`ModelFailure`] where the design or a neighbour on both sides has no answer.
+    /// [`ModelFailure`] where the design or a neighbour on both sides has no answer, or one of another length.
     pub fn new(model: &dyn UncertainModel, design: &Pattern, uncertainty: &Uncertainty) -> Result<Self, ModelFailure> {
         let parameters = uncertainty.inputs() - AXES;
         let values = model.respond_at(design, &vec![0.0; parameters])?;
@@ -190,7 +195,8 @@ impl Linearization {
                 let ask = |by: f64| {
                     let mut deviations = vec![0.0; uncertainty.inputs()];
                     deviations[input] = by;
-                    model.respond_at(&moved(design, &deviations)?, &deviations[AXES..])
+                    let answer = model.respond_at(&moved(design, &deviations)?, &deviations[AXES..])?;
+                    as_many(answer, values.len())
                 };
                 // (v(x + s) - v(x - s)) / 2s, one-sided beside designs that cannot be computed
                 let difference = |above: &[f64], below: &[f64], width: f64| {

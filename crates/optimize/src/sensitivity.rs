@@ -1,5 +1,6 @@
 //! How a response moves with the dimensions of its design.
 
+use crate::model::as_many;
 use crate::{ForwardModel, ModelFailure, Response};
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -43,12 +44,13 @@ pub struct Sensitivities {
 /// the dimension is short), along width, spacing and depth with all else held.
 ///
 /// # Errors
-/// [`ModelFailure`] where `design` itself has no response, or the model is broken or cancelled.
+/// [`ModelFailure`] where `design` itself has no response, or the model is broken (it gives another number of values
+/// beside the design, too) or cancelled.
 pub fn sensitivities(model: &dyn ForwardModel, design: &Pattern, step_m: f64) -> Result<Sensitivities, ModelFailure> {
     let response = model.respond(design)?;
     let axes = (0..AXES)
         .into_par_iter()
-        .map(|axis| along(model, design, axis, step_m))
+        .map(|axis| along(model, design, response.value.len(), axis, step_m))
         .collect::<Result<Vec<_>, ModelFailure>>()?;
     let mut axes = axes.into_iter();
     Ok(Sensitivities { response, axes: std::array::from_fn(|_| axes.next().flatten()) })
@@ -57,6 +59,7 @@ pub fn sensitivities(model: &dyn ForwardModel, design: &Pattern, step_m: f64) ->
 fn along(
     model: &dyn ForwardModel,
     design: &Pattern,
+    values: usize,
     axis: usize,
     step_m: f64,
 ) -> Result<Option<AxisSensitivity>, ModelFailure> {
@@ -70,16 +73,16 @@ fn along(
                 model.respond(&with_lengths(design, moved_m)?)
             })
             .collect();
-        let mut values = Vec::new();
+        let mut found = Vec::new();
         for neighbour in neighbours {
             match neighbour {
-                Ok(response) => values.push(response.value),
+                Ok(response) => found.push(as_many(response.value, values)?),
                 Err(ModelFailure::Trial { .. }) => {}
                 Err(failure) => return Err(failure),
             }
         }
-        if let [far_below, below, above, far_above] = &values[..] {
-            let slopes = (0..below.len())
+        if let [far_below, below, above, far_above] = &found[..] {
+            let slopes = (0..values)
                 .map(|value| {
                     // D(h) = [v(x + h) - v(x - h)] / 2h
                     let per_m = (above[value] - below[value]) / (2.0 * step_m);
@@ -137,6 +140,13 @@ mod tests {
         let (off, said) = ((slope(0, 1).per_m * 1e-6 - exact).abs(), slope(0, 1).error_per_m * 1e-6);
         assert!((off - 0.025).abs() < 1e-7 && (said - 0.075).abs() < 1e-7, "{off} {said}");
         assert_eq!(slope(0, 0).per_m, 0.0);
+    }
+
+    #[test]
+    fn a_model_that_changes_its_number_of_values_is_broken() {
+        let model = |at: &Pattern| response(vec![1.0; if at.width_m() > 130e-6 { 1 } else { 2 }]);
+        let found = sensitivities(&model, &design(), 5e-6);
+        assert!(matches!(found, Err(ModelFailure::Broken { .. })), "{found:?}");
     }
 
     #[test]

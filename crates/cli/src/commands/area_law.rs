@@ -1,6 +1,6 @@
 //! `area-law`: real contact area of an altitude map against pressure.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
@@ -16,16 +16,17 @@ use super::area_statistics::{
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::diagnostic::Diagnostic;
 use crate::formats::surface::{MapOptions, Missing};
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::{VERSION, json};
+use crate::report::{VERSION, json, json_and_timings};
 use crate::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 use crate::{CliError, Console, exit_code};
 
 /// Computes the curve and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
+        check_folder(Place::output(folder), &["result.json", "timings.json", "area-law.*"], &inputs)?;
     }
     let request = Request::check(args)?;
     let report = match (&args.map, args.persson_rms_slope) {
@@ -37,14 +38,19 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     };
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
-        outputs.add("result.json", json(&report)?);
+        let [result, timings] = json_and_timings(&report)?;
+        outputs.add("result.json", result);
+        outputs.add("timings.json", timings);
         outputs.add("area-law.csv", table_csv(&report));
         outputs.add("area-law.svg", picture(&report)?);
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    let text = if args.json { json(&report)? } else { table(&report) };
-    console.out.write_all(text.as_bytes())?;
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&table(&report))?;
+    }
     Ok(exit_code::DONE)
 }
 

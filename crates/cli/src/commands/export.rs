@@ -10,7 +10,7 @@ use crate::args::ExportArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::file_kind::FileKind;
 use crate::input::read_text;
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::report::simulation::PatternReport;
 use crate::units::LENGTH_UM;
 use crate::{CliError, Console, exit_code};
@@ -18,13 +18,17 @@ use crate::{CliError, Console, exit_code};
 /// Name of a result in its folder.
 const RESULT: &str = "result.json";
 
+/// What may be written.
+const FILES: [&str; 6] = ["pattern.*", "process.toml", "corners.csv", "hatch.csv", "height-map.png", "removed.stl"];
+
 /// Writes the design again.
 pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     // The folder that `optimize` wrote stands for the result in it.
     let inside = args.result.join(RESULT);
     let result = if inside.is_file() { &inside } else { &args.result };
     let folder = args.output.as_deref().or(result.parent()).unwrap_or(Path::new("."));
-    check_folder(folder)?;
+    let out = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    check_folder(Place::output(out), &FILES, std::slice::from_ref(result))?;
     let stored = read(result)?;
     let refuse = |reason: String| Diagnostic::file(result, reason);
     let pattern = pattern(result, &stored.design)?;
@@ -46,9 +50,9 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
     draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
-    outputs.write(if folder.as_os_str().is_empty() { Path::new(".") } else { folder })?;
+    outputs.write(out)?;
     for name in outputs.names() {
-        writeln!(console.out, "{}", folder.join(name).display())?;
+        console.answer(&format!("{}\n", folder.join(name).display()))?;
     }
     Ok(exit_code::DONE)
 }

@@ -20,7 +20,7 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         TemplateName::Calibration => "calibration",
     };
     let path = args.path.as_deref().unwrap_or(Path::new(usual));
-    if path.exists() {
+    if path.exists() || path.is_symlink() {
         let refused = Diagnostic::flag("new", path.display().to_string(), "exists already");
         return Err(refused.expected("a name that is free").into());
     }
@@ -39,7 +39,7 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         TemplateName::Design => ("optimize", path.to_owned()),
         TemplateName::Calibration => ("calibrate", path.join("calibration.toml")),
     };
-    writeln!(console.out, "{}", path.display())?;
+    console.answer(&format!("{}\n", path.display()))?;
     console.note(&format!("next: slipgrid {command} {}", quoted(&file.to_string_lossy())));
     Ok(exit_code::DONE)
 }

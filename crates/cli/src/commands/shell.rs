@@ -4,7 +4,7 @@ use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
 use crate::args::{Arguments, CompletionsArgs, ManArgs};
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::{CliError, Console, exit_code};
 
 /// Prints the completions of a shell.
@@ -24,7 +24,7 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         console.out.write_all(&page(program)?)?;
         return Ok(exit_code::DONE);
     };
-    check_folder(folder)?;
+    check_folder(Place::output(folder), &["slipgrid*.1"], &[])?;
     let mut pages = Outputs::default();
     for command in program.get_subcommands().filter(|command| command.get_name() != "help") {
         let name = format!("slipgrid-{}", command.get_name());

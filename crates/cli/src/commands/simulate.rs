@@ -4,16 +4,20 @@ use super::pictures;
 use crate::args::SimulateArgs;
 use crate::formats::scene::{Overrides, SceneInput};
 use crate::on_specimen::simulate_on;
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::SimulationReport;
-use crate::report::{csv, json};
+use crate::report::{csv, json, json_and_timings};
 use crate::{CliError, Console, exit_code};
+
+/// What is written.
+const FILES: [&str; 6] =
+    ["result.json", "timings.json", "interface.csv", "friction.csv", "friction-*mpa.svg", "interface-*mpa.svg"];
 
 /// Solves a scene and reports.
 pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.scene))?;
     }
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&args.scene, overrides)?;
@@ -27,7 +31,9 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
-        outputs.add("result.json", json(&report)?);
+        let [result, timings] = json_and_timings(&report)?;
+        outputs.add("result.json", result);
+        outputs.add("timings.json", timings);
         outputs.add("interface.csv", csv::interface(&simulation));
         if let Some(trace) = csv::friction_trace(&simulation) {
             outputs.add("friction.csv", trace);
@@ -36,7 +42,10 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    let text = if args.json { json(&report)? } else { report.table() };
-    console.out.write_all(text.as_bytes())?;
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&report.table())?;
+    }
     Ok(exit_code::DONE)
 }

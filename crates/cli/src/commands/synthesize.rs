@@ -5,14 +5,14 @@ use slipgrid_topography::{CutPattern, CutShape, HeightMap, LengthUnit, MapError,
 use super::area_law::checked;
 use crate::args::{CutName, SynthesizeArgs};
 use crate::diagnostic::Diagnostic;
-use crate::output::{check_file, write_file};
+use crate::output::{Place, check_file, write_file};
 use crate::report::table::fixed;
 use crate::units::{LENGTH_MM, LENGTH_UM, SLOPE};
 use crate::{CliError, Console, exit_code};
 
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    check_file(&args.output)?;
+    check_file(Place::output(&args.output), &[])?;
     check_waves(args)?;
     let mut parameters = SelfAffine {
         pixels: args.pixels,
@@ -34,9 +34,8 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
     let decimals = (5.0 - (parameters.sa_m * 1e9).log10().ceil()).clamp(0.0, 15.0) as u8;
     let style = MatrixStyle { channel: "altitude".to_owned(), comments, unit: LengthUnit::Nanometre, decimals };
     write_file(&args.output, map.to_matrix_text(&style).as_bytes())?;
-    writeln!(
-        console.out,
-        "{}: synthetic, {} x {} pixels of {} um, Sa {} um, rms slope {}{}",
+    console.answer(&format!(
+        "{}: synthetic, {} x {} pixels of {} um, Sa {} um, rms slope {}{}\n",
         args.output.display(),
         map.rows(),
         map.cols(),
@@ -44,7 +43,7 @@ pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliEr
         fixed(Some(LENGTH_UM.from_si(parameters.sa_m)), 4),
         fixed(Some(rms_slope), 6),
         cavities.map_or_else(String::new, |count| format!(" before {count} cavities were cut")),
-    )?;
+    ))?;
     Ok(exit_code::DONE)
 }
 

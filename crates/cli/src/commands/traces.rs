@@ -7,7 +7,7 @@ use crate::formats::calibration::Calibration;
 use crate::formats::file_kind::FileKind;
 use crate::formats::measurements::{self, Measurement};
 use crate::formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition, notes};
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::report::table::fixed;
 use crate::report::{Table, VERSION};
 use crate::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S, tidy};
@@ -16,10 +16,13 @@ use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
 
 use super::area_law::checked;
 
+/// What is written.
+pub const FILES: [&str; 5] = ["flat.csv", "patterned.csv", "traces.csv", "flat-*.svg", "patterned-*.svg"];
+
 /// Reads exports and reports.
 pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        check_folder(Place::output(folder), &FILES, &args.files)?;
     }
     let conditions = match &args.files[..] {
         [file] if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) => {
@@ -37,7 +40,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    console.out.write_all(summary(&conditions).as_bytes())?;
+    console.answer(&summary(&conditions))?;
     Ok(exit_code::DONE)
 }
 

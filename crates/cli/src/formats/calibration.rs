@@ -1,6 +1,6 @@
 //! Calibration files: what `calibrate` takes.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_export::Outline;
@@ -165,6 +165,8 @@ pub struct Calibration {
     pub placed: Vec<Placed>,
     /// What is unusual, one sentence each.
     pub told: Vec<String>,
+    /// The files that it was read from.
+    pub inputs: Vec<PathBuf>,
 }
 
 impl Calibration {
@@ -215,6 +217,7 @@ impl Calibration {
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
         let area_law_scale_pa = read_scale(document, &file)?;
         Ok(Self {
+            inputs: inputs(document, &file, &surface, &traces),
             name: file.name,
             source: file.source,
             elastic,
@@ -352,6 +355,18 @@ fn read_fitting_pattern(
             .expected("width_um and spacing_um of which a period fits on the specimen"));
     }
     Ok(pattern)
+}
+
+/// The calibration's file, its tables, its map and its traces.
+fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
+    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
+    let tables = tables.flatten().map(|name| document.resolve(name.get_ref()));
+    let map = match surface {
+        Surface::Map { path, .. } => Some(path.clone()),
+        _ => None,
+    };
+    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
+    std::iter::once(document.path().to_owned()).chain(tables).chain(map).chain(traces).collect()
 }
 
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.

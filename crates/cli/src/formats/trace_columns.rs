@@ -60,6 +60,33 @@ impl Channel {
         }
     }
 
+    /// What it is called in messages.
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Torque => "torque",
+            Self::FrictionForce => "friction force",
+            Self::NormalForce => "normal force",
+            Self::Speed => "speed",
+            Self::Revolutions => "revolutions",
+            Self::Humidity => "humidity",
+            Self::Repeat => "number of the repeat",
+        }
+    }
+
+    /// Its units, as people write them.
+    const fn unit_words(self) -> &'static str {
+        match self {
+            Self::Time => "s, ms, min or h",
+            Self::Torque => "N m, mN m, N cm or N mm",
+            Self::FrictionForce | Self::NormalForce => "N, mN, kN, gf or kgf",
+            Self::Speed => "mm/s, m/s, cm/s, um/s, m/min or rpm",
+            Self::Revolutions => "rpm, 1/min, rev/min or 1/s",
+            Self::Humidity => "%, %RH or pct",
+            Self::Repeat => "a column without a unit",
+        }
+    }
+
     /// Units and what turns them into SI; the first is taken where none is given.
     const fn units(self) -> &'static [(&'static str, f64)] {
         const MINUTE: f64 = 60.0;
@@ -164,6 +191,32 @@ impl Channel {
     ];
 }
 
+/// A unit that a column's quantity does not have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnknownUnit {
+    /// The column, as the file writes it.
+    pub name: String,
+    /// The unit, as the file writes it.
+    unit: String,
+    channel: Channel,
+}
+
+impl UnknownUnit {
+    /// What is wrong, and what would be accepted.
+    #[must_use]
+    pub fn words(&self) -> [String; 2] {
+        let (unit, title) = (&self.unit, self.channel.title());
+        let letters = unit_letters(unit);
+        let is_known = Channel::ALL.iter().any(|channel| channel.units().iter().any(|(name, _)| *name == letters));
+        let reason = if is_known {
+            format!("has the unit \"{unit}\", which is none of {title}")
+        } else {
+            format!("has the unit \"{unit}\", which is not known")
+        };
+        [reason, self.channel.unit_words().to_owned()]
+    }
+}
+
 /// A column that is used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -190,13 +243,16 @@ impl Column {
     ///
     /// # Errors
     /// The unit, where it is not known.
-    pub fn set_unit(&mut self, cell: &str) -> Result<(), String> {
+    pub fn set_unit(&mut self, cell: &str) -> Result<(), UnknownUnit> {
         let unit = unit_letters(cell);
         if unit.is_empty() {
             return Ok(());
         }
-        let written = || cell.trim().trim_matches(|letter: char| "[](){}\"".contains(letter)).trim().to_owned();
-        self.factor = self.factor_of(&unit).ok_or_else(written)?;
+        self.factor = self.factor_of(&unit).ok_or_else(|| UnknownUnit {
+            name: self.name.clone(),
+            unit: cell.trim().trim_matches(['[', ']', '(', ')', '{', '}', '"']).trim().to_owned(),
+            channel: self.channel,
+        })?;
         Ok(())
     }
 
@@ -216,8 +272,8 @@ impl Column {
 /// What each name of a header means; `None` where it is not used.
 ///
 /// # Errors
-/// Name and unit of a column that is used and whose unit is not known.
-pub fn columns(cells: &[&str]) -> Result<Vec<Option<Column>>, (String, String)> {
+/// [`UnknownUnit`] of a column that is used and whose unit is not known.
+pub fn columns(cells: &[&str]) -> Result<Vec<Option<Column>>, UnknownUnit> {
     cells.iter().map(|cell| column(cell)).collect()
 }
 
@@ -230,7 +286,7 @@ pub fn needed_columns(cells: &[&str]) -> usize {
     cells.iter().filter(|cell| is_needed(cell)).count()
 }
 
-fn column(cell: &str) -> Result<Option<Column>, (String, String)> {
+fn column(cell: &str) -> Result<Option<Column>, UnknownUnit> {
     let written = cell.trim_matches('"').trim();
     // The whole as a name comes first: `normal_force` has no unit.
     if let Some(channel) = channel(written) {
@@ -246,7 +302,7 @@ fn column(cell: &str) -> Result<Option<Column>, (String, String)> {
             Err(unit) => unknown = Some(unit),
         }
     }
-    unknown.map_or(Ok(None), |unit| Err((written.to_owned(), unit)))
+    unknown.map_or(Ok(None), Err)
 }
 
 fn channel(name: &str) -> Option<Channel> {
@@ -307,6 +363,13 @@ mod tests {
         for other in ["COF", "Temperature [C]", "Z-position (mm)", ""] {
             assert_eq!(column(other), Ok(None), "{other}");
         }
-        assert_eq!(column("Fz [psi]"), Err(("Fz [psi]".into(), "psi".into())));
+        for (written, reason, expected) in [
+            ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, kN, gf or kgf"),
+            ("Tz (N)", "has the unit \"N\", which is none of torque", "N m, mN m, N cm or N mm"),
+            ("Fz [N m]", "has the unit \"N m\", which is none of normal force", "N, mN, kN, gf or kgf"),
+        ] {
+            let unknown = column(written).unwrap_err();
+            assert_eq!((unknown.name.as_str(), unknown.words()), (written, [reason, expected].map(String::from)));
+        }
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use slipgrid_calibrate::trace::{Tangential, TraceChannels};
 
-use super::trace_columns::{Channel, Column, columns, needed_columns};
+use super::trace_columns::{Channel, Column, UnknownUnit, columns, needed_columns};
 use crate::diagnostic::Diagnostic;
 use crate::input::read_bytes;
 
@@ -83,8 +83,7 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
         return Err(Diagnostic::file(path, "has no line that names its columns")
             .expected("a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`"));
     };
-    let mut layout =
-        columns(&header.cells).map_err(|(name, unit)| unknown_unit(&refuse, header.number, &name, &unit))?;
+    let mut layout = columns(&header.cells).map_err(|unknown| unknown_unit(&refuse, header.number, &unknown))?;
     let mut rows = lines().skip_while(|(number, _)| *number <= header.number).peekable();
     // A line of units below the names.
     if let Some((number, line)) = rows.peek().copied() {
@@ -92,7 +91,7 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
         if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
             for (column, cell) in layout.iter_mut().zip(&cells) {
                 if let Some(column) = column {
-                    column.set_unit(cell).map_err(|unit| unknown_unit(&refuse, number, column.name(), &unit))?;
+                    column.set_unit(cell).map_err(|unknown| unknown_unit(&refuse, number, &unknown))?;
                 }
             }
             rows.next();
@@ -146,11 +145,9 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
     Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
 }
 
-fn unknown_unit(refuse: &dyn Fn(u32, String) -> Diagnostic, line: u32, name: &str, unit: &str) -> Diagnostic {
-    let reason = format!("has the unit \"{unit}\", which is not known");
-    Diagnostic { key: Some(name.into()), ..refuse(line, reason) }.expected(
-        "s, ms, min or h; N m, N mm, N cm or mN m; N, mN, kN, gf, kgf or lbf; mm/s, m/s, mm/min, um/s or rpm; %",
-    )
+fn unknown_unit(refuse: &dyn Fn(u32, String) -> Diagnostic, line: u32, unknown: &UnknownUnit) -> Diagnostic {
+    let [reason, expected] = unknown.words();
+    Diagnostic { key: Some(unknown.name.as_str().into()), ..refuse(line, reason) }.expected(expected)
 }
 
 fn check_layout(

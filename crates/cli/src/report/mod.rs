@@ -7,8 +7,10 @@ pub mod html;
 pub mod simulation;
 pub mod specimen;
 pub mod table;
+pub mod timings;
 
 pub use table::Table;
+pub use timings::json_and_timings;
 
 /// The program's version, for everything that is written.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -23,6 +23,14 @@ impl Specimen {
     pub fn layout(&self, pattern: Pattern) -> Result<Layout, ExportError> {
         if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
     }
+
+    /// Whether it takes `pattern`.
+    ///
+    /// # Errors
+    /// As [`Specimen::layout`].
+    pub fn check(&self, pattern: Pattern) -> Result<(), ExportError> {
+        Layout::check(pattern, self.outline, self.is_clipped)
+    }
 }
 
 /// Names of what becomes of cavities that pass the rim: left out, or cut.

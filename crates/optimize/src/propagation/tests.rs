@@ -148,3 +148,13 @@ fn the_same_seed_gives_the_same_draws_on_any_number_of_threads() {
     assert_eq!(on(1), on(3));
     assert_ne!(on(1), propagate(&linear, &design(), &uncertainty, 200, 6).unwrap());
 }
+
+#[test]
+fn a_model_that_changes_its_number_of_values_is_broken() {
+    let model = |at: &Pattern, _: &[f64]| Ok(vec![1.0; if at.width_m() > 131e-6 { 1 } else { 2 }]);
+    let known = uncertainty(0.0, &[]);
+    let about = Linearization::new(&model, &design(), &known);
+    assert!(matches!(about, Err(ModelFailure::Broken { .. })), "{about:?}");
+    let drawn = propagate(&model, &design(), &known, 40, 1);
+    assert!(matches!(drawn, Err(ModelFailure::Broken { .. })), "{drawn:?}");
+}

@@ -9,6 +9,8 @@ mod report;
 mod scene;
 mod text;
 
+use std::path::PathBuf;
+
 use slipgrid_springblock::{Fidelity, Scene, SceneError, Unwatched, simulate};
 
 use plan::{Role, Size, rows};
@@ -16,7 +18,7 @@ use report::{AccuracyReport, Machine, model_notes};
 
 use crate::args::AccuracyArgs;
 use crate::formats::scene::{Overrides, SceneInput};
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::json;
 use crate::{CliError, Console, exit_code};
@@ -24,7 +26,8 @@ use crate::{CliError, Console, exit_code};
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
+        check_folder(Place::output(folder), &["accuracy.*", "result.json"], &inputs)?;
     }
     let (scene, input) = match &args.scene {
         Some(path) => {
@@ -63,7 +66,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if args.json {
         console.out.write_all(json(&report)?.as_bytes())?;
     } else if args.output.is_none() {
-        console.out.write_all(text::markdown(&report).as_bytes())?;
+        console.answer(&text::markdown(&report))?;
     }
     Ok(exit_code::DONE)
 }

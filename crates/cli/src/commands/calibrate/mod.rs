@@ -31,7 +31,7 @@ use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::surface::Surface;
 use crate::formats::{Document, material::MaterialFile};
-use crate::output::{Outputs, check_file, check_folder, write_file};
+use crate::output::{Outputs, Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::table::fixed;
@@ -133,15 +133,20 @@ struct Calibrated {
     discrepancy: Option<Report>,
 }
 
+/// What is written into the folder of a report, beside what there is of traces.
+const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "discrepancy.*"];
+
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    let calibration = Calibration::read(&args.calibration)?;
     if let Some(path) = &args.output {
-        check_file(path)?;
+        check_file(Place::output(path), &calibration.inputs)?;
     }
     if let Some(folder) = &args.report {
-        check_folder(folder)?;
+        let place = Place { flag: "--report", path: folder };
+        let names = [&FILES[..], &super::traces::FILES].concat();
+        check_folder(place, &names, &calibration.inputs)?;
     }
-    let calibration = Calibration::read(&args.calibration)?;
     let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), &calibration, console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
@@ -151,7 +156,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    console.out.write_all(summary(&calibration, &calibrated).as_bytes())?;
+    console.answer(&summary(&calibration, &calibrated))?;
     match &args.output {
         Some(path) => console.note(&format!("wrote {}", path.display())),
         None => console.note("nothing written; -o MATERIAL.toml keeps the material"),

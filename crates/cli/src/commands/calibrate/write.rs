@@ -173,6 +173,7 @@ mod tests {
 
     fn calibration(coefficients: Coefficients) -> Calibration {
         Calibration {
+            inputs: Vec::new(),
             name: "test".into(),
             source: "nowhere".into(),
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),

@@ -23,6 +23,15 @@ impl Limited {
         Self { measures: design.measures.clone(), laser: design.laser, outline: Some(design.outline) }
     }
 
+    /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where no cavity fits, or far too many do.
+    pub fn check(&self, pattern: &Pattern) -> Result<(), ModelFailure> {
+        let laid = self.outline.map_or(Ok(()), |outline| outline.check(*pattern));
+        laid.map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+    }
+
     /// Whether a closed cavity breaks a limit, and so needs no other refusal.
     pub fn judges_clearance(&self) -> bool {
         self.measures.contains(&Measure::Clearance)

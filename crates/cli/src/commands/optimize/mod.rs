@@ -39,9 +39,10 @@ use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::design::Design;
-use crate::output::{Outputs, check_folder};
+use crate::lock::Lock;
+use crate::output::{Outputs, Place, check_folder};
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
-use crate::report::{VERSION, csv, json};
+use crate::report::{VERSION, csv, json, json_and_timings};
 use crate::{CliError, Console, exit_code};
 use files::DesignScene;
 use report::{MisfitReport, patterns};
@@ -49,12 +50,28 @@ use rounds::Rounds;
 use stages::Timings;
 use target_report::{GoalReport, TargetReport};
 
+/// What is written.
+const FILES: [&str; 11] = [
+    "report.html",
+    "result.json",
+    "timings.json",
+    "design.toml",
+    "process.toml",
+    "pattern.*",
+    "target.svg",
+    "trade-offs.*",
+    "table.*",
+    "friction*",
+    "interface*",
+];
+
 /// Searches, confirms, writes and reports.
 pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let started = Instant::now();
     let mut design = Design::read(&args.design)?;
     let folder = args.output.clone().unwrap_or_else(|| subject::default_folder(&args.design));
-    check_folder(&folder)?;
+    check_folder(Place::output(&folder), &FILES, &design.inputs)?;
+    let _held = Lock::new(&subject::lock_path(&folder))?;
     let mut timings = Timings::default();
 
     let (material, uncertainty) = material::of_design(&mut design, console)?;
@@ -180,11 +197,16 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         seed: design.seed,
     };
     outputs.add("target.svg", target_picture::target(&report)?);
-    outputs.add("result.json", json(&report)?);
+    let [result, timings] = json_and_timings(&report)?;
+    outputs.add("result.json", result);
+    outputs.add("timings.json", timings);
     super::pages::design(&report, &mut outputs)?;
     outputs.write(&folder)?;
-    let text = if args.json { json(&report)? } else { report.summary() };
-    console.out.write_all(text.as_bytes())?;
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&report.summary())?;
+    }
     console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     Ok(match found.status {
         Status::Met => exit_code::DONE,

@@ -321,6 +321,7 @@ impl SteadyCell {
 
     /// What `solver`, made of `scene`, says of `design`, corrected.
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        self.limited.check(design)?;
         let answer = self.study.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
         let answer = self.laid(design, answer)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {

@@ -181,7 +181,7 @@ impl Rounds {
         console: &mut Console<'_>,
     ) -> Result<(), CliError> {
         let depends_on = subject::depends_on(self.model.asked(), design.space.texture());
-        let study = Study::in_file(path.clone(), depends_on, resume)?;
+        let study = Study::in_file(path.clone(), depends_on, self.model.asked().loads.len(), resume)?;
         if study.resumed() > 0 {
             console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));
         }

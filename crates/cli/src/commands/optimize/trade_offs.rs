@@ -47,6 +47,9 @@ pub struct TradeOffsReport {
     pub best: Vec<ListedDesign>,
     /// By what model.
     pub model: String,
+    /// Why no design could be compared; absent where some were.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub none_because: Option<String>,
 }
 
 /// A design of the front.
@@ -120,8 +123,10 @@ impl Plane {
 /// Compares the designs of `design` by its goals, the chosen one among them, and adds a table and a picture. `value` is
 /// what the search's model says of `chosen`. `None` where nothing is to be compared.
 ///
+/// Where no design respects every limit the report says so, and the table is empty.
+///
 /// # Errors
-/// [`CliError`] where no design can be compared, or the picture cannot be drawn.
+/// [`CliError`] where the model is broken, or the picture cannot be drawn.
 pub fn report(
     design: &Design,
     model: &SteadyCell,
@@ -131,7 +136,14 @@ pub fn report(
 ) -> Result<Option<TradeOffsReport>, CliError> {
     let Some(input) = &design.trade_offs else { return Ok(None) };
     let failed = |reason: String| CliError::Other(format!("trade-offs: {reason}"));
-    let plane = Plane::new(model, chosen, value).map_err(|failure| failed(failure.to_string()))?;
+    let plane = match Plane::new(model, chosen, value) {
+        Ok(plane) => plane,
+        Err(ModelFailure::Trial { reason }) => {
+            let reason = format!("the design found cannot be computed in the vertical plane: {reason}");
+            return Ok(Some(nothing(input, model, 0, &reason, chosen, outputs)));
+        }
+        Err(failure) => return Err(failed(failure.to_string())),
+    };
     let spread = input.goals.contains(&TradeOffGoal::Spread);
     let tolerances = design.tolerances.filter(|_| spread).map(|input| input.tolerances);
     let uncertainty = tolerances
@@ -141,8 +153,14 @@ pub fn report(
     let limited = Limited::of(design);
     let goals = |at: &Pattern| goals(design, input, &plane, &limited, uncertainty.as_ref(), at);
     let options = TradeOffOptions { lattice: input.designs, ..TradeOffOptions::default() };
-    let found = trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals)
-        .map_err(|error: SearchError| failed(error.to_string()))?;
+    let found = match trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals) {
+        Ok(found) => found,
+        Err(SearchError::EveryTrialFailed { trials, reason }) => {
+            let reason = format!("no design respects every limit; of the first, {reason}");
+            return Ok(Some(nothing(input, model, trials, &reason, chosen, outputs)));
+        }
+        Err(error) => return Err(failed(error.to_string())),
+    };
     outputs.add("trade-offs.csv", csv(input, &found, chosen));
     let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
     let chosen_goals = own.map(|known| known.goals.clone());
@@ -173,14 +191,47 @@ pub fn report(
         on_target: !met.is_empty(),
         listed: listed(&shown),
         best: (0..input.goals.len()).filter_map(|goal| best(&shown, goal)).collect(),
-        model: if model.is_solid() {
-            "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
-             the model in space at the chosen design; peak pressures are those of the section"
-                .to_owned()
-        } else {
-            "steady cells in the vertical plane".to_owned()
-        },
+        model: model_words(model),
+        none_because: None,
     }))
+}
+
+/// By what model designs are compared.
+fn model_words(model: &SteadyCell) -> String {
+    if model.is_solid() {
+        "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
+         the model in space at the chosen design; peak pressures are those of the section"
+            .to_owned()
+    } else {
+        "steady cells in the vertical plane".to_owned()
+    }
+}
+
+/// The report where no design can be compared, and a table without rows.
+fn nothing(
+    input: &TradeOffsInput,
+    model: &SteadyCell,
+    left_out: usize,
+    reason: &str,
+    chosen: &Pattern,
+    outputs: &mut Outputs,
+) -> TradeOffsReport {
+    let found = TradeOffs { front: Vec::new(), dominated: Vec::new(), left_out };
+    outputs.add("trade-offs.csv", csv(input, &found, chosen));
+    TradeOffsReport {
+        goals: input.goals.iter().map(|goal| goal.column()).collect(),
+        words: input.goals.iter().map(|goal| goal.words()).collect(),
+        designs: 0,
+        left_out,
+        front: 0,
+        chosen: None,
+        chosen_is_on_front: false,
+        on_target: false,
+        listed: Vec::new(),
+        best: Vec::new(),
+        model: model_words(model),
+        none_because: Some(reason.to_owned()),
+    }
 }
 
 /// What a design does by each goal.
@@ -286,6 +337,9 @@ impl TradeOffsReport {
     /// A line or two for people.
     #[must_use]
     pub fn text(&self) -> String {
+        if let Some(reason) = &self.none_because {
+            return format!("  trade-offs: none: {reason}\n");
+        }
         let numbers = |goals: &[f64]| {
             let told = self.goals.iter().zip(goals).map(|(name, goal)| {
                 let [goal_name, unit] = words(name);

@@ -10,15 +10,18 @@ use super::altitude_map::{SurfaceMap, despiked, open};
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::diagnostic::Diagnostic;
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::report::json;
 use crate::units::LENGTH_UM;
 use crate::{CliError, Console, exit_code};
 
+/// What is written.
+const FILES: [&str; 6] = ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*"];
+
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.map))?;
     }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
@@ -66,8 +69,11 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    let text = if args.json { json(&report)? } else { report.table() };
-    console.out.write_all(text.as_bytes())?;
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&report.table())?;
+    }
     Ok(exit_code::DONE)
 }
 

@@ -23,9 +23,9 @@ use crate::args::ValidateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::scene::DEFAULT_LAYER;
-use crate::output::{Outputs, check_folder};
+use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::{VERSION, json};
+use crate::report::{VERSION, json, json_and_timings};
 use crate::units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 use crate::{CliError, Console, exit_code};
 
@@ -36,10 +36,24 @@ const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
 /// Slope factors: beyond these no surface is meant.
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
+/// What is written.
+const FILES: [&str; 10] = [
+    "report.html",
+    "result.json",
+    "timings.json",
+    "ratios.*",
+    "area-law.*",
+    "friction.*",
+    "interface.*",
+    "interface-end.svg",
+    "interface-squares.svg",
+    "friction-*.svg",
+];
+
 /// Reads both tables, models every condition and reports.
 pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
-        check_folder(folder)?;
+        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
     }
     let patterns = Patterns::read(args)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
@@ -61,15 +75,20 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     report.wall_s = whole.finish();
     if let Some(folder) = &args.output {
-        outputs.add("result.json", json(&report)?);
+        let [result, timings] = json_and_timings(&report)?;
+        outputs.add("result.json", result);
+        outputs.add("timings.json", timings);
         outputs.add("ratios.csv", text::csv(&report));
         outputs.add("ratios.svg", text::picture(&report)?);
         super::pages::validation(&report, &mut outputs)?;
         outputs.write(folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
-    let text = if args.json { json(&report)? } else { text::table(&report) };
-    console.out.write_all(text.as_bytes())?;
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&text::table(&report))?;
+    }
     Ok(exit_code::DONE)
 }
 

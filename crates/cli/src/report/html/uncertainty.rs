@@ -241,6 +241,10 @@ pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
         return;
     }
     page.heading(2, "What can be had for what");
+    if let Some(reason) = found["none_because"].as_str() {
+        page.paragraph("", &format!("Nothing could be compared: {reason}."));
+        return;
+    }
     if let Some(svg) = outputs.text("trade-offs.svg") {
         page.picture(
             &svg,

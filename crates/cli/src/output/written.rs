@@ -1,0 +1,112 @@
+//! Whether slipgrid wrote a file: only such a file is replaced.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Bytes that are looked at.
+const HEAD: u64 = 1024;
+
+/// How the tables begin that slipgrid writes.
+const TABLES: [&str; 16] = [
+    "# By slipgrid traces ",
+    "load_mpa,surface,",
+    "index,centre_x_mm,centre_y_mm,",
+    "index,part,corner,",
+    "index,line,from_x_mm,",
+    "width_um,spacing_um,depth_um,",
+    "x_um,height_um",
+    "q_per_um,psd_um4,",
+    "x_um,y_um,width_x_um,",
+    "pressure_mpa,area_fraction,",
+    "slope_factor,rms_slope,pressure_mpa,",
+    "force_n,pressure_mpa,speed_mm_s,",
+    "force_n,speed_mm_s,humidity_pct,ratio,",
+    "parameter,value,",
+    "surface,force_n,speed_mm_s,humidity_pct,trace,",
+    "kind,family,name,",
+];
+
+/// How a material file begins.
+const MATERIAL: &str = "# Material, by slipgrid ";
+/// What an altitude map says that was made, not measured.
+const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
+
+/// How its other files begin, by their name or its ending.
+const BEGINNINGS: [(&str, &[&str]); 12] = [
+    ("design.toml", &["# Scene of the confirming run, by slipgrid "]),
+    ("process.toml", &["# Process sheet."]),
+    (".toml", &[MATERIAL]),
+    (".csv", &TABLES),
+    (".json", &["{\n  \"program\": \"slipgrid\"", "{\n  \"parameters\": [\n"]),
+    (".svg", &["<svg width=\"", "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\""]),
+    (".dxf", &["999\nslipgrid ", "999\r\nslipgrid "]),
+    (".plt", &["CO \"slipgrid "]),
+    (".gcode", &["(slipgrid "]),
+    (".stl", &["slipgrid "]),
+    (".md", &["# Speed against error"]),
+    (".1", &[".ie \\n(.g .ds Aq"]),
+];
+
+/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
+/// that could be lost.
+pub fn is_ours(path: &Path) -> bool {
+    if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+        return true;
+    }
+    let mut head = Vec::new();
+    if File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head)).is_err() {
+        return false;
+    }
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    head.is_empty() || begins_as_ours(&name, &head)
+}
+
+fn begins_as_ours(name: &str, head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head);
+    if name.ends_with(".html") {
+        return text.contains("<meta name=\"generator\" content=\"slipgrid ");
+    }
+    if name.ends_with(".png") {
+        // 16 bits of grey: the height map.
+        return head.starts_with(b"\x89PNG\r\n\x1a\n") && head.get(24..26) == Some(&[16, 0]);
+    }
+    let named =
+        BEGINNINGS.iter().find(|(ending, _)| name == *ending || (ending.starts_with('.') && name.ends_with(ending)));
+    match named {
+        Some((_, beginnings)) => beginnings.iter().any(|beginning| text.starts_with(beginning)),
+        // Materials and altitude maps may have any name.
+        None => text.starts_with(MATERIAL) || (text.starts_with("# Channel: ") && text.contains(SYNTHETIC)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_known_by_its_beginning() {
+        for (name, head, ours) in [
+            ("design.toml", "# Scene of the confirming run, by slipgrid 0.1.0: slipgrid simulate", true),
+            (
+                "design.toml",
+                "# A design task: the pattern that brings friction to a target.   slipgrid optimize",
+                false,
+            ),
+            ("design.toml", "name = \"mine\"\n", false),
+            ("ldpe.toml", "# Material, by slipgrid calibrate 0.1.0. Scenes", true),
+            ("c.toml", "# A calibration: measurements on flat samples", false),
+            ("flat.csv", "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n", false),
+            ("flat.csv", "# By slipgrid traces 0.1.0: flat samples", true),
+            ("trade-offs.csv", "width_um,spacing_um,depth_um,areal_density,x", true),
+            ("result.json", "{\n  \"program\": \"slipgrid\",", true),
+            ("result.json", "{}", false),
+            ("report.html", "<!DOCTYPE html>\n<title>my report</title>", false),
+            ("map.asc", "# Channel: altitude\n# synthetic self-affine map, not a measurement\n", true),
+            ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
+            ("pattern.dxf", "0\nSECTION", false),
+        ] {
+            assert_eq!(begins_as_ours(name, head.as_bytes()), ours, "{name} {head}");
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Nothing that slipgrid did not write is replaced, and what cannot be written is said before anything is computed.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+use std::time::Instant;
+
+use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, names};
+
+/// A design that is searched and confirmed in some hundredths of a second.
+fn small() -> String {
+    DESIGN
+        .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
+        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [40.0, 80.0]")
+        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 10.0]")
+        .replace("layer_um = 200.0", "layer_um = 40.0")
+        .replace("block_um = 10.0", "block_um = 20.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
+        .replace("max_evaluations = 50", "max_evaluations = 12")
+        .replace("tolerance = 0.01", "tolerance = 0.2")
+}
+
+const MAP: [&str; 5] = ["synthesize", "--pixels", "32", "--waves", "2:8"];
+
+#[test]
+fn inputs_and_what_others_wrote_are_not_replaced() {
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE)]);
+    fs::create_dir(place.path("job")).unwrap();
+    let design = small();
+    fs::write(place.path("job/design.toml"), &design).unwrap();
+    fs::write(place.path("d.toml"), &design).unwrap();
+    fs::write(place.path("map.asc"), "# Channel: height\n# Width: 1 um\n# Height: 1 um\n1 2\n3 4\n").unwrap();
+    let kept = ["c.toml", "flat.csv", "s.toml", "job/design.toml", "d.toml", "map.asc"];
+    let contents = || kept.map(|name| fs::read(place.path(name)).unwrap());
+    let before = contents();
+    let mut args = MAP.to_vec();
+    args.extend(["-o", "map.asc"]);
+    for (args, says) in [
+        (vec!["optimize", "job/design.toml", "-o", "job"], "job holds design.toml, which is an input of this run"),
+        (vec!["optimize", "d.toml", "-o", "job"], "job holds design.toml, which was not written by slipgrid"),
+        (vec!["optimize", "job/design.toml", "-o", "job/../job"], "is an input of this run"),
+        (vec!["calibrate", "c.toml", "-o", "c.toml"], "--output: c.toml is an input of this run"),
+        (vec!["calibrate", "c.toml", "-o", "flat.csv"], "--output: flat.csv is an input of this run"),
+        (vec!["calibrate", "c.toml", "-o", "s.toml"], "--output: s.toml was not written by slipgrid"),
+        (args, "--output: map.asc was not written by slipgrid"),
+    ] {
+        let message = place.refuse(&args);
+        assert!(message.contains(says) && message.contains("so that nothing is lost"), "{args:?}: {message}");
+    }
+    assert_eq!(contents(), before);
+    assert_eq!(names(&place.path("job")), ["design.toml"]);
+    // Files that are not in the way are nobody's concern.
+    place.succeed(&["simulate", "s.toml", "-o", "job"]);
+    fs::write(place.path("job/result.json"), "{\"mine\": 1}").unwrap();
+    assert!(
+        place.refuse(&["simulate", "s.toml", "-o", "job"]).contains("job holds result.json, which was not written")
+    );
+}
+
+#[test]
+fn every_command_replaces_what_it_wrote_before() {
+    let design = small() + "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n";
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE), ("d.toml", &design)]);
+    let map = [&MAP[..], &["--cavities", "100,100,5", "-o", "map.asc"]].concat();
+    let all = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
+    let laser = "spot_um = 23.0\nspeed_mm_s = 10.0";
+    fs::write(place.path("d.toml"), design.replace("spot_um = 23.0", laser)).unwrap();
+    for args in [
+        map,
+        vec!["optimize", "d.toml", "--table"],
+        vec!["export", "out/d", "--format", all],
+        vec!["export", "out/d", "--format", all, "-o", "laser"],
+        vec!["simulate", "s.toml", "-o", "out/s"],
+        vec!["simulate", "out/d/design.toml", "-o", "out/t"],
+        vec!["calibrate", "c.toml", "-o", "m.toml", "--report", "out/c"],
+        vec!["surface", "map.asc", "--cavities", "-o", "out/m"],
+        vec!["area-law", "map.asc", "--pressures-mpa", "0.7", "--tolerance", "1e-3", "-o", "out/a"],
+        vec!["man", "-o", "out/man"],
+    ] {
+        place.succeed(&args);
+        place.succeed(&args);
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn what_stands_in_the_way_is_said_before_anything_is_computed() {
+    use std::os::unix::fs::symlink;
+    let place = Place::with(&[("d.toml", DESIGN), ("c.toml", CALIBRATION), ("flat.csv", FLAT), ("s.toml", SCENE)]);
+    symlink("nowhere", place.path("link")).unwrap();
+    fs::write(place.path("file"), "").unwrap();
+    fs::create_dir_all(place.path("results/result.json")).unwrap();
+    fs::create_dir_all(place.path("out/d.study.jsonl")).unwrap();
+    fs::create_dir_all(place.path("held.lock")).unwrap();
+    for (args, says) in [
+        (vec!["optimize", "d.toml", "-o", "link"], "--output: link is a link to what does not exist"),
+        (vec!["simulate", "s.toml", "-o", "link"], "--output: link is a link to what does not exist"),
+        (vec!["calibrate", "c.toml", "-o", "link"], "--output: link is a link to what does not exist"),
+        (vec!["calibrate", "c.toml", "--report", "link"], "--report: link is a link to what does not exist"),
+        (vec!["optimize", "d.toml", "-o", "file"], "--output: file is a file"),
+        (vec!["calibrate", "c.toml", "--report", "file"], "--report: file is a file"),
+        (vec!["calibrate", "c.toml", "-o", "results"], "--output: results is a folder"),
+        (
+            vec!["optimize", "d.toml", "-o", "results"],
+            "results holds result.json, which is a folder where a file is to go",
+        ),
+        (vec!["optimize", "d.toml"], "out/d.study.jsonl: is a folder where the study is to go"),
+        (vec!["optimize", "d.toml", "-o", "held"], "held.lock: is a folder where a file is to go"),
+    ] {
+        let began = Instant::now();
+        let message = place.refuse(&args);
+        assert!(message.contains(says), "{args:?}: {message}");
+        assert!(began.elapsed().as_secs_f64() < 2.0, "{args:?}");
+    }
+    assert!(place.path("link").is_symlink());
+}
+
+#[test]
+fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
+    let place = Place::with(&[]);
+    for (from, to, says) in [
+        ("diameter_mm = 10.0", "diameter_mm = 0.03", "no cavity 40 um wide fits whole on the specimen"),
+        (
+            "shape = \"disc\"\ndiameter_mm = 10.0",
+            "shape = \"rectangle\"\nlength_mm = 10000.0\nwidth_mm = 10000.0",
+            "cavities fit on the specimen: expected at most 10000000",
+        ),
+    ] {
+        let squares = small().replace("\"groove\"", "\"square\"").replace("[search]", "[search]\ndimensions = 2");
+        fs::write(place.path("d.toml"), squares.replace("diameter_mm = 1.0", "diameter_mm = 10.0").replace(from, to))
+            .unwrap();
+        let message = place.refuse(&["optimize", "d.toml"]);
+        assert!(message.contains("specimen") && message.contains(says), "{message}");
+        assert_eq!(place.names(), ["d.toml"]);
+    }
+    // Where only some designs fit, the others are no answer.
+    fs::write(place.path("d.toml"), small().replace("diameter_mm = 1.0", "diameter_mm = 0.07")).unwrap();
+    let code = place.run(&["optimize", "d.toml"]).status.code();
+    assert!(matches!(code, Some(0 | 3)), "{code:?}");
+    assert!(place.path("out/d/pattern.csv").exists());
+}
+
+#[test]
+fn a_design_named_by_dots_does_not_write_into_the_current_folder() {
+    let place = Place::with(&[("...toml", &small())]);
+    place.succeed(&["optimize", "...toml"]);
+    assert_eq!(place.names(), ["...toml", "out"]);
+    assert_eq!(names(&place.path("out")), ["design", "design.study.jsonl"]);
+}
+
+/// Everything in a folder but timings.json.
+fn bytes(place: &Place, folder: &str) -> Vec<(String, Vec<u8>)> {
+    let folder = place.path(folder);
+    let read = |name: String| (name.clone(), fs::read(folder.join(&name)).unwrap());
+    names(&folder).into_iter().filter(|name| name != "timings.json").map(read).collect()
+}
+
+#[test]
+fn the_same_run_writes_the_same_bytes_but_for_its_timings() {
+    let text =
+        small().replace("quantity = \"ratio\"", "quantity = \"mu_dynamic\"").replace("value = 0.9", "value = 0.25");
+    let more = "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n[tolerances]\nwidth_std_um = 1.0\ndraws = 100\n";
+    let place = Place::with(&[("d.toml", &(text + more)), ("s.toml", SCENE)]);
+    for (folder, threads) in [("one", "1"), ("two", "2")] {
+        let code = place.run(&["optimize", "d.toml", "--table", "--threads", threads, "-o", folder]).status.code();
+        assert_eq!(code, Some(0));
+        let scene = format!("{folder}-scene");
+        place.succeed(&["simulate", "s.toml", "--fidelity", "dynamic", "--threads", threads, "-o", &scene]);
+    }
+    for (one, two) in [("one", "two"), ("one-scene", "two-scene")] {
+        let (one, two) = (bytes(&place, one), bytes(&place, two));
+        assert!(one.len() >= 4);
+        for ((name, one), (_, two)) in one.iter().zip(&two) {
+            assert!(one == two, "{name} differs");
+        }
+        assert_eq!(one.len(), two.len());
+    }
+    let times = fs::read_to_string(place.path("two/timings.json")).unwrap();
+    for key in ["\"timings_s\"", "\"wall_s\"", "\"threads\": 2", "\"site_updates_per_s\""] {
+        assert!(times.contains(key), "{key}: {times}");
+    }
+}
+
+#[test]
+fn trade_offs_that_no_design_allows_say_so_beside_everything_else() {
+    let lasers = "spot_um = 23.0\nrepetition_hz = 20000.0";
+    for limit in [
+        "max_laser_time_s = 1e-6",
+        "min_clearance_um = 1000.0",
+        "min_bearing_area = 0.99",
+        "max_areal_density = 0.01",
+        "max_peak_pressure_mpa = 1.0",
+    ] {
+        let text = small().replace("max_evaluations = 12", "max_evaluations = 800");
+        let text = text.replace("max_peak_pressure_mpa = 20.0", limit).replace("spot_um = 23.0", lasers);
+        let more = "[trade_offs]\ngoals = [\"misfit\", \"peak_pressure\"]\ndesigns = 8\n";
+        let place = Place::with(&[("with.toml", &(text.clone() + more)), ("without.toml", &text)]);
+        let [with, without] = ["with.toml", "without.toml"].map(|name| place.run(&["optimize", name]));
+        let told = String::from_utf8_lossy(&with.stdout).into_owned();
+        let codes = (with.status.code(), without.status.code());
+        assert_eq!(codes, (Some(3), Some(3)), "{limit}: {}", String::from_utf8_lossy(&with.stderr));
+        assert!(told.contains("trade-offs: none: no design respects every limit; of the first, "), "{limit}: {told}");
+        let mut files = names(&place.path("out/with"));
+        files.retain(|name| name != "trade-offs.csv");
+        assert_eq!(files, names(&place.path("out/without")), "{limit}");
+        let page = fs::read_to_string(place.path("out/with/report.html")).unwrap();
+        assert!(page.contains("Nothing could be compared: no design respects every limit"), "{limit}");
+    }
+}
+
+#[test]
+fn what_a_file_holds_cannot_steer_the_terminal() {
+    let brackets = "[".repeat(1000);
+    let long = "x".repeat(100_000);
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", FLAT)]);
+    let scene = |from: &str, to: &str| fs::write(place.path("s.toml"), SCENE.replace(from, to)).unwrap();
+    let pieces = [
+        "\"\\u001b[31m\u{9b}\u{202e}red\"",
+        &format!("\"{long}\""),
+        &brackets,
+        &format!("{brackets}{}", "]".repeat(1000)),
+    ];
+    for piece in pieces {
+        for (from, to) in [
+            ("planform = \"groove\"", format!("planform = {piece}")),
+            ("seed = 1", format!("seed = {piece}")),
+            ("seed = 1", format!("{piece} = 1")),
+            ("width_um = 130.0", format!("width_um = {piece}")),
+            ("[material]", format!("material = {piece}\n[other]")),
+        ] {
+            scene(from, &to);
+            let message = place.refuse(&["simulate", "s.toml"]);
+            assert!(
+                !message.trim_end().contains(|letter: char| letter.is_control() || letter == '\u{202e}'),
+                "{message:?}"
+            );
+            assert!(message.len() < 2500, "{message}");
+        }
+    }
+    // A name in a summary, and a path.
+    fs::write(place.path("d.toml"), small().replace("test design", "a\\u001b[2Jb\\u009bc")).unwrap();
+    let told = place.succeed(&["optimize", "d.toml"]);
+    assert!(told.starts_with("a\\u{1b}[2Jb\\u{9b}c: target met"), "{told:?}");
+    fs::write(place.path("c.toml"), CALIBRATION.replace("name = \"test\"", "name = \"\\u001b]0;x\\u0007\"")).unwrap();
+    assert!(!place.succeed(&["calibrate", "c.toml"]).contains('\u{1b}'));
+    let message = place.refuse(&["simulate", "\u{1b}[31m.toml"]);
+    assert!(message.starts_with("error: \\u{1b}[31m.toml: cannot be read"), "{message:?}");
+    fs::write(place.path("flat.csv"), FLAT.replace("0.248", "\u{1b}[31m")).unwrap();
+    assert!(!place.refuse(&["calibrate", "c.toml"]).contains('\u{1b}'));
+}

@@ -1,0 +1,179 @@
+//! Studies that were damaged, are shared by two runs, or belong to a run that was killed.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use common::{DESIGN, Place};
+
+/// A design that is searched and confirmed in some hundredths of a second.
+fn small() -> String {
+    DESIGN
+        .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
+        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [40.0, 80.0]")
+        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 10.0]")
+        .replace("layer_um = 200.0", "layer_um = 40.0")
+        .replace("block_um = 10.0", "block_um = 20.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
+        .replace("max_evaluations = 50", "max_evaluations = 12")
+        .replace("tolerance = 0.01", "tolerance = 0.2")
+}
+
+/// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % limit.max(1) as u64) as usize
+    }
+}
+
+/// What stands where a number stood.
+const VALUES: [&str; 14] =
+    ["-5", "0", "1e300", "-1e300", "1e999", "NaN", "null", "\"a\"", "[]", "{}", "1e-300", "0.5,0.5", "[0.9]", "true"];
+
+/// `study` with one line spoiled.
+fn spoil(study: &str, dice: &mut Dice) -> Vec<u8> {
+    let mut lines: Vec<Vec<u8>> = study.lines().map(|line| line.as_bytes().to_vec()).collect();
+    let place = dice.below(lines.len());
+    let other = lines[dice.below(study.lines().count())].clone();
+    let line = &mut lines[place];
+    let at = dice.below(line.len());
+    match dice.below(10) {
+        0 => line[at] = dice.below(256) as u8,
+        1 => line.truncate(at),
+        2 => {
+            line.drain(at..(at + 1 + dice.below(20)).min(line.len()));
+        }
+        // Two writes into one another.
+        3 => {
+            line.splice(at..at, other);
+        }
+        4 => *line = other,
+        5 => line.insert(at, b'\n'),
+        _ => {
+            // A number exchanged for something else.
+            let is_part = |byte: u8| byte.is_ascii_digit() || b".-+eE".contains(&byte);
+            let starts: Vec<usize> =
+                (1..line.len()).filter(|&place| is_part(line[place]) && b":,[".contains(&line[place - 1])).collect();
+            let start = starts[dice.below(starts.len())];
+            let end = (start..line.len()).find(|&place| !is_part(line[place])).unwrap_or(line.len());
+            line.splice(start..end, VALUES[dice.below(VALUES.len())].bytes());
+        }
+    }
+    [lines.join(&b'\n'), b"\n".to_vec()].concat()
+}
+
+/// Exit code and stderr of a run in this process.
+fn run(args: &[&str]) -> (u8, String) {
+    let (mut out, mut err) = (Vec::new(), Vec::new());
+    let args = ["slipgrid", "--threads", "1", "-q"].iter().chain(args);
+    let code = slipgrid_cli::run(args.map(ToString::to_string), &mut out, &mut err);
+    (code, String::from_utf8_lossy(&err).into_owned())
+}
+
+#[test]
+fn a_spoiled_study_is_refused_by_its_line_or_used_and_never_ends_the_program() {
+    let place = Place::with(&[("d.toml", &small())]);
+    let [design, folder, study] = ["d.toml", "out", "out.study.jsonl"].map(|name| place.path(name));
+    let [design, folder] = [design, folder].map(|path| path.display().to_string());
+    let args = ["optimize", &design, "-o", &folder, "--resume"];
+    let (code, message) = run(&args);
+    assert_eq!(code, 0, "{message}");
+    let good = fs::read_to_string(&study).unwrap();
+    assert!(good.lines().count() > 8, "{good}");
+    let mut dice = Dice(3);
+    let (mut refused, mut used) = (0, 0);
+    for _ in 0..300 {
+        let spoiled = spoil(&good, &mut dice);
+        fs::write(&study, &spoiled).unwrap();
+        let told = || String::from_utf8_lossy(&spoiled).into_owned();
+        let (code, message) =
+            catch_unwind(AssertUnwindSafe(|| run(&args))).unwrap_or_else(|_| panic!("a panic from {}", told()));
+        if code == 2 {
+            let line = message.split("out.study.jsonl:").nth(1).and_then(|rest| rest.split(':').next());
+            let line: usize = line.and_then(|line| line.parse().ok()).unwrap_or_else(|| panic!("{message}"));
+            assert!((1..=told().lines().count()).contains(&line), "{message}");
+            assert!(message.contains("without --resume"), "{message}");
+            assert_eq!(fs::read(&study).unwrap(), spoiled, "what is refused stays as it is");
+            refused += 1;
+        } else {
+            assert!(code == 0 || code == 3 || code == 4, "{code} {message} from {}", told());
+            used += 1;
+        }
+    }
+    assert!(refused > 100 && used > 10, "{refused} refused, {used} used");
+}
+
+/// The program, begun and not waited for.
+fn begin(place: &Place, args: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    command.current_dir(place.path("")).args(args).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().unwrap()
+}
+
+fn wait_for(path: &Path) {
+    let began = Instant::now();
+    while !path.exists() {
+        assert!(began.elapsed() < Duration::from_secs(60), "{} never came", path.display());
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobody() {
+    // The first run takes some seconds.
+    let place = Place::with(&[("d.toml", DESIGN), ("small.toml", &small())]);
+    let mut first = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);
+    wait_for(&place.path("out/a.study.jsonl"));
+    let message = place.refuse(&["optimize", "d.toml", "-o", "out/a", "--resume"]);
+    let who = format!("error: out/a.lock: another run works for this folder: process {} on ", first.id());
+    assert!(message.starts_with(&who) && message.contains("another folder after -o"), "{message}");
+    // Another folder is nobody else's.
+    place.succeed(&["optimize", "small.toml", "-o", "out/b"]);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    let left = fs::read_to_string(place.path("out/a.study.jsonl")).unwrap();
+    assert!(left.lines().count() > 0 && left.ends_with('\n'), "{left}");
+    assert!(place.path("out/a.lock").exists() && !place.path("out/b.lock").exists());
+    place.succeed(&["optimize", "small.toml", "-o", "out/a"]);
+    assert_eq!(common::names(&place.path("out")), ["a", "a.study.jsonl", "b", "b.study.jsonl"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_run_ended_from_the_keyboard_takes_its_lock_along() {
+    use std::os::unix::process::ExitStatusExt;
+    let place = Place::with(&[("d.toml", DESIGN)]);
+    for (signal, number) in [("INT", 2), ("TERM", 15)] {
+        let mut run = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);
+        wait_for(&place.path("out/a.lock"));
+        let killed = Command::new("sh").args(["-c", &format!("kill -{signal} {}", run.id())]).status().unwrap();
+        assert!(killed.success());
+        assert_eq!(run.wait().unwrap().signal(), Some(number));
+        assert!(!place.path("out/a.lock").exists(), "{signal}");
+    }
+}
+
+#[test]
+fn many_runs_for_one_folder_leave_a_whole_study() {
+    let place = Place::with(&[("d.toml", &small())]);
+    let args = ["optimize", "d.toml", "-o", "out/a", "--resume", "--threads", "1"];
+    for _ in 0..5 {
+        let runs: Vec<Child> = (0..4).map(|_| begin(&place, &args)).collect();
+        let codes: Vec<Option<i32>> = runs.into_iter().map(|mut run| run.wait().unwrap().code()).collect();
+        assert!(codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes.contains(&Some(0)), "{codes:?}");
+        place.succeed(&args);
+    }
+    assert_eq!(common::names(&place.path("out")), ["a", "a.study.jsonl"]);
+}
