@@ -5,6 +5,7 @@ use slipgrid_springblock::simulate;
 use super::pictures;
 use crate::args::SimulateArgs;
 use crate::formats::scene::{Overrides, SceneInput};
+use crate::interruption::heed;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::SimulationReport;
@@ -21,6 +22,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
     let solved = simulate(&input.scene, &progress);
     let wall_s = progress.finish();
+    heed()?;
     let simulation = solved.map_err(|error| input.refuse(&error))?;
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
     if let Some(folder) = &args.output {

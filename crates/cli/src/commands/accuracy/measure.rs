@@ -211,14 +211,22 @@ impl Monitor for Part<'_> {
     fn advance(&self, share: f64) {
         Monitor::advance(self.progress, share * self.share);
     }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
+    }
 }
 
-/// The clock of another monitor, and nothing else.
+/// The clock of another monitor, and whether to stop.
 struct Silent<'a>(&'a dyn Monitor);
 
 impl Monitor for Silent<'_> {
     fn seconds(&self) -> f64 {
         self.0.seconds()
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
     }
 }
 

@@ -16,6 +16,7 @@ use report::{AccuracyReport, Machine, model_notes};
 
 use crate::args::AccuracyArgs;
 use crate::formats::scene::{Overrides, SceneInput};
+use crate::interruption::heed;
 use crate::output::{Outputs, check_folder};
 use crate::progress::Progress;
 use crate::report::json;
@@ -49,6 +50,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         None => CliError::Other(format!("the built-in scene: {error}")),
     })?;
     let report = compare(size, &base, &source, args.seeds.get(), console);
+    heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", text::markdown(&report));

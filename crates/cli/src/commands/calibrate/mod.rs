@@ -31,6 +31,7 @@ use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::surface::Surface;
 use crate::formats::{Document, material::MaterialFile};
+use crate::interruption::heed;
 use crate::output::{Outputs, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::report::Table;
@@ -262,6 +263,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
+            heed()?;
             let curve = curve.map_err(|error| Diagnostic::file(path, error.to_string()))?;
             let mut notes = surface.notes.clone();
             let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
@@ -272,6 +274,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
                 LawRequest { contact_modulus_pa, pressures_pa: &pressures_pa, threshold_pa: calibration.threshold_pa };
             let spread = spread(&surface.map, *windows, &request, console)
                 .map_err(|error| Diagnostic::file(path, format!("surface.windows: {error}")))?;
+            heed()?;
             if let Some(spread) = &spread {
                 notes.push(format!(
                     "factor_std: standard deviation of f among {} windows of the map over the root of their number; {WINDOW_STATEMENT}",

@@ -1,13 +1,14 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{RunOptions, Scene, SceneError};
+use slipgrid_springblock::{RunOptions, Scene, SceneError, Simulation, Status};
 
 use super::conditions::in_words;
 use super::in_time::in_time;
-use super::rounds::Rounds;
+use super::rounds::{CONFIRMATION, Rounds};
 use super::stages::Timings;
 use crate::formats::design::Design;
+use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::{CliError, Console};
 
@@ -25,13 +26,15 @@ impl Rounds {
         timings: &mut Timings,
     ) -> Result<(), CliError> {
         let refuse = |error: SceneError| design.refuse(error.to_string());
+        let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.sliding_m = self.scene.run.sliding_m;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
-        let bar = Progress::start("confirmation", console.quiet);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let (confirmed, run) = in_time(scene, &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
+        heed()?;
+        self.note_cut(&confirmed, CONFIRMATION);
         self.confirming = run;
         self.predicted = Some(predicted);
         self.confirmed = Some(confirmed);
@@ -55,16 +58,28 @@ impl Rounds {
         while !wanted.is_empty() {
             for place in wanted {
                 let at = &self.further[place];
-                let bar = Progress::start(&format!("confirmation at {}", in_words(&at.condition)), console.quiet);
+                let what = format!("confirmation at {}", in_words(&at.condition));
+                let bar = Progress::until(&what, console.quiet, self.allowance.until());
                 let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
                 let (loads, speed_m_s) = (at.loads.clone(), at.condition.speed_m_s);
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
                 let (confirmed, _) = in_time(scene, &bar).map_err(|error| design.refuse(error.to_string()))?;
                 timings.confirm_further += bar.finish();
+                heed()?;
+                self.note_cut(&confirmed, "confirmation at further conditions");
                 self.further[place].confirmed = Some(confirmed);
             }
             wanted = self.worst_undecided(design).into_iter().collect();
         }
         Ok(())
+    }
+
+    /// Notes that `run` was cut short, where it was: it confirms nothing.
+    fn note_cut(&mut self, run: &Simulation, stage: &'static str) {
+        let surfaces = run.loads.iter().flat_map(|load| std::iter::once(&load.surface).chain(&load.flat));
+        if surfaces.into_iter().any(|surface| surface.status == Status::Cancelled) {
+            self.cut(stage);
+            self.out_of_time = true;
+        }
     }
 }

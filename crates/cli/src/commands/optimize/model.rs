@@ -11,6 +11,7 @@ use slipgrid_springblock::{
 use super::limited::Limited;
 use super::study::{Answer, Study};
 use crate::formats::design::Design;
+use crate::interruption;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
@@ -290,6 +291,9 @@ impl SteadyCell {
 
     /// What `solver`, made of `scene`, says of `design`, corrected.
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        if interruption::asked() {
+            return Err(ModelFailure::Cancelled);
+        }
         let answer = self.study.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
