@@ -2,6 +2,7 @@
 
 use slipgrid_springblock::simulate;
 
+use super::announcement::announce;
 use super::pictures;
 use crate::args::SimulateArgs;
 use crate::formats::scene::{Overrides, SceneInput};
@@ -19,6 +20,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&args.scene, overrides)?;
+    announce(&input.scene, console);
     let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
     let solved = simulate(&input.scene, &progress);
     let wall_s = progress.finish();

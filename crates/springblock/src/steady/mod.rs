@@ -35,7 +35,7 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
 pub use condensed::CondensedModel;
-pub use system::factor_bytes;
+pub use system::{band_products, factor_bytes};
 use system::{Contact, System};
 
 /// Change of the friction forces, relative to the load, below which the solve has converged; the

@@ -9,8 +9,9 @@ mod report;
 mod scene;
 mod text;
 
-use slipgrid_springblock::{Fidelity, Scene, SceneError, Unwatched, simulate};
+use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, simulate};
 
+use super::announcement::say;
 use plan::{Role, Size, rows};
 use report::{AccuracyReport, Machine, model_notes};
 
@@ -94,8 +95,11 @@ fn check_reference(base: &Scene) -> Result<(), SceneError> {
 const REFERENCE_STEP_S: f64 = 1e-9;
 
 /// Runs the rows on `base` and puts the page together.
-fn compare(size: Size, base: &Scene, source: &str, seeds: u64, console: &Console<'_>) -> AccuracyReport {
+fn compare(size: Size, base: &Scene, source: &str, seeds: u64, console: &mut Console<'_>) -> AccuracyReport {
     let rows = rows(size, base, seeds);
+    let all_s = measure::expected_wall_s(&rows, base, console.threads);
+    let expense = Expense { core_s: all_s * console.threads as f64, wall_s: all_s, bytes: 0.0 };
+    say("this comparison", expense, false, console);
     let progress = Progress::start("accuracy", console.quiet);
     let runs = measure::measure_all(&rows, base, size == Size::Full, &progress);
     let wall_s = progress.finish();

@@ -14,7 +14,7 @@ use crate::{CliError, Console};
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
-const LEAST_CONTACTS: f64 = 400.0;
+pub(super) const LEAST_CONTACTS: f64 = 400.0;
 
 impl Rounds {
     /// Runs `pattern` in time at the condition designed for.

@@ -2,6 +2,7 @@
 
 mod aim;
 mod allowance;
+mod announcement;
 mod conditions;
 mod conditions_report;
 mod confirmation;
@@ -79,6 +80,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
+    found.announce(&design, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
     let explanation = found.explain(&design, console, &mut timings)?;
