@@ -97,7 +97,8 @@ fn every_command_ends_and_writes_nothing() {
 
 /// A disc whose target is out of reach: searched, confirmed and explained in space.
 fn discs() -> String {
-    let bounded = DESIGN.replace("value = 0.9", "value = 0.5").replace("\"groove\"", "\"disc\"");
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let bounded = asked.replace("\"groove\"", "\"disc\"");
     bounded.replace("[40.0, 1000.0]", "[60.0, 150.0]").replace("[40.0, 400.0]", "[40.0, 100.0]")
 }
 
@@ -126,7 +127,11 @@ fn the_command_that_is_named_goes_on() {
         let answers = message.split(' ').find_map(|word| word.parse::<usize>().ok()).unwrap();
         let again = place.run(&["optimize", "design.toml", "-o", "out", "--resume"]);
         let said = String::from_utf8_lossy(&again.stderr).into_owned();
-        assert!(again.status.success() && said.contains(&format!("took over {answers} answers")), "{message}{said}");
+        // Fifty evaluations need not suffice.
+        assert!(
+            matches!(again.status.code(), Some(0 | 4)) && said.contains(&format!("took over {answers} answers")),
+            "{message}{said}"
+        );
     }
 }
 

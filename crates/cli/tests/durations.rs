@@ -16,7 +16,8 @@ fn result(place: &Place) -> Value {
 
 /// Discs in a thin layer, whose target is out of reach.
 fn discs() -> String {
-    let bounded = DESIGN.replace("value = 0.9", "value = 0.5").replace("\"groove\"", "\"disc\"");
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let bounded = asked.replace("\"groove\"", "\"disc\"");
     let bounded = bounded.replace("[40.0, 1000.0]", "[60.0, 100.0]").replace("[40.0, 400.0]", "[40.0, 60.0]");
     bounded.replace("layer_um = 200.0", "layer_um = 80.0").replace("[2.0, 50.0]", "[2.0, 20.0]")
 }
@@ -55,9 +56,10 @@ fn seconds_hold_for_all_stages() {
         let found = result(&place);
         let cut_short: Vec<&str> = found["cut_short"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
         // A fast machine may confirm in a second.
-        if file == "none.toml" || output.status.code() == Some(4) {
-            assert_eq!(output.status.code(), Some(4), "{told}");
-            assert!(cut_short.iter().any(|stage| stage.starts_with(cut)), "{cut_short:?}");
+        if file == "none.toml" {
+            assert_eq!((output.status.code(), cut_short[0]), (Some(4), cut), "{told}");
+        } else {
+            assert!(matches!(output.status.code(), Some(3 | 4)), "{told}");
         }
         assert!(told.contains("cut short by max_seconds: "), "{told}");
         assert!(fs::exists(place.path("out/report.html")).unwrap());
@@ -67,7 +69,7 @@ fn seconds_hold_for_all_stages() {
 #[test]
 fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
     let sample = SCENE.replace("\"cell\"", "\"sample\"").replace("\"steady\"", "\"dynamic\"");
-    let wide = SCENE.replace("spacing_um = 370.0", "spacing_um = 900000.0");
+    let wide = SCENE.replace("spacing_um = 370.0", "spacing_um = 9000000.0");
     let warm = sample.replace("block_um = 10.0", "block_um = 1.0").replace("seed = 1", "seed = 1\nwarm_start = true");
     let long = sample
         .replace("length_um = 9960.0", "length_um = 99600.0")
@@ -85,13 +87,18 @@ fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
         assert!(says.iter().all(|says| message.contains(says)), "{file}: {message}");
     }
     let message = place.refuse(&["optimize", "design.toml", "-o", "out"]);
-    assert!(message.contains("sample.block_um: 1.0 um makes confirming runs") && message.contains("8 GiB"), "{message}");
+    assert!(
+        message.contains("sample.block_um: 1.0 um makes confirming runs") && message.contains("8 GiB"),
+        "{message}"
+    );
     assert!(!place.path("out").exists() && !place.path("out.study.jsonl").exists());
 }
 
 #[test]
 fn a_bound_without_brackets_fixes_a_dimension() {
-    let fixed = DESIGN.replace("depth_um = [2.0, 50.0]", "depth_um = 20.8").replace("width_um = [40.0, 400.0]", "width_um = 300");
+    let fixed = DESIGN
+        .replace("depth_um = [2.0, 50.0]", "depth_um = 20.8")
+        .replace("width_um = [40.0, 400.0]", "width_um = 300");
     let listed = fixed.replace("depth_um = 20.8", "depth_um = [20.8]");
     let place = Place::with(&[("fixed.toml", &fixed), ("listed.toml", &listed)]);
     place.run(&["optimize", "fixed.toml", "-o", "out"]);
@@ -116,7 +123,7 @@ fn hexagonal_discs_are_designed_and_drawn() {
     let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
     let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
     let place_of = |name: &str| columns.iter().position(|column| column.starts_with(name)).unwrap();
-    let (x, y) = (place_of("x"), place_of("y"));
+    let (x, y) = (place_of("centre_x"), place_of("centre_y"));
     let centres: Vec<[f64; 2]> = lines
         .map(|line| {
             let cells: Vec<&str> = line.split(',').collect();

@@ -124,7 +124,9 @@ impl Pattern {
     /// Centres of the cavities of one cell, in metres from the centre of the first, the origin.
     pub fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let second = match (self.texture.arrangement(), self.pitch_across_m()) {
-            (arrangement, Some(pitch_across_m)) if arrangement.shifts_rows() => Some([self.pitch_m() / 2.0, pitch_across_m]),
+            (arrangement, Some(pitch_across_m)) if arrangement.shifts_rows() => {
+                Some([self.pitch_m() / 2.0, pitch_across_m])
+            }
             _ => None,
         };
         std::iter::once([0.0, 0.0]).chain(second)

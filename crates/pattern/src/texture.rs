@@ -71,8 +71,11 @@ impl Texture {
     /// across says how far apart they are.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
         if self.planform == Planform::Groove && arrangement != Arrangement::Square {
-            let property =
-                if arrangement == Arrangement::Staggered { "a staggered arrangement" } else { "a hexagonal arrangement" };
+            let property = if arrangement == Arrangement::Staggered {
+                "a staggered arrangement"
+            } else {
+                "a hexagonal arrangement"
+            };
             return self.no(property, "another planform, or arrangement \"square\"");
         }
         if arrangement == Arrangement::Hexagonal && self.spacing_across_m.is_some() {

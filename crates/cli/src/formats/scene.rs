@@ -245,8 +245,10 @@ impl SceneInput {
             SceneError::TooLong { core_s, most_s } => {
                 let days = |seconds: f64| seconds / 86_400.0;
                 let reason = format!("would take about {:.0} days of one core", days(*core_s));
-                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason)
-                    .expected(format!("less travel, larger blocks or a higher speed, at most {:.0} days", days(*most_s)))
+                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
+                    "less travel, larger blocks or a higher speed, at most {:.0} days",
+                    days(*most_s)
+                ))
             }
             SceneError::CavityThroughLayer { depth_m, height_m } => self
                 .at(

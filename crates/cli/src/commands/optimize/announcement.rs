@@ -14,7 +14,7 @@ const PLANE_DESIGNS: f64 = 200.0;
 const GUIDE_DESIGNS: f64 = 400.0;
 const SOLID_DESIGNS: f64 = 25.0;
 /// Cells of larger blocks, as a guide's are, cost this share of the model's.
-const GUIDE_SHARE: f64 = 0.05;
+const GUIDE_SHARE: f64 = 0.02;
 /// A search condenses its cells: they cost this share of all equations.
 const CONDENSED_SHARE: f64 = 0.2;
 /// Confirming runs go on until their standard error is small enough: they are usually this much longer.
@@ -41,11 +41,15 @@ impl Rounds {
         }
         slipgrid_springblock::bounded(&confirmed).map_err(|error| design.refuse_blocks(&error))?;
         let (cell, run) = (expense(&searched), expense(&confirmed));
+        // Searches look at the whole space, where the largest cells cost most.
+        let widest = Pattern::new(*space.texture(), space.width_m()[1], space.spacing_m()[1], depth_m);
+        let largest = widest.ok().map(|widest| self.model.scene(&widest)).filter(|scene| scene.validate().is_ok());
+        let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
         let threads = console.threads as f64;
         let search_s = if self.model.is_solid() {
-            cell.core_s * (GUIDE_DESIGNS * GUIDE_SHARE + SOLID_DESIGNS)
+            spread_s * GUIDE_DESIGNS * GUIDE_SHARE + cell.core_s * SOLID_DESIGNS
         } else {
-            cell.core_s * CONDENSED_SHARE * PLANE_DESIGNS
+            spread_s * CONDENSED_SHARE * PLANE_DESIGNS
         };
         let run_s = CONFIRMED_TIMES * run.wall_s;
         let all = Expense {

@@ -268,7 +268,11 @@ impl Rounds {
         let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
         timings.search += bar.finish();
         heed()?;
+        let is_short = out_of_time.load(Ordering::Relaxed);
         let (outcome, choice) = outcome.map_err(|error| match error {
+            SearchError::EveryTrialFailed { .. } | SearchError::CancelledAtStart if is_short => {
+                CliError::OutOfTime(format!("the seconds allowed were spent before a design was found: {error}"))
+            }
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
                 CliError::Other(error.to_string())
             }
