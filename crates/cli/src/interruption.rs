@@ -13,7 +13,7 @@ use std::time::Duration;
 use crate::{CliError, exit_code};
 
 /// Time that the stage under way has to hear of a first Ctrl-C.
-const GRACE: Duration = Duration::from_millis(800);
+const GRACE: Duration = Duration::from_millis(700);
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 static ACCOUNT: Mutex<Account> =

@@ -26,7 +26,10 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let wall_s = progress.finish();
     heed()?;
     let simulation = solved.map_err(|error| input.refuse(&error))?;
+    let progress = Progress::start("errors", console.quiet);
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
+    progress.finish();
+    heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("result.json", json(&report)?);

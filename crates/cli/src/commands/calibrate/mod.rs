@@ -229,7 +229,11 @@ fn calibrate(
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
-    let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve)?;
+    let progress = Progress::start("discrepancy", console.quiet);
+    let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve);
+    progress.finish();
+    heed()?;
+    let discrepancy = discrepancy?;
     let file = write::material_toml(calibration, &input, &facts, &fit, discrepancy.as_ref())?;
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());

@@ -4,6 +4,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Expense, RunOptions, Scene, expense};
 
 use super::rounds::Rounds;
+use super::table::lattice;
 use crate::commands::announcement::say;
 use crate::formats::design::Design;
 use crate::{CliError, Console};
@@ -16,16 +17,22 @@ const SOLID_DESIGNS: f64 = 25.0;
 /// Cells of larger blocks, as a guide's are, cost this share of the model's.
 const GUIDE_SHARE: f64 = 0.02;
 /// A search condenses its cells: they cost this share of all equations.
-const CONDENSED_SHARE: f64 = 0.2;
+const CONDENSED_SHARE: f64 = 0.03;
 /// Confirming runs go on until their standard error is small enough: they are usually this much longer.
 const CONFIRMED_TIMES: f64 = 1.5;
 
 impl Rounds {
-    /// Says what the search and one confirming run take, where that is much, at the middle of the bounds.
+    /// Says what the search and one confirming run take, where that is much, at the middle of the bounds; a table, samples
+    /// and trade-offs in the plane with them.
     ///
     /// # Errors
     /// [`CliError::Input`] where the confirming run takes more memory or time than anybody means to give it.
-    pub(super) fn announce(&self, design: &Design, console: &mut Console<'_>) -> Result<(), CliError> {
+    pub(super) fn announce(
+        &self,
+        design: &Design,
+        with_table: bool,
+        console: &mut Console<'_>,
+    ) -> Result<(), CliError> {
         let middle = |[lower_m, upper_m]: [f64; 2]| (lower_m * upper_m).sqrt();
         let space = &design.space;
         let lengths_m = [space.width_m(), space.spacing_m(), space.depth_m()].map(middle);
@@ -49,7 +56,10 @@ impl Rounds {
         let search_s = if self.model.is_solid() {
             spread_s * GUIDE_DESIGNS * GUIDE_SHARE + cell.core_s * SOLID_DESIGNS
         } else {
-            spread_s * CONDENSED_SHARE * PLANE_DESIGNS
+            let table = if with_table { lattice(design).0.len() } else { 0 };
+            let draws = design.tolerances.map_or(0, |tolerances| tolerances.draws);
+            let compared = design.trade_offs.as_ref().map_or(0, |input| input.designs);
+            spread_s * CONDENSED_SHARE * (PLANE_DESIGNS + (table + draws + compared) as f64)
         };
         let run_s = CONFIRMED_TIMES * run.wall_s;
         let all = Expense {

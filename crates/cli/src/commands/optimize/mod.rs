@@ -80,7 +80,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
-    found.announce(&design, console)?;
+    found.announce(&design, with_table, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
     let explanation = found.explain(&design, console, &mut timings)?;

@@ -72,7 +72,7 @@ impl From<&Candidate> for NodeReport {
 }
 
 /// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres.
-fn lattice(design: &Design) -> (Vec<Pattern>, [f64; 3]) {
+pub(super) fn lattice(design: &Design) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
     let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
