@@ -1,6 +1,7 @@
 //! The command line.
 
 mod maps;
+mod resuming;
 
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;

@@ -18,6 +18,12 @@ pub enum CliError {
     /// The numbers of a material lead to one without meaning.
     #[error(transparent)]
     Material(#[from] MaterialError),
+    /// Ctrl-C was pressed.
+    #[error("{}", crate::interruption::message())]
+    Interrupted,
+    /// The time allowed was spent before there was anything to report.
+    #[error("{0}")]
+    OutOfTime(String),
     /// Anything else.
     #[error("{0}")]
     Other(String),
@@ -29,6 +35,8 @@ impl CliError {
     pub const fn exit_code(&self) -> u8 {
         match self {
             Self::Input(_) => crate::exit_code::BAD_INPUT,
+            Self::Interrupted => crate::exit_code::INTERRUPTED,
+            Self::OutOfTime(_) => crate::exit_code::BUDGET,
             Self::Write(_) | Self::Stdout(_) | Self::Material(_) | Self::Other(_) => crate::exit_code::FAILURE,
         }
     }

@@ -6,6 +6,7 @@
 //! | [`formats`] | scene, design, calibration and material files, tables of measurements |
 //! | [`diagnostic`] | why input was refused: file, line, key, reason |
 //! | [`input`] | files opened, or refused with what was expected |
+//! | [`interruption`] | Ctrl-C |
 //! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
@@ -31,6 +32,7 @@ pub mod diagnostic;
 mod error;
 pub mod formats;
 pub mod input;
+pub mod interruption;
 pub mod lock;
 pub mod on_specimen;
 pub mod output;
@@ -59,6 +61,8 @@ pub mod exit_code {
     pub const UNREACHABLE: u8 = 3;
     /// `optimize`: the budget was spent before the target was met.
     pub const BUDGET: u8 = 4;
+    /// Ctrl-C was pressed: no result was written.
+    pub const INTERRUPTED: u8 = 130;
 }
 
 /// Where a command reports, and how much.
@@ -134,6 +138,8 @@ where
         // The reader of our stdout left early, as `head` does.
         Err(CliError::Stdout(error)) if error.kind() == ErrorKind::BrokenPipe => exit_code::DONE,
         Err(error) => {
+            // What a stage that was cut short says of itself matters to nobody.
+            let error = if interruption::asked() { CliError::Interrupted } else { error };
             let _ = writeln!(err, "error: {}", printable_lines(&error.to_string()));
             error.exit_code()
         }

@@ -11,6 +11,7 @@ use std::time::{Duration, SystemTime};
 
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
+use crate::interruption;
 use written::is_ours;
 
 /// Name of a file that is not finished, at its beginning and end.
@@ -103,6 +104,7 @@ impl Outputs {
     /// [`WriteError`] if the system refuses, or a file of one of the names is not slipgrid's; then the folder holds
     /// what it held before, unless a rename failed.
     pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
+        interruption::enter("writing");
         let failed = WriteError::at(folder);
         let parent = parent(folder);
         fs::create_dir_all(parent).map_err(&failed)?;
@@ -116,9 +118,11 @@ impl Outputs {
             for (name, content) in &self.files {
                 ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
             }
+            let _whole = interruption::shield();
             for (file, path) in ready {
                 file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
             }
+            interruption::wrote(folder);
             return Ok(());
         }
         remove_abandoned(parent);
@@ -127,9 +131,11 @@ impl Outputs {
             let file = fs::File::create_new(staging.path().join(name)).map_err(&failed)?;
             write_through(file, content).map_err(&failed)?;
         }
+        let _whole = interruption::shield();
         fs::rename(staging.path(), folder).map_err(&failed)?;
         // Renamed away: nothing is left to remove.
         let _ = staging.keep();
+        interruption::wrote(folder);
         Ok(())
     }
 }
@@ -153,6 +159,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     remove_abandoned(folder);
     let file = unfinished(folder, &Content::Bytes(bytes.to_vec())).map_err(&failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
+    interruption::wrote(path);
     Ok(())
 }
 
@@ -311,9 +318,24 @@ fn unfinished(folder: &Path, content: &Content) -> io::Result<tempfile::NamedTem
 
 /// Writes everything and waits until it is stored: only then may a file take its name.
 fn write_through(file: fs::File, content: &Content) -> io::Result<()> {
-    let mut buffered = BufWriter::new(file);
+    let mut buffered = BufWriter::new(Interruptible(file));
     content.write(&mut buffered)?;
-    buffered.into_inner().map_err(io::IntoInnerError::into_error)?.sync_data()
+    let Interruptible(file) = buffered.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.sync_data()
+}
+
+/// A file that takes nothing more once Ctrl-C was pressed.
+struct Interruptible(fs::File);
+
+impl Write for Interruptible {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Writers try again after errors of the kind `Interrupted`.
+        if interruption::asked() { Err(io::Error::other("interrupted")) } else { self.0.write(bytes) }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }
 
 /// Permissions before the user's mask: temporary files are otherwise private.

@@ -7,6 +7,8 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipgrid_springblock::Monitor;
 
+use crate::interruption;
+
 /// Parts into which the work is counted.
 const PARTS: f64 = 1e6;
 
@@ -17,12 +19,23 @@ pub struct Progress {
     start: Instant,
     /// Share done, as the bits of an f64.
     done: AtomicU64,
+    /// When the stage has to end.
+    until: Option<Instant>,
 }
 
 impl Progress {
     /// Starts a stage called `what`; hidden if `quiet` or where stderr is no terminal.
     #[must_use]
     pub fn start(what: &str, quiet: bool) -> Self {
+        Self::until(what, quiet, None)
+    }
+
+    /// The same of a stage that has to end at `until`.
+    #[must_use]
+    pub fn until(what: &str, quiet: bool, until: Option<Instant>) -> Self {
+        if !what.is_empty() {
+            interruption::enter(what);
+        }
         let hidden = quiet || !std::io::stderr().is_terminal();
         let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
         let bar = ProgressBar::with_draw_target(Some(PARTS as u64), target);
@@ -30,7 +43,19 @@ impl Progress {
             bar.set_style(style.progress_chars("=> "));
         }
         bar.set_message(what.to_owned());
-        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()) }
+        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), until }
+    }
+
+    /// Whether the stage has no time left.
+    #[must_use]
+    pub fn is_out_of_time(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Whether the stage is to stop: Ctrl-C was pressed, or its time is over.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        interruption::asked() || self.is_out_of_time()
     }
 
     /// Seconds since the start.
@@ -67,11 +92,19 @@ impl Monitor for Progress {
         let (Ok(bits) | Err(bits)) = before;
         self.set(f64::from_bits(bits) + share);
     }
+
+    fn cancelled(&self) -> bool {
+        self.is_over()
+    }
 }
 
 impl slipgrid_contact::Monitor for Progress {
     fn advance(&self, share: f64) {
         Monitor::advance(self, share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.is_over()
     }
 }
 

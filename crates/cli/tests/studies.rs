@@ -153,14 +153,13 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
 #[test]
 #[cfg(unix)]
 fn a_run_ended_from_the_keyboard_takes_its_lock_along() {
-    use std::os::unix::process::ExitStatusExt;
     let place = Place::with(&[("d.toml", DESIGN)]);
-    for (signal, number) in [("INT", 2), ("TERM", 15)] {
+    for signal in ["INT", "TERM"] {
         let mut run = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);
         wait_for(&place.path("out/a.lock"));
         let killed = Command::new("sh").args(["-c", &format!("kill -{signal} {}", run.id())]).status().unwrap();
         assert!(killed.success());
-        assert_eq!(run.wait().unwrap().signal(), Some(number));
+        assert_eq!(run.wait().unwrap().code(), Some(130), "{signal}");
         assert!(!place.path("out/a.lock").exists(), "{signal}");
     }
 }

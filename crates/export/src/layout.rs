@@ -1,4 +1,4 @@
-use slipgrid_pattern::{Arrangement, Pattern, Planform};
+use slipgrid_pattern::{Pattern, Planform};
 
 use crate::{Boundary, Cavity, ExportError, Outline};
 
@@ -251,7 +251,7 @@ impl Layout {
 
     /// Whether a row is shifted along x by half a pitch.
     fn is_shifted(&self, row: i64) -> bool {
-        self.pattern.texture().arrangement() == Arrangement::Staggered && row.rem_euclid(2) == 1
+        self.pattern.texture().arrangement().shifts_rows() && row.rem_euclid(2) == 1
     }
 
     fn cavity(&self, column: i64, row: i64, length_m: f64) -> Cavity {
@@ -346,7 +346,7 @@ fn no_cavity_fits(pattern: &Pattern, outline: &Outline) -> ExportError {
 /// A texture of every kind, each with numbers of its own, for tests of what is written.
 #[cfg(test)]
 pub(crate) fn every_kind() -> Vec<slipgrid_pattern::Texture> {
-    use slipgrid_pattern::Texture;
+    use slipgrid_pattern::{Arrangement, Texture};
     let groove = Texture::new(Planform::Groove);
     let mut kinds =
         vec![groove, groove.with_groove_angle_deg(33.3).unwrap(), groove.with_groove_angle_deg(-90.0).unwrap()];

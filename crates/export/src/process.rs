@@ -115,7 +115,7 @@ pub struct PatternSheet {
     /// Distance of rows, in um, where it is not the pitch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitch_across_um: Option<f64>,
-    /// `staggered`, where rows are.
+    /// `staggered` or `hexagonal`, where rows are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
     /// Grooves turned on the specimen from lying across x, anticlockwise, in degrees.

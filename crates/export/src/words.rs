@@ -46,5 +46,8 @@ pub(crate) fn lattice(pattern: &Pattern) -> &'static str {
         (Arrangement::Square, true) => "square lattice",
         (Arrangement::Square, false) => "rectangular lattice",
         (Arrangement::Staggered, _) => "staggered lattice, every second row half a pitch aside",
+        (Arrangement::Hexagonal, _) => {
+            "hexagonal lattice, every second row half a pitch aside, neighbours one pitch apart"
+        }
     }
 }

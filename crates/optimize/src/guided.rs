@@ -33,7 +33,8 @@ const FAILURE_REACH: f64 = 0.02;
 /// what that taught, until the model itself meets the target, or the corrected guide agrees with it at all
 /// these designs and still says that none does. The response of every design in the outcome is the model's own;
 /// `evaluations` counts its answers, `guide_evaluations` the designs that the guide was asked of, both limited
-/// by the options' `max_evaluations`.
+/// by the options' `max_evaluations`. Where `progress` ends it before the model was asked of any design, it is asked of
+/// the best that the guide knows.
 ///
 /// # Errors
 /// As [`search`], for either model.
@@ -65,6 +66,12 @@ pub fn search_guided(
         let along = SearchOptions { max_evaluations: left, ..*options };
         let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
         if found.status == Status::Cancelled {
+            // Without a design of the model itself there would be nothing to report.
+            if judge.ledger.records().is_empty()
+                && let Err(Interruption::Error(error)) = judge.ask(vec![found.best.design])
+            {
+                return Err(error);
+            }
             ending = Status::Cancelled;
             break;
         }

@@ -14,6 +14,7 @@
 //! | [`DesignSpace`], [`Constraints`], [`Limit`] | bounds; manufacturing limits and limited quantities |
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
 //! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
+//! | [`search_near`] | the same about a design known to be near |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
@@ -93,7 +94,7 @@ pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOu
 pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
 pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use robust::{RobustOutcome, search_robust};
-pub use search::{SearchOptions, search};
+pub use search::{SearchOptions, search, search_near};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};

@@ -43,14 +43,20 @@ struct Effort {
     edge: f64,
     /// Scatter of costs, in tolerances, at which a simplex has collapsed, over the usual one.
     collapsed: f64,
+    /// Nothing is asked but which design is nearest: neither how far friction can be brought, nor whether starts unlike
+    /// those before lead elsewhere.
+    nearest_alone: bool,
 }
 
 /// Nothing is known but the sample.
-const WHOLE: Effort = Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0, collapsed: 1.0 };
+const WHOLE: Effort =
+    Effort { starts: 5, simplex_starts: 2, bursts: 12, edge: 1.0, collapsed: 1.0, nearest_alone: false };
 /// The same of a guide, which is not worth following to its last digit.
 const ALONG: Effort = Effort { collapsed: 10.0, ..WHOLE };
 /// The guide has changed a little since the last search, whose finds are known.
-const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4, collapsed: 10.0 };
+const AGAIN: Effort = Effort { starts: 2, simplex_starts: 1, bursts: NEXT_BURSTS, edge: 0.4, collapsed: 10.0, ..WHOLE };
+/// The best design of much the same problem is known.
+const NEAREST: Effort = Effort { starts: 3, nearest_alone: true, ..AGAIN };
 
 /// Smallest distance of two starts, as a share of the (logarithmic) bounds.
 const START_DISTANCE: f64 = 0.15;
@@ -99,6 +105,23 @@ pub(crate) fn search_along(
 ) -> Result<SearchOutcome, SearchError> {
     let effort = if known.is_empty() { ALONG } else { AGAIN };
     search_with(effort, known, target, space, constraints, options, guide, progress)
+}
+
+/// As [`search`], beginning with the designs `known`, of which one is the best of much the same problem; only the
+/// nearest design is wanted. It asks a third as often.
+///
+/// # Errors
+/// As [`search`].
+pub fn search_near(
+    known: &[Pattern],
+    target: &Target,
+    space: &DesignSpace,
+    constraints: &Constraints,
+    options: &SearchOptions,
+    model: &dyn ForwardModel,
+    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+) -> Result<SearchOutcome, SearchError> {
+    search_with(NEAREST, known, target, space, constraints, options, model, progress)
 }
 
 #[allow(clippy::too_many_arguments, reason = "those of search, and what it begins with")]
@@ -224,10 +247,11 @@ impl Search<'_> {
         // 4. Before saying that the target is out of reach: how far friction can be brought, and
         // starts unlike those before; these, too, before saying that there is nothing better.
         let is_met = self.is_met();
-        if !is_met {
+        let looks_on = !is_met && !self.effort.nearest_alone;
+        if looks_on {
             self.run(self.extreme_descents(), Stage::Extremes, self.stage_budget())?;
         }
-        if !is_met || (self.has_goal() && !self.is_comfortable()) {
+        if looks_on || (self.has_goal() && !self.is_comfortable()) {
             tried.extend(self.ledger.best().map(|best| best.design));
             let starts = self.distinct_starts(&tried, self.effort.starts);
             self.polish(&starts)?;

@@ -6,6 +6,7 @@ mod surface;
 
 use slipgrid_optimize::{
     Constraints, DesignSpace, Dimension, Explanation, Restriction, SearchOutcome, Status, Target, explain, search,
+    search_near,
 };
 use slipgrid_pattern::Planform;
 use surface::{
@@ -96,4 +97,49 @@ fn what_nothing_brings_within_reach_is_said() {
     assert!(!together.misfit.is_met());
     assert!(found.reliefs.iter().all(|relief| together.misfit.rms <= relief.best.misfit.rms + 0.1));
     assert!(ratio(&together.design, PRESSURES_PA[3]) < ratio(&outcome.best.design, PRESSURES_PA[3]));
+}
+
+#[test]
+fn about_the_best_design_the_same_reasons_are_found_with_fewer_answers() {
+    let mut many = bursts(2.6);
+    many.quantities = peak(9.0).quantities;
+    let narrow = DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 1e-3], [2e-6, 8e-6]).unwrap();
+    for (wanted, space, constraints) in [
+        (target_of(&design(130.0, 370.0, 20.0)), space(), peak(4.5)),
+        (target_of(&design(100.0, 50.0, 18.0)), narrow, unlimited()),
+        (target([0.2; 4]), space(), many),
+    ] {
+        let outcome = search(&wanted, &space, &constraints, &seeded(1), &respond, &carry_on).unwrap();
+        let explained = |near: bool| {
+            let mut answers = 0;
+            let mut solve = |space: &DesignSpace, constraints: &Constraints| {
+                let found = if near {
+                    let known = [outcome.best.design];
+                    search_near(&known, &wanted, space, constraints, &seeded(1), &respond, &carry_on)?
+                } else {
+                    search(&wanted, space, constraints, &seeded(1), &respond, &carry_on)?
+                };
+                answers += found.evaluations;
+                Ok(found)
+            };
+            let found = explain(&space, &constraints, &outcome.best, &widest(), 0, &mut solve).unwrap();
+            (found, answers)
+        };
+        let ((whole, whole_answers), (near, near_answers)) = (explained(false), explained(true));
+        assert!(2 * near_answers < whole_answers || near_answers < 200, "{near_answers} {whole_answers}");
+        let reasons = |found: &Explanation| {
+            let mut of: Vec<String> =
+                found.reliefs.iter().map(|relief| format!("{:?} {}", relief.restriction, relief.suffices)).collect();
+            of.sort();
+            of
+        };
+        assert_eq!(reasons(&near), reasons(&whole));
+        for relief in near.reliefs.iter().filter(|relief| !relief.suffices) {
+            let other = whole.reliefs.iter().find(|other| other.restriction == relief.restriction).unwrap();
+            assert!(relief.best.misfit.rms < 1.02 * other.best.misfit.rms, "{relief:?} {other:?}");
+        }
+        if let Some((near, whole)) = near.together.zip(whole.together) {
+            assert!(near.misfit.rms < 1.02 * whole.misfit.rms, "{near:?} {whole:?}");
+        }
+    }
 }

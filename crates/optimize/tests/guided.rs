@@ -154,11 +154,19 @@ fn budgets_failures_and_cancelling() {
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
     let refused = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut guidance, &carry_on);
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
-    // Cancelled while the guide is asked, there is nothing of the model yet.
+    // Stopped while the guide is asked, the model is asked of the best that the guide knows.
     let calls = AtomicUsize::new(0);
     let stop = |_| {
         if calls.fetch_add(1, Ordering::Relaxed) > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &stop);
+    let stopped = stopped.unwrap();
+    assert!(matches!(stopped.status, Status::Cancelled | Status::Met), "{:?}", stopped.status);
+    assert_eq!(stopped.evaluations, 1);
+    assert_eq!(stopped.best.response, respond(&stopped.best.design).unwrap());
+    // Where that is stopped, too, there is nothing of the model.
+    calls.store(0, Ordering::Relaxed);
+    let cancelled = |_: &Pattern| Err(ModelFailure::Cancelled);
+    let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &cancelled, &guide, &mut guidance, &stop);
     assert_eq!(stopped, Err(SearchError::CancelledAtStart));
 }

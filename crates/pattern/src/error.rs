@@ -31,6 +31,19 @@ pub enum PatternError {
         /// What would be accepted.
         expected: &'static str,
     },
+    /// A spacing across of an arrangement that has its own.
+    #[error("rows of a hexagonal arrangement are sqrt(3)/2 of a pitch apart: expected no spacing across")]
+    HexagonalRows,
+    /// Rows of cavities that would run into each other.
+    #[error(
+        "hexagonal rows are {} um apart, cavities {} um long: they run into each other; expected a larger spacing", um(*pitch_across_m), um(*length_m)
+    )]
+    RowsOverlap {
+        /// Distance of the rows, in metres.
+        pitch_across_m: f64,
+        /// Extent of a cavity across its row, in metres.
+        length_m: f64,
+    },
     /// A planform that this version does not know.
     #[error("unknown planform \"{name}\": expected \"groove\", \"square\", \"rectangle\" or \"disc\"")]
     UnknownPlanform {
@@ -38,7 +51,7 @@ pub enum PatternError {
         name: String,
     },
     /// An arrangement that this version does not know.
-    #[error("unknown arrangement \"{name}\": expected \"square\" or \"staggered\"")]
+    #[error("unknown arrangement \"{name}\": expected \"square\", \"staggered\" or \"hexagonal\"")]
     UnknownArrangement {
         /// The name given.
         name: String,

@@ -2,6 +2,9 @@ use crate::coverage::{Shape, Sublattice, covered_area};
 use crate::error::length;
 use crate::{Arrangement, PatternError, Planform, Texture};
 
+/// Distance of hexagonal rows over the pitch, sqrt(3)/2.
+const HEXAGONAL: f64 = 0.866_025_403_784_438_6;
+
 /// A periodic array of equal cavities: a [`Texture`] with its width, spacing and depth. Lengths in
 /// metres, all positive.
 ///
@@ -19,14 +22,24 @@ impl Pattern {
     /// alone stands for its plainest [`Texture`].
     ///
     /// # Errors
-    /// [`PatternError::NotALength`] if one of the lengths is not positive and finite.
+    /// [`PatternError::NotALength`] if one of the lengths is not positive and finite, [`PatternError::RowsOverlap`] where
+    /// hexagonal rows of squares or rectangles are nearer than these are long.
     pub fn new(texture: impl Into<Texture>, width_m: f64, spacing_m: f64, depth_m: f64) -> Result<Self, PatternError> {
-        Ok(Self {
+        let pattern = Self {
             texture: texture.into(),
             width_m: length("width", width_m)?,
             spacing_m: length("spacing", spacing_m)?,
             depth_m: length("depth", depth_m)?,
-        })
+        };
+        let across = pattern.length_m().zip(pattern.pitch_across_m());
+        match (pattern.texture.arrangement(), pattern.planform(), across) {
+            // Rows of discs reach between each other.
+            (_, Planform::Disc, _) | (Arrangement::Square | Arrangement::Staggered, ..) => Ok(pattern),
+            (_, _, Some((length_m, pitch_across_m))) if pitch_across_m <= length_m => {
+                Err(PatternError::RowsOverlap { pitch_across_m, length_m })
+            }
+            _ => Ok(pattern),
+        }
     }
 
     /// Everything but width, spacing and depth.
@@ -75,9 +88,13 @@ impl Pattern {
         }
     }
 
-    /// Gap between two neighbouring rows, along y, in metres; `None` for grooves.
+    /// Gap between two neighbouring rows, along y, in metres; `None` for grooves. Below zero where hexagonal rows of discs
+    /// reach between each other.
     #[must_use]
     pub fn spacing_across_m(&self) -> Option<f64> {
+        if self.texture.arrangement() == Arrangement::Hexagonal {
+            return Some(HEXAGONAL * self.pitch_m() - self.length_m()?);
+        }
         let spacing_across_m = self.texture.spacing_across_m().unwrap_or(self.spacing_m);
         (self.planform() != Planform::Groove).then_some(spacing_across_m)
     }
@@ -85,10 +102,13 @@ impl Pattern {
     /// Distance of neighbouring rows along y, length + spacing across, in metres; `None` for grooves.
     #[must_use]
     pub fn pitch_across_m(&self) -> Option<f64> {
+        if self.texture.arrangement() == Arrangement::Hexagonal {
+            return self.length_m().map(|_| HEXAGONAL * self.pitch_m());
+        }
         Some(self.length_m()? + self.spacing_across_m()?)
     }
 
-    /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered cell
+    /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered or hexagonal cell
     /// holds two rows. Grooves are the same everywhere along y: their cell is given as a square, and
     /// any other length along y would do.
     #[must_use]
@@ -96,7 +116,7 @@ impl Pattern {
         let pitch_m = self.pitch_m();
         let rows = match self.texture.arrangement() {
             Arrangement::Square => 1.0,
-            Arrangement::Staggered => 2.0,
+            Arrangement::Staggered | Arrangement::Hexagonal => 2.0,
         };
         [pitch_m, self.pitch_across_m().map_or(pitch_m, |pitch_across_m| rows * pitch_across_m)]
     }
@@ -104,7 +124,9 @@ impl Pattern {
     /// Centres of the cavities of one cell, in metres from the centre of the first, the origin.
     pub fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let second = match (self.texture.arrangement(), self.pitch_across_m()) {
-            (Arrangement::Staggered, Some(pitch_across_m)) => Some([self.pitch_m() / 2.0, pitch_across_m]),
+            (arrangement, Some(pitch_across_m)) if arrangement.shifts_rows() => {
+                Some([self.pitch_m() / 2.0, pitch_across_m])
+            }
             _ => None,
         };
         std::iter::once([0.0, 0.0]).chain(second)
@@ -199,7 +221,9 @@ impl Pattern {
         };
         match self.texture.arrangement() {
             Arrangement::Square => self.spacing_m.min(spacing_across_m),
-            Arrangement::Staggered => {
+            // All six neighbours are as near as those of the row.
+            Arrangement::Hexagonal if self.planform() == Planform::Disc => self.spacing_m,
+            Arrangement::Staggered | Arrangement::Hexagonal => {
                 // The next row lies half a pitch aside, the next but one straight ahead.
                 let half_pitch_m = self.pitch_m() / 2.0;
                 let aside_m = match self.planform() {

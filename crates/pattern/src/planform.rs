@@ -58,11 +58,13 @@ pub enum Arrangement {
     Square,
     /// Every second row shifted along x by half a pitch.
     Staggered,
+    /// The same with rows sqrt(3)/2 of a pitch apart: each cavity has six neighbours at the distance of one pitch.
+    Hexagonal,
 }
 
 impl Arrangement {
     /// All arrangements, in the order in which help texts list them.
-    pub const ALL: [Self; 2] = [Self::Square, Self::Staggered];
+    pub const ALL: [Self; 3] = [Self::Square, Self::Staggered, Self::Hexagonal];
 
     /// The name used in files.
     #[must_use]
@@ -70,7 +72,14 @@ impl Arrangement {
         match self {
             Self::Square => "square",
             Self::Staggered => "staggered",
+            Self::Hexagonal => "hexagonal",
         }
+    }
+
+    /// Whether every second row is shifted along x by half a pitch.
+    #[must_use]
+    pub const fn shifts_rows(self) -> bool {
+        matches!(self, Self::Staggered | Self::Hexagonal)
     }
 }
 
@@ -109,7 +118,7 @@ mod tests {
     fn refused_names_are_told_with_all_that_are_accepted() {
         let refused = "hexagon".parse::<Planform>().unwrap_err().to_string();
         assert!(refused.contains("hexagon") && Planform::ALL.iter().all(|planform| refused.contains(planform.name())));
-        let refused = "hexagonal".parse::<Arrangement>().unwrap_err().to_string();
-        assert!(refused.contains("hexagonal") && Arrangement::ALL.iter().all(|a| refused.contains(a.name())));
+        let refused = "triangular".parse::<Arrangement>().unwrap_err().to_string();
+        assert!(refused.contains("triangular") && Arrangement::ALL.iter().all(|a| refused.contains(a.name())));
     }
 }

@@ -12,6 +12,11 @@ fn kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Patt
     for planform in [Planform::Square, Planform::Rectangle, Planform::Disc] {
         for arrangement in Arrangement::ALL {
             let texture = Texture::new(planform).with_arrangement(arrangement).unwrap();
+            if arrangement == Arrangement::Hexagonal {
+                // Rows have a distance of their own; where squares would run into the next, there is no pattern.
+                patterns.extend(Pattern::new(texture, width * 1e-6, spacing * 1e-6, 20e-6));
+                continue;
+            }
             let texture = texture.with_spacing_across_m(spacing_across * 1e-6).unwrap();
             patterns.push(pattern(texture));
             if planform == Planform::Rectangle {
@@ -98,6 +103,53 @@ fn a_staggered_row_is_the_first_half_a_pitch_aside() {
             assert!((at(x_m, y_m) - at(x_m - 250e-6, y_m + 180e-6)).abs() < 1e-12);
         }
     }
+}
+
+#[test]
+fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
+    let hexagonal = |planform| Texture::new(planform).with_arrangement(Arrangement::Hexagonal).unwrap();
+    for (planform, width_um, spacing_um) in
+        [(Planform::Disc, 100.0, 40.0), (Planform::Disc, 100.0, 3.0), (Planform::Square, 60.0, 90.0)]
+    {
+        let pattern = Pattern::new(hexagonal(planform), width_um * 1e-6, spacing_um * 1e-6, 20e-6).unwrap();
+        let (pitch_m, cell_m) = (pattern.pitch_m(), pattern.cell_m());
+        let mut near = 0;
+        for (i, j, [x_m, y_m]) in (-2..=2)
+            .flat_map(|i| (-2..=2).map(move |j| (i, j)))
+            .flat_map(|(i, j)| pattern.centres_m().map(move |centre_m| (i, j, centre_m)))
+        {
+            let away_m = (x_m + f64::from(i) * cell_m[0]).hypot(y_m + f64::from(j) * cell_m[1]);
+            assert!(away_m < 1e-12 || away_m > pitch_m * (1.0 - 1e-12), "{planform} {away_m}");
+            near += usize::from((away_m / pitch_m - 1.0).abs() < 1e-9);
+        }
+        assert_eq!(near, 6, "{planform}");
+        // The share of one cell, in pieces as of a lattice whose rows are interlocked.
+        let pieces = 40;
+        let side_m = [cell_m[0] / f64::from(pieces), cell_m[1] / f64::from(pieces)];
+        let mut share = 0.0;
+        for (i, j) in (0..pieces).flat_map(|i| (0..pieces).map(move |j| (f64::from(i), f64::from(j)))) {
+            let piece = pattern.coverage(i * side_m[0], (i + 1.0) * side_m[0], j * side_m[1], (j + 1.0) * side_m[1]);
+            assert!((0.0..=1.0).contains(&piece));
+            share += piece / f64::from(pieces * pieces);
+        }
+        assert!((share / pattern.areal_density() - 1.0).abs() < 1e-9, "{planform} {share}");
+        let least_m = pattern.least_land_m();
+        assert!((sampled_land_m(&pattern, 400) / least_m - 1.0).abs() < 2e-3, "{planform} {least_m}");
+    }
+    // A disc's land is its spacing to the last bit: a limit of the same length is kept.
+    let disc = Pattern::new(hexagonal(Planform::Disc), 100e-6, 40e-6, 20e-6).unwrap();
+    assert_eq!(disc.least_land_m(), 40e-6);
+    assert!((disc.areal_density() - PI * 1e4 / (2.0 * 3.0_f64.sqrt() * 140.0 * 140.0)).abs() < 1e-12);
+    // Squares that near would run into the next row.
+    let refused = Pattern::new(hexagonal(Planform::Square), 100e-6, 10e-6, 20e-6).unwrap_err().to_string();
+    assert!(refused.contains("95.26") && refused.contains("cavities 100 um long"), "{refused}");
+    for refused in [
+        hexagonal(Planform::Disc).with_spacing_across_m(1e-5),
+        Texture::new(Planform::Disc).with_spacing_across_m(1e-5).unwrap().with_arrangement(Arrangement::Hexagonal),
+    ] {
+        assert_eq!(refused, Err(PatternError::HexagonalRows));
+    }
+    assert!(Texture::new(Planform::Groove).with_arrangement(Arrangement::Hexagonal).is_err());
 }
 
 #[test]

@@ -51,10 +51,14 @@ impl Texture {
     /// A gap of `spacing_across_m` between neighbouring rows, along y, in metres.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::NotALength`] unless positive.
+    /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::HexagonalRows`] where rows have a distance of their
+    /// own, [`PatternError::NotALength`] unless positive.
     pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
         if self.planform == Planform::Groove {
             return self.no("a spacing across", "another planform, or no spacing across");
+        }
+        if self.arrangement == Arrangement::Hexagonal {
+            return Err(PatternError::HexagonalRows);
         }
         self.spacing_across_m = Some(length("spacing across", spacing_across_m)?);
         Ok(self)
@@ -63,10 +67,19 @@ impl Texture {
     /// The rows in `arrangement`.
     ///
     /// # Errors
-    /// [`PatternError::NoSuchProperty`] for staggered grooves, which have no rows.
+    /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::HexagonalRows`] where a spacing
+    /// across says how far apart they are.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
-        if self.planform == Planform::Groove && arrangement == Arrangement::Staggered {
-            return self.no("a staggered arrangement", "another planform, or arrangement \"square\"");
+        if self.planform == Planform::Groove && arrangement != Arrangement::Square {
+            let property = if arrangement == Arrangement::Staggered {
+                "a staggered arrangement"
+            } else {
+                "a hexagonal arrangement"
+            };
+            return self.no(property, "another planform, or arrangement \"square\"");
+        }
+        if arrangement == Arrangement::Hexagonal && self.spacing_across_m.is_some() {
+            return Err(PatternError::HexagonalRows);
         }
         self.arrangement = arrangement;
         Ok(self)

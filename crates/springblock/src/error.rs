@@ -29,15 +29,21 @@ pub enum SceneError {
         /// The limit.
         most: f64,
     },
-    /// The equations of steady sliding do not fit in memory.
-    #[error(
-        "the equations of steady sliding take {bytes:.2e} bytes on this lattice: expected at most {most_bytes:.2e}"
-    )]
+    /// It does not fit in memory.
+    #[error("the scene takes {bytes:.2e} bytes on this lattice: expected at most {most_bytes:.2e}")]
     TooLarge {
         /// Memory they would take.
         bytes: f64,
         /// The limit.
         most_bytes: f64,
+    },
+    /// A run would take longer than anybody waits.
+    #[error("it would take about {core_s:.1e} s of one core: expected at most {most_s:.1e}")]
+    TooLong {
+        /// Seconds of one core.
+        core_s: f64,
+        /// The limit.
+        most_s: f64,
     },
     /// No pressure was given.
     #[error("the scene has no load: expected at least one pressure")]

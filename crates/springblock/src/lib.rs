@@ -20,6 +20,7 @@
 //! | [`SectionModel`] | the steady ratio of many patterns: what a search calls |
 //! | [`SolidModel`] | the same of a three-dimensional cell |
 //! | [`SolidLattice`], [`SolidSteadyModel`] | one such cell: its geometry, its pressures and displacements |
+//! | [`expense`], [`bounded`] | what solving a scene takes, roughly, and whether that is too much |
 //! | [`Monitor`] | clock, progress, cancellation |
 //!
 //! This crate does not know that anyone optimizes it. It opens no files, reads no clock, prints nothing.
@@ -63,7 +64,7 @@ pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
-pub use simulate::{planned_steps, simulate, simulate_specimen};
+pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
 pub use solid::{
     SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
 };

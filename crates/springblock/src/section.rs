@@ -10,7 +10,7 @@ use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
-use crate::steady::{CondensedModel, SteadyLoad, SteadyModel};
+use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, factor_bytes};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -50,6 +50,14 @@ impl SectionModel {
             loads: scene.loads.clone(),
             liftoff: scene.run.liftoff,
         }
+    }
+
+    /// Memory that [`Self::solve_all_blocks`] takes, in bytes.
+    #[must_use]
+    pub fn bytes(&self, pattern: &Pattern) -> f64 {
+        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
+        let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
+        factor_bytes(columns, self.layer.rows(), true)
     }
 
     /// Steady sliding on `pattern`, one answer per load: by the few forces about the cavity where that is possible and

@@ -1,6 +1,7 @@
 //! From a scene to its results: which lattices are needed, what runs on them, what is compared.
 
 mod averaging;
+mod expense;
 mod space;
 mod specimen;
 
@@ -21,6 +22,8 @@ use crate::section::SectionModel;
 use crate::solid::SolidModel;
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 
+pub use expense::{Expense, bounded, expense};
+
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
 /// and this many blocks average the scatter of the coefficients.
 const FLAT_CELL_COLUMNS: usize = 100;
@@ -40,6 +43,7 @@ const UNIFORM_COLUMNS: usize = 3;
 /// [`SceneError`] if the scene means nothing; everything else is a [`crate::Status`].
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     scene.validate()?;
+    bounded(scene)?;
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
         return match scene.run.fidelity {
             Fidelity::Steady => solid(scene, pattern, monitor),

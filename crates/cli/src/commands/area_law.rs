@@ -16,6 +16,7 @@ use super::area_statistics::{
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::diagnostic::Diagnostic;
 use crate::formats::surface::{MapOptions, Missing};
+use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json, json_and_timings};
@@ -178,6 +179,7 @@ fn of_map(
     let curve = area_curve(&surface.map, request.contact_modulus_pa, &request.solved_pa, request.tolerance, &progress)
         .map_err(|error| Diagnostic::file(path, error.to_string()))?;
     let wall_s = progress.finish();
+    heed()?;
     let mut warnings = surface.warnings.clone();
     if let Ok(law) = area_law(&curve.points, request.threshold_pa) {
         warnings.extend(check_factors(path, &law, &surface.warnings)?);
@@ -193,6 +195,7 @@ fn of_map(
             .map_err(|error| Diagnostic::flag("--windows", per_side.to_string(), error.to_string()))?;
         spread.map(|spread| window_report(&spread, request.first(), progress.finish()))
     };
+    heed()?;
     if let Some(windows) = &windows {
         model.push(format!(
             "factor_std is the standard deviation of f among {} windows over the root of their number, itself known to \
@@ -207,6 +210,7 @@ fn of_map(
     for &factor in args.resolutions.as_deref().unwrap_or_default() {
         let blunt = resolution(&surface.map, factor, &request.law(), &progress)
             .map_err(|error| Diagnostic::flag("--resolutions", factor.to_string(), error.to_string()))?;
+        heed()?;
         resolutions.push(resolution_report(&blunt, request.first()));
     }
     progress.finish();

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod altitude_map;
+mod announcement;
 mod area_curve;
 mod area_law;
 mod area_report;

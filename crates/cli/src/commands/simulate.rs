@@ -1,8 +1,10 @@
 //! `simulate`: friction of a given surface at given loads.
 
+use super::announcement::announce;
 use super::pictures;
 use crate::args::SimulateArgs;
 use crate::formats::scene::{Overrides, SceneInput};
+use crate::interruption::heed;
 use crate::on_specimen::simulate_on;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
@@ -24,11 +26,16 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     for told in &input.told {
         console.note(&format!("warning: {told}"));
     }
+    announce(&input.scene, console);
     let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), &progress);
     let wall_s = progress.finish();
+    heed()?;
     let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+    let progress = Progress::start("errors", console.quiet);
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
+    progress.finish();
+    heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         let [result, timings] = json_and_timings(&report)?;

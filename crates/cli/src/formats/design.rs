@@ -7,7 +7,7 @@ use slipgrid_export::{ExportError, Laser};
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target};
 use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Layer, SceneError};
 use toml::Spanned;
 
 use super::condition_ranges::{ConditionRangeFile, read_conditions};
@@ -22,7 +22,7 @@ use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
-use super::values::{Number, NumberList, Numbers, PathOr};
+use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
@@ -63,9 +63,9 @@ fn plain_texture() -> Spanned<TextureFile> {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoundsFile {
-    width_um: NumberList,
-    spacing_um: NumberList,
-    depth_um: NumberList,
+    width_um: Spanned<Numbers>,
+    spacing_um: Spanned<Numbers>,
+    depth_um: Spanned<Numbers>,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -148,6 +148,8 @@ pub struct Design {
     also_place: std::ops::Range<usize>,
     target_pressures: Spanned<Numbers>,
     discrepancy_place: std::ops::Range<usize>,
+    /// Where the size of blocks stands; absent where the default holds.
+    block_place: Option<std::ops::Range<usize>>,
 }
 
 impl Design {
@@ -247,6 +249,7 @@ impl Design {
             also_place: file.also_at.as_ref().map_or(0..0, Spanned::span),
             target_pressures: file.target.get_ref().pressure_mpa.clone(),
             discrepancy_place: discrepancy.map_or(0..0, Spanned::span),
+            block_place: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
             document,
         };
         if let MaterialInput::Given(material) = design.material.clone() {
@@ -341,6 +344,33 @@ impl Design {
         )
     }
 
+    /// Refuses the blocks, for what they make of confirming runs.
+    #[must_use]
+    pub fn refuse_blocks(&self, error: &SceneError) -> Diagnostic {
+        let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+        let days = |seconds: f64| seconds / 86_400.0;
+        let (takes, most) = match error {
+            SceneError::TooLarge { bytes, most_bytes } => {
+                (format!("{:.0} GiB of memory", gib(*bytes)), format!("{:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                (format!("{:.0} days of one core", days(*core_s)), format!("{:.0} days", days(*most_s)))
+            }
+            other => return self.refuse(other.to_string()),
+        };
+        let reason = format!("um makes confirming runs that take about {takes}");
+        let expected = format!("larger blocks, a smaller layer or a higher speed, for at most {most}");
+        match &self.block_place {
+            Some(place) => self.document.refuse(place.clone(), reason),
+            None => Diagnostic {
+                key: Some("sample.block_um".into()),
+                value: Some(format!("{} (the default)", LENGTH_UM.from_si(self.layer.block_m)).into()),
+                ..self.refuse(reason)
+            },
+        }
+        .expected(expected)
+    }
+
     /// Refuses the design as a whole, for reasons that only a solver or the search finds.
     #[must_use]
     pub fn refuse(&self, reason: impl Into<String>) -> Diagnostic {
@@ -382,10 +412,12 @@ fn read_dimensions(document: &Document, dimensions: Option<&Spanned<u64>>) -> Re
         .transpose()
 }
 
-fn read_range(document: &Document, bounds: &NumberList) -> Result<[f64; 2], Diagnostic> {
-    const EXPECTED: &str = "[smallest, largest]";
-    let read = document.numbers(bounds, LENGTH_UM)?;
+/// A smallest and a largest length, or the one that a dimension is fixed at.
+fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2], Diagnostic> {
+    const EXPECTED: &str = "[smallest, largest], or one number without brackets, which fixes it";
+    let read = list(document, bounds, LENGTH_UM)?;
     match read[..] {
+        [only] if matches!(bounds.get_ref(), Numbers::One(_)) => Ok([only; 2]),
         [least, most] if least <= most => Ok([least, most]),
         [_, _] => Err(document.refuse(bounds.span(), "has its larger number first").expected(EXPECTED)),
         _ => Err(document.refuse(bounds.span(), format!("has {} numbers", read.len())).expected(EXPECTED)),
@@ -431,7 +463,7 @@ fn read_limits(
             .expected(format!("at least {} um", LENGTH_UM.from_si(spot_m))));
     }
     if let Some((spacing, min_land_m)) = texture.spacing_across_um.as_ref().zip(limits.min_land_m)
-        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() != Arrangement::Staggered.name())
+        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() == Arrangement::Square.name())
         && document.number(spacing, LENGTH_UM)? < min_land_m
     {
         return Err(document

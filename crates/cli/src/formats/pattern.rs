@@ -52,7 +52,7 @@ pub struct TextureFile {
     pub length_um: Option<Number>,
     /// Gap between rows; as along the row when absent.
     pub spacing_across_um: Option<Number>,
-    /// `square` or `staggered`; `square` when absent.
+    /// `square`, `staggered` or `hexagonal`; `square` when absent.
     pub arrangement: Option<Spanned<String>>,
     /// Grooves turned from lying across the specimen's x axis; 0 when absent.
     pub angle_deg: Option<Number>,

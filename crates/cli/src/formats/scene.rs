@@ -165,6 +165,7 @@ struct Places {
     depth: Option<Range<usize>>,
     width: Option<Range<usize>>,
     step: Option<Range<usize>>,
+    travel: Option<Range<usize>>,
 }
 
 impl SceneInput {
@@ -207,6 +208,7 @@ impl SceneInput {
             depth: place(texture.map(|pattern| &pattern.depth_um)),
             width: place(texture.map(|pattern| &pattern.width_um)),
             step: place(file.run.step_ns.as_ref()),
+            travel: place(file.run.sliding_um.as_ref()),
         };
         // A flat specimen is its strip, and one period has no rim.
         let specimen = specimen.filter(|_| pattern.is_some() && run.extent == Extent::Sample);
@@ -253,9 +255,17 @@ impl SceneInput {
             }
             SceneError::TooLarge { bytes, most_bytes } => {
                 let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
-                let reason = format!("makes equations of steady sliding that take {:.0} GiB", gib(*bytes));
+                let reason = format!("makes a lattice that takes {:.0} GiB", gib(*bytes));
                 self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
                     .expected(format!("larger blocks or a smaller layer, at most {:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                let days = |seconds: f64| seconds / 86_400.0;
+                let reason = format!("would take about {:.0} days of one core", days(*core_s));
+                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
+                    "less travel, larger blocks or a higher speed, at most {:.0} days",
+                    days(*most_s)
+                ))
             }
             SceneError::CavityThroughLayer { depth_m, height_m } => self
                 .at(

@@ -105,7 +105,7 @@ pub struct PatternReport {
     /// Gap between rows, where it is not that along them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<f64>,
-    /// `staggered`, where rows are.
+    /// `staggered` or `hexagonal`, where rows are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
     /// Grooves turned from lying across the specimen's x axis.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Boundary;
-use slipgrid_pattern::Texture;
+use slipgrid_pattern::{Arrangement, Texture};
 
 fn squares(width_um: f64, spacing_um: f64) -> Pattern {
     Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, 5.2e-6).unwrap()

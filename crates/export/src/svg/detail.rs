@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use slipgrid_pattern::{Arrangement, Pattern, Planform};
+use slipgrid_pattern::{Pattern, Planform};
 
 use super::{CAVITY_COLOUR, DETAIL_SIDE, FACE_COLOUR, INK_COLOUR, Page, TEXT_SIZE};
 use crate::Layout;
@@ -56,7 +56,7 @@ impl Page {
         let square = pattern.texture().length_m().is_none();
         let (pitch_across, length) = (scale * pitch_across_m, if square { width } else { scale * length_m });
         // Two whole periods need no clipping.
-        let staggered = pattern.texture().arrangement() == Arrangement::Staggered;
+        let staggered = pattern.texture().arrangement().shifts_rows();
         let clipped = staggered || pitch_across_m != pattern.pitch_m();
         if clipped {
             self.out.push_str("<clipPath id=\"detail-frame\">\n");

@@ -43,7 +43,7 @@ mod strip_leapfrog;
 mod sweep;
 
 pub use drive::{MOST_STEPS, Plan};
-pub use run::{DynamicRun, Scheme};
+pub use run::{DynamicRun, Scheme, usual_step_s};
 pub use solid::{SolidRun, SolidScheme};
 
 #[cfg(test)]

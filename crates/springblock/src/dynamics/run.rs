@@ -7,6 +7,7 @@ use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::scales::Scales;
+use super::solid::SOLID_STEP;
 use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::SceneError;
@@ -73,6 +74,18 @@ impl Scheme {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: name });
         }
         Ok(Self { springs: scene.run.springs.unwrap_or(default_law), runge_kutta, step_s, limit_s })
+    }
+}
+
+/// The step of a run in time whose scene names none, in seconds.
+#[must_use]
+pub fn usual_step_s(scene: &Scene, is_solid: bool) -> f64 {
+    if is_solid {
+        SOLID_STEP * Scales::solid(&scene.elastic, scene.layer.block_m).time_s
+    } else if scene.run.fidelity == Fidelity::Reference {
+        REFERENCE_STEP_S
+    } else {
+        LEAPFROG_STEP * Scales::new(&scene.elastic, scene.layer.block_m).time_s
     }
 }
 

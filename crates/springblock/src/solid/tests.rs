@@ -87,6 +87,7 @@ pub(super) fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f
 fn assorted() -> Vec<Pattern> {
     let texture = |planform| Texture::new(planform);
     let staggered = texture(Planform::Disc).with_arrangement(Arrangement::Staggered).unwrap();
+    let hexagonal = texture(Planform::Disc).with_arrangement(Arrangement::Hexagonal).unwrap();
     let rectangle = texture(Planform::Rectangle).with_length_m(70e-6).unwrap().with_sliding_angle_deg(30.0).unwrap();
     let turned = texture(Planform::Groove).with_groove_angle_deg(40.0).unwrap();
     let square = texture(Planform::Square);
@@ -95,6 +96,8 @@ fn assorted() -> Vec<Pattern> {
         (square, 133.3, 118.0, 14.5),
         (square, 52.0, 61.0, 5.0),
         (staggered, 100.0, 80.0, 20.0),
+        // Rows that reach between each other.
+        (hexagonal, 100.0, 12.0, 20.0),
         (rectangle, 100.0, 90.0, 12.0),
         (turned, 130.0, 370.0, 20.0),
         (square, 60.0, 60.0, 95.0),
@@ -112,6 +115,20 @@ fn every_block_is_in_equilibrium() {
         let imbalance = largest_imbalance(&model, &load);
         assert!(imbalance < 1e-8, "{pattern:?}: {imbalance}");
     }
+}
+
+#[test]
+fn hexagonal_discs_look_the_same_every_sixty_degrees() {
+    let law = law();
+    let mu = |arrangement, angle_deg: f64| {
+        let texture = Texture::new(Planform::Disc).with_arrangement(arrangement).unwrap();
+        let pattern = Pattern::new(texture.with_sliding_angle_deg(angle_deg).unwrap(), 60e-6, 40e-6, 20e-6).unwrap();
+        let load = SolidLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
+        model(&pattern, 5.0, 50.0).solve(&load).mu_dynamic.unwrap()
+    };
+    let turned = |arrangement| (mu(arrangement, 60.0) - mu(arrangement, 0.0)).abs();
+    let (hexagonal, staggered) = (turned(Arrangement::Hexagonal), turned(Arrangement::Staggered));
+    assert!(hexagonal < 2e-4 && hexagonal < 0.5 * staggered, "{hexagonal} {staggered}");
 }
 
 #[test]

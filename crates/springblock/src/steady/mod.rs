@@ -35,8 +35,8 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
 pub use condensed::CondensedModel;
-pub use system::factor_bytes;
 use system::{Contact, System};
+pub use system::{band_products, factor_bytes};
 
 /// Change of the friction forces, relative to the load, below which the solve has converged; the
 /// error of mu is about as large. The requirement on mu is 1e-8.

@@ -105,6 +105,12 @@ pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
     scene
 }
 
+/// Seconds that all rows take on `threads` threads, roughly.
+pub fn expected_wall_s(rows: &[Row], base: &Scene, threads: usize) -> f64 {
+    let of = |row: &Row| (0..row.seeds).map(|seed| expected_s(&scene_of(row, base, seed))).sum::<f64>();
+    rows.iter().map(of).sum::<f64>() / threads as f64
+}
+
 /// Runs every row for all its seeds: a list a row, in the order of the seeds.
 ///
 /// The first seed of every row runs on one thread, and that is the run whose time is reported: alone, or
@@ -113,7 +119,6 @@ pub fn scene_of(row: &Row, base: &Scene, seed: u64) -> Scene {
 pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Progress) -> Vec<Vec<Run>> {
     let scenes: Vec<Vec<Scene>> =
         rows.iter().map(|row| (0..row.seeds).map(|seed| scene_of(row, base, seed)).collect()).collect();
-    let expected_s = |scene: &Scene| 1e-3 + site_evaluations(scene) * seconds_per_site(scene);
     let all_s: f64 = scenes.iter().flatten().map(expected_s).sum();
     let part = |scene: &Scene| Part { progress, share: expected_s(scene) / all_s };
 
@@ -173,6 +178,11 @@ fn timed(scene: &Scene, monitor: &dyn Monitor) -> Run {
     run
 }
 
+/// What a run takes, roughly.
+fn expected_s(scene: &Scene) -> f64 {
+    1e-3 + site_evaluations(scene) * seconds_per_site(scene)
+}
+
 /// Blocks times force evaluations that a run will take, both surfaces; 0 without time.
 fn site_evaluations(scene: &Scene) -> f64 {
     if scene.run.fidelity == Fidelity::Steady || scene.speed_m_s <= 0.0 {
@@ -211,14 +221,22 @@ impl Monitor for Part<'_> {
     fn advance(&self, share: f64) {
         Monitor::advance(self.progress, share * self.share);
     }
+
+    fn cancelled(&self) -> bool {
+        self.progress.cancelled()
+    }
 }
 
-/// The clock of another monitor, and nothing else.
+/// The clock of another monitor, and whether to stop.
 struct Silent<'a>(&'a dyn Monitor);
 
 impl Monitor for Silent<'_> {
     fn seconds(&self) -> f64 {
         self.0.seconds()
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
     }
 }
 

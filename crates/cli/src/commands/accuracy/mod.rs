@@ -11,13 +11,15 @@ mod text;
 
 use std::path::PathBuf;
 
-use slipgrid_springblock::{Fidelity, Scene, SceneError, Unwatched, simulate};
+use slipgrid_springblock::{Expense, Fidelity, Scene, SceneError, Unwatched, simulate};
 
+use super::announcement::say;
 use plan::{Role, Size, rows};
 use report::{AccuracyReport, Machine, model_notes};
 
 use crate::args::AccuracyArgs;
 use crate::formats::scene::{Overrides, SceneInput};
+use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::json;
@@ -52,6 +54,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         None => CliError::Other(format!("the built-in scene: {error}")),
     })?;
     let report = compare(size, &base, &source, args.seeds.get(), console);
+    heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("accuracy.md", text::markdown(&report));
@@ -95,8 +98,11 @@ fn check_reference(base: &Scene) -> Result<(), SceneError> {
 const REFERENCE_STEP_S: f64 = 1e-9;
 
 /// Runs the rows on `base` and puts the page together.
-fn compare(size: Size, base: &Scene, source: &str, seeds: u64, console: &Console<'_>) -> AccuracyReport {
+fn compare(size: Size, base: &Scene, source: &str, seeds: u64, console: &mut Console<'_>) -> AccuracyReport {
     let rows = rows(size, base, seeds);
+    let all_s = measure::expected_wall_s(&rows, base, console.threads);
+    let expense = Expense { core_s: all_s * console.threads as f64, wall_s: all_s, bytes: 0.0 };
+    say("this comparison", expense, false, console);
     let progress = Progress::start("accuracy", console.quiet);
     let runs = measure::measure_all(&rows, base, size == Size::Full, &progress);
     let wall_s = progress.finish();

@@ -123,8 +123,8 @@ fn a_refused_row_is_a_row_with_its_reason() {
 fn a_tiny_page_from_end_to_end() {
     let base = tiny();
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let console = Console { out: &mut out, err: &mut err, quiet: true, threads: 2 };
-    let report = compare(Size::Quick, &base, "tiny", 2, &console);
+    let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 2 };
+    let report = compare(Size::Quick, &base, "tiny", 2, &mut console);
     assert_eq!(report.reference.status, "converged");
     // 4 evaluations, 1 ns, 12 us of preparation and 10 us of travel, 10 x 2 blocks, both surfaces
     assert_eq!(report.reference.site_updates, Some(2 * 20 * 4 * 22_000));

@@ -31,6 +31,7 @@ use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_LAYER;
 use crate::formats::surface::Surface;
 use crate::formats::{Document, material::MaterialFile};
+use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::report::Table;
@@ -239,7 +240,11 @@ fn calibrate(
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
-    let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve)?;
+    let progress = Progress::start("discrepancy", console.quiet);
+    let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve);
+    progress.finish();
+    heed()?;
+    let discrepancy = discrepancy?;
     let file = write::material_toml(calibration, &input, &facts, &fit, discrepancy.as_ref())?;
     // The material is the written one, read back: what is kept in a file gives the same numbers.
     let document = Document::new(path, file.clone());
@@ -273,6 +278,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
+            heed()?;
             let curve = curve.map_err(|error| Diagnostic::file(path, error.to_string()))?;
             let mut warnings = surface.warnings.clone();
             if let Ok(law) = area_law(&curve.points, calibration.threshold_pa) {
@@ -287,6 +293,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
                 LawRequest { contact_modulus_pa, pressures_pa: &pressures_pa, threshold_pa: calibration.threshold_pa };
             let spread = spread(&surface.map, *windows, &request, console)
                 .map_err(|error| Diagnostic::file(path, format!("surface.windows: {error}")))?;
+            heed()?;
             if let Some(spread) = &spread {
                 notes.push(format!(
                     "factor_std: standard deviation of f among {} windows of the map over the root of their number; {WINDOW_STATEMENT}",

@@ -1,20 +1,21 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{RunOptions, Scene};
+use slipgrid_springblock::{RunOptions, Scene, Simulation, Status};
 
 use super::conditions::in_words;
 use super::in_time::in_time;
-use super::rounds::Rounds;
+use super::rounds::{CONFIRMATION, Rounds};
 use super::stages::Timings;
 use crate::formats::design::Design;
+use crate::interruption::heed;
 use crate::on_specimen::SpecimenError;
 use crate::progress::Progress;
 use crate::{CliError, Console};
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
-const LEAST_CONTACTS: f64 = 400.0;
+pub(super) const LEAST_CONTACTS: f64 = 400.0;
 
 impl Rounds {
     /// Runs `pattern` in time at the condition designed for.
@@ -26,13 +27,15 @@ impl Rounds {
         timings: &mut Timings,
     ) -> Result<(), CliError> {
         let refuse = |error: SpecimenError| design.refuse(error.to_string());
+        let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.sliding_m = self.scene.run.sliding_m;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
-        let bar = Progress::start("confirmation", console.quiet);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let (confirmed, run) = in_time(scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
+        heed()?;
+        self.note_cut(&confirmed, CONFIRMATION);
         self.confirming = run;
         self.predicted = Some(predicted);
         self.confirmed = Some(confirmed);
@@ -56,17 +59,29 @@ impl Rounds {
         while !wanted.is_empty() {
             for place in wanted {
                 let at = &self.further[place];
-                let bar = Progress::start(&format!("confirmation at {}", in_words(&at.condition)), console.quiet);
+                let what = format!("confirmation at {}", in_words(&at.condition));
+                let bar = Progress::until(&what, console.quiet, self.allowance.until());
                 let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
                 let (loads, speed_m_s) = (at.loads.clone(), at.condition.speed_m_s);
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
                 let (confirmed, _) =
                     in_time(scene, Some(&design.outline), &bar).map_err(|error| design.refuse(error.to_string()))?;
                 timings.confirm_further += bar.finish();
+                heed()?;
+                self.note_cut(&confirmed, "confirmation at further conditions");
                 self.further[place].confirmed = Some(confirmed);
             }
             wanted = self.worst_undecided(design).into_iter().collect();
         }
         Ok(())
+    }
+
+    /// Notes that `run` was cut short, where it was: it confirms nothing.
+    fn note_cut(&mut self, run: &Simulation, stage: &'static str) {
+        let surfaces = run.loads.iter().flat_map(|load| std::iter::once(&load.surface).chain(&load.flat));
+        if surfaces.into_iter().any(|surface| surface.status == Status::Cancelled) {
+            self.cut(stage);
+            self.out_of_time = true;
+        }
     }
 }

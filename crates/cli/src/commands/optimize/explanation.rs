@@ -3,7 +3,7 @@
 use serde::Serialize;
 use slipgrid_optimize::{
     Bound, Candidate, DesignSpace, Dimension, Explanation, ForwardModel, Limit, Relief, Restriction, SearchError,
-    SearchOptions, Status, explain, search,
+    SearchOptions, Status, explain, search, search_near,
 };
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -12,6 +12,7 @@ use super::model::SteadyCell;
 use super::rounds::Rounds;
 use super::stages::Timings;
 use crate::formats::design::Design;
+use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
 use crate::units::{LENGTH_UM, tidy};
@@ -79,15 +80,20 @@ impl From<&Candidate> for NearestReport {
 impl Rounds {
     /// Says why the target is out of reach, where it is.
     pub(super) fn explain(
-        &self,
+        &mut self,
         design: &Design,
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<Option<ExplanationReport>, CliError> {
         let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
-        let bar = Progress::start("why not", console.quiet);
-        let explanation = explanation(design, &self.model, &self.model.judged(design, best));
+        let bar = Progress::until("why not", console.quiet, self.allowance.until());
+        let explanation = explanation(design, &self.model, &self.model.judged(design, best), &bar);
+        let is_cut = bar.is_out_of_time();
         timings.explain = bar.finish();
+        heed()?;
+        if is_cut {
+            self.cut("why the target is out of reach");
+        }
         explanation.map_err(|error| CliError::Other(error.to_string()))
     }
 }
@@ -100,6 +106,7 @@ pub fn explanation(
     design: &Design,
     model: &SteadyCell,
     best: &Candidate,
+    bar: &Progress,
 ) -> Result<Option<ExplanationReport>, SearchError> {
     let burst_m = design.constraints.limits.depth_per_burst_m;
     let block_m = design.layer.block_m;
@@ -123,8 +130,18 @@ pub fn explanation(
         &widest,
         if model.is_solid() { 0 } else { HALVINGS },
         &mut |space, constraints| {
-            let carry_on = |_| ControlFlow::Continue(());
-            let outcome = search(&design.target, space, constraints, &options, asked, &carry_on)?;
+            if bar.is_over() {
+                return Err(SearchError::CancelledAtStart);
+            }
+            bar.say(&format!("why not ({})", evaluations.get()));
+            let carry_on = |_| if bar.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+            let target = &design.target;
+            // In space a design costs a hundred times as much.
+            let outcome = if model.is_solid() {
+                search_near(&[best.design], target, space, constraints, &options, asked, &carry_on)?
+            } else {
+                search(target, space, constraints, &options, asked, &carry_on)?
+            };
             evaluations.set(evaluations.get() + outcome.evaluations);
             Ok(outcome)
         },

@@ -2,6 +2,7 @@
 
 use slipgrid_springblock::{Extent, RunOptions, Scene};
 
+use super::allowance::Allowance;
 use super::in_time::{WARM_TRAVEL_M, in_time};
 
 use crate::Console;
@@ -9,8 +10,12 @@ use crate::on_specimen::SpecimenError;
 use crate::progress::Progress;
 
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
-pub fn flat_friction(scene: &Scene, console: &Console<'_>) -> Result<Option<Vec<f64>>, SpecimenError> {
-    let bar = Progress::start("flat sample", console.quiet);
+pub(super) fn flat_friction(
+    scene: &Scene,
+    allowance: Allowance,
+    console: &Console<'_>,
+) -> Result<Option<Vec<f64>>, SpecimenError> {
+    let bar = Progress::until("flat sample", console.quiet, allowance.until());
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
     let run = RunOptions {
         warm_start: true,

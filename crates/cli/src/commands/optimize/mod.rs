@@ -1,6 +1,8 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
 mod aim;
+mod allowance;
+mod announcement;
 mod conditions;
 mod conditions_report;
 mod confirmation;
@@ -30,7 +32,8 @@ mod trade_offs;
 
 use std::time::Instant;
 
-use slipgrid_optimize::Status;
+use slipgrid_optimize::{ForwardModel, ModelFailure, Status};
+use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
 pub use report::{DesignReport, StoredDesign};
@@ -39,14 +42,17 @@ use super::drawings::{DrawingInput, draw};
 use super::pictures;
 use crate::args::{ExportFormat, OptimizeArgs};
 use crate::formats::design::Design;
+use crate::interruption::{goes_on_with, heed};
 use crate::lock::Lock;
 use crate::output::{Outputs, Place, check_folder};
+use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json, json_and_timings};
 use crate::{CliError, Console, exit_code};
+use allowance::Allowance;
 use files::DesignScene;
 use report::{MisfitReport, patterns};
-use rounds::Rounds;
+use rounds::{Rounds, time_statement};
 use stages::Timings;
 use target_report::{GoalReport, TargetReport};
 
@@ -73,6 +79,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     check_folder(Place::output(&folder), &FILES, &design.inputs)?;
     let _held = Lock::new(&subject::lock_path(&folder))?;
     let mut timings = Timings::default();
+    let allowance = Allowance::new(started, design.max_seconds);
+    goes_on_with(args.resuming());
 
     let (material, uncertainty) = material::of_design(&mut design, console)?;
     let (loads, outside) = design.loads(&material)?;
@@ -83,32 +91,38 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         table::check(&design)?;
     }
     timings.material = started.elapsed().as_secs_f64();
+    heed()?;
 
     let factors = further::all_factors(&design, &uncertainty, &loads, &further);
-    let mut found = Rounds::new(&design, &material, loads.clone(), further, console, &mut timings)?;
+    let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
+    found.announce(&design, with_table, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
     let explanation = found.explain(&design, console, &mut timings)?;
     let table = if with_table { found.compare(&design, console, &mut timings, &mut outputs)? } else { None };
-    let Rounds { best, predicted, confirmed, .. } = &found;
-    let (Some(best), Some(predicted), Some(confirmed)) = (best, predicted, confirmed) else {
+    let (Some(best), Some(predicted), Some(confirmed)) = (&found.best, &found.predicted, &found.confirmed) else {
         return Err(CliError::Other("the search ended without a design".to_owned()));
     };
 
     let pattern = best.design;
-    let probing = Instant::now();
+    let probing = Progress::until("slopes and tolerances", console.quiet, allowance.until());
     let target: TargetReport = (&design.target).into();
-    let slopes =
-        sensitivity::report(&found.model, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
-    let about = robustness::About { model: &found.model, pattern: &pattern, confirmed, choice: found.choice.as_ref() };
+    let watched = |at: &Pattern| if probing.is_over() { Err(ModelFailure::Cancelled) } else { found.model.respond(at) };
+    let slopes = sensitivity::report(&watched, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    let (model, choice) = (&found.model, found.choice.as_ref());
+    let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
     let spread = robustness::of_design(&design, &uncertainty, &about)?;
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
     let conditions = found.conditions_report(&design, &uncertainty, &errors.report, &outside)?;
-    timings.uncertainty = probing.elapsed().as_secs_f64();
+    let reachable = reachable::of_search(&design, &uncertainty, &found, &probing)?;
+    let mut cut_short = found.cut_short.clone();
+    cut_short.extend(probing.is_out_of_time().then_some("slopes and tolerances"));
+    timings.uncertainty = probing.finish();
+    heed()?;
 
     let exporting = Instant::now();
     let material_report = MaterialReport::from(&material.provenance);
@@ -142,16 +156,21 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     pictures::simulation(&confirming, confirmed, &errors.report, &mut outputs)?;
     timings.export = exporting.elapsed().as_secs_f64();
 
-    let comparing = Instant::now();
-    let traded = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
-    timings.trade_offs = comparing.elapsed().as_secs_f64();
+    let comparing = Progress::until("trade-offs", console.quiet, allowance.until());
+    let value = &best.response.value;
+    let traded = trade_offs::report(&design, &found.model, (&pattern, value), &comparing, &mut outputs)?;
+    cut_short.extend((design.trade_offs.is_some() && traded.is_none()).then_some("trade-offs"));
+    timings.trade_offs = comparing.finish();
+    heed()?;
 
+    let gathering = Instant::now();
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_solid = found.model.is_solid();
     let sectioned = Some(&pattern).filter(|_| !is_solid);
     let mut model = confirmed.model.clone();
     model.extend(found.condition_statements(&design));
     model.extend(found.statements());
+    model.extend(time_statement(&cut_short));
     model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {
         program: "slipgrid",
@@ -177,13 +196,14 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         sensitivities: slopes,
         robustness: spread,
         trade_offs: traded,
-        reachable: reachable::of_search(&design, &uncertainty, &found)?,
+        reachable,
         explanation,
         table,
         alternatives: patterns(&found.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
         out_of_time: found.out_of_time,
+        cut_short,
         failed_trials: found.failed_trials,
         rounds: found.rounds,
         history: found.history.clone(),
@@ -191,7 +211,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         material: material_report,
         specimen: (&design.outline).into(),
         laser: design.laser,
-        timings_s: timings,
+        timings_s: Timings { export: timings.export + gathering.elapsed().as_secs_f64(), ..timings },
         wall_s: started.elapsed().as_secs_f64(),
         threads: console.threads,
         seed: design.seed,

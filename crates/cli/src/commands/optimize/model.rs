@@ -11,6 +11,7 @@ use slipgrid_springblock::{
 use super::limited::Limited;
 use super::study::{Answer, Study};
 use crate::formats::design::Design;
+use crate::interruption;
 use crate::on_specimen::{SpecimenError, density_share, on_face, onto};
 use crate::report::specimen::Specimen;
 
@@ -22,6 +23,9 @@ const LEAST_GUIDE_ROWS: usize = 4;
 const LEAST_GUIDE_PITCH: f64 = 2.0;
 /// Most memory of one three-dimensional cell, in bytes: several are solved side by side.
 const MOST_CELL_BYTES: f64 = (1_u64 << 30) as f64;
+
+/// The same of one in the vertical plane, where its equations are not condensed.
+const MOST_PLANE_BYTES: f64 = 4.0 * MOST_CELL_BYTES;
 
 /// Friction of a design by the steady cell, with what confirming runs found the model to miss.
 pub struct SteadyCell {
@@ -62,7 +66,14 @@ impl Solver {
 
     fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
         match self {
-            Self::Section(model) => Ok(model.solve(design)),
+            Self::Section(model) => {
+                let bytes = model.bytes(design);
+                if bytes > MOST_PLANE_BYTES {
+                    let reason = format!("its cell takes {bytes:.1e} bytes, more than {MOST_PLANE_BYTES:.1e}");
+                    return Err(ModelFailure::Trial { reason });
+                }
+                Ok(model.solve(design))
+            }
             Self::Solid(model) if model.bytes(design) > MOST_CELL_BYTES => Err(ModelFailure::Trial {
                 reason: format!("its cell takes {:.1e} bytes, more than {MOST_CELL_BYTES:.1e}", model.bytes(design)),
             }),
@@ -321,6 +332,9 @@ impl SteadyCell {
 
     /// What `solver`, made of `scene`, says of `design`, corrected.
     fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        if interruption::asked() {
+            return Err(ModelFailure::Cancelled);
+        }
         self.limited.check(design)?;
         let answer = self.study.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
         let answer = self.laid(design, answer)?;

@@ -10,6 +10,7 @@ use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
+use crate::progress::Progress;
 use crate::units::{PRESSURE_MPA, tidy};
 
 /// What designs within bounds and limits can do at one pressure.
@@ -28,7 +29,7 @@ pub struct ReachableReport {
 }
 
 /// What designs within bounds and limits reach at each pressure of the condition designed for, with errors where the target
-/// is not met: then they decide.
+/// is not met, as far as there is time: then they decide.
 ///
 /// # Errors
 /// [`CliError::Material`] for an area law that cannot be moved.
@@ -36,10 +37,14 @@ pub(super) fn of_search(
     design: &Design,
     material: &MaterialUncertainty,
     found: &Rounds,
+    bar: &Progress,
 ) -> Result<Vec<ReachableReport>, CliError> {
     let is_open = found.status != Status::Met;
     let knowledge = knowledge(design, material, &found.scene, design.condition.as_ref())?;
     let std = |place: usize, pattern: &Pattern, value: f64| {
+        if bar.is_over() {
+            return None;
+        }
         let slopes = Slopes::new(&found.model.scene(pattern), &knowledge);
         // A value is a ratio times what the target's quantity takes it by.
         let (scale, factor) = (found.model.scale(place), found.model.factor(place));

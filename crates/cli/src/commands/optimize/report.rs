@@ -89,6 +89,9 @@ pub struct DesignReport {
     pub solid_evaluations: usize,
     /// Seconds, not evaluations, were spent.
     pub out_of_time: bool,
+    /// Stages that the seconds allowed did not suffice for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cut_short: Vec<&'static str>,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
     /// Searches made: each after the first corrected by the confirming run before it.
@@ -268,19 +271,12 @@ impl DesignReport {
             text += &format!("- {MEANING}\n");
         }
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
-        let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, trade-offs {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; {}\n",
             self.evaluations,
             if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
-            timings.material,
-            timings.flat,
-            timings.search,
-            timings.confirm + timings.confirm_further,
-            timings.uncertainty,
-            timings.trade_offs,
-            timings.export
+            self.timings_s.words(),
         );
         text
     }

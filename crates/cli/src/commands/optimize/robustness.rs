@@ -20,6 +20,7 @@ use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
+use crate::progress::Progress;
 use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
 use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
@@ -39,6 +40,8 @@ pub struct About<'a> {
     pub confirmed: &'a Simulation,
     /// How it was chosen, where samples decided.
     pub choice: Option<&'a RobustChoice>,
+    /// Says when to stop.
+    pub bar: &'a Progress,
 }
 
 /// What is propagated through which design.
@@ -62,7 +65,7 @@ struct Request<'a> {
 }
 
 /// What tolerances and the errors of `material` make of the friction of `design`; `None` where the design file has no
-/// tolerances, or the confirming run has no friction at some pressure.
+/// tolerances, the confirming run has no friction at some pressure, or there is no time left.
 ///
 /// # Errors
 /// [`CliError::Other`] where no draw can be computed.
@@ -72,7 +75,10 @@ pub fn of_design(
     about: &About<'_>,
 ) -> Result<Option<RobustnessReport>, CliError> {
     let Some(tolerances) = &design.tolerances else { return Ok(None) };
-    report(&Request::new(design, material, about, tolerances))
+    match report(&Request::new(design, material, about, tolerances)) {
+        Err(_) if about.bar.is_over() => Ok(None),
+        found => found,
+    }
 }
 
 impl<'a> Request<'a> {
@@ -100,6 +106,7 @@ impl<'a> Request<'a> {
 /// The model about a confirmed design, with the parameters that are not known exactly.
 struct AboutDesign<'a> {
     model: &'a SteadyCell,
+    bar: &'a Progress,
     /// The design's, with the material as calibrated.
     scene: Scene,
     is_ratio: bool,
@@ -230,6 +237,7 @@ impl<'a> AboutDesign<'a> {
         parameters = Parameters { friction, modulus, law, discrepancy: errors, ..parameters };
         let about = Self {
             model,
+            bar: request.about.bar,
             is_ratio: request.is_ratio,
             offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
@@ -260,6 +268,9 @@ impl<'a> AboutDesign<'a> {
 
 impl UncertainModel for AboutDesign<'_> {
     fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        if self.bar.is_over() {
+            return Err(ModelFailure::Cancelled);
+        }
         let count = self.scene.loads.len();
         let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();

@@ -8,11 +8,12 @@ use std::time::Instant;
 use slipgrid_material::Material;
 use slipgrid_optimize::{
     Candidate, Goal, Guidance, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome, SearchProgress,
-    Stage, Status, search, search_guided,
+    Status, search, search_guided,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
+use super::allowance::{Allowance, SEARCH_SHARE};
 use super::flat::flat_friction;
 use super::further::Further;
 use super::in_time::WARM_TRAVEL_M;
@@ -23,6 +24,7 @@ use super::stages::{ImprovementReport, Timings};
 use super::study::Study;
 use super::subject;
 use crate::formats::design::Design;
+use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::units::{LENGTH_UM, tidy};
 use crate::{CliError, Console};
@@ -55,10 +57,22 @@ pub(super) struct Rounds {
     pub(super) history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     pub(super) choice: Option<RobustChoice>,
+    /// The seconds that the job may take.
+    pub(super) allowance: Allowance,
+    /// Stages that these did not suffice for.
+    pub(super) cut_short: Vec<&'static str>,
 }
+
+/// How the names of confirming stages begin.
+pub(super) const CONFIRMATION: &str = "confirmation";
 
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
+
+/// That the seconds allowed did not suffice for `stages`, where there are any.
+pub(super) fn time_statement(stages: &[&str]) -> Option<String> {
+    (!stages.is_empty()).then(|| format!("cut short by max_seconds: {}", stages.join(", ")))
+}
 
 impl Rounds {
     /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
@@ -67,6 +81,7 @@ impl Rounds {
         material: &Material,
         loads: Vec<Load>,
         further: Vec<Further>,
+        allowance: Allowance,
         console: &Console<'_>,
         timings: &mut Timings,
     ) -> Result<Self, CliError> {
@@ -96,7 +111,13 @@ impl Rounds {
         let flat_mu = match design.target.quantity() {
             Quantity::Ratio => None,
             Quantity::DynamicFriction => {
-                let flat = flat_friction(&scene, console).map_err(|error| design.refuse(error.to_string()))?;
+                let flat =
+                    flat_friction(&scene, allowance, console).map_err(|error| design.refuse(error.to_string()))?;
+                heed()?;
+                if allowance.is_spent() {
+                    let reason = "the seconds allowed were spent on the flat sample: nothing was searched";
+                    return Err(CliError::OutOfTime(reason.to_owned()));
+                }
                 Some(flat.ok_or_else(|| CliError::Other("the flat sample does not slide in the model".to_owned()))?)
             }
         };
@@ -121,6 +142,8 @@ impl Rounds {
             reachable: Vec::new(),
             history: Vec::new(),
             choice: None,
+            allowance,
+            cut_short: Vec::new(),
         })
     }
 
@@ -147,7 +170,8 @@ impl Rounds {
             let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
             // What is even by the steady model need not be in time: searched again with what the first run taught.
             let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
-            if feasible && has_ended && is_settled && self.is_confirmed(design) {
+            let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
+            if feasible && has_ended && is_settled && is_whole && self.is_confirmed(design) {
                 self.status = Status::Met;
                 return Ok(());
             }
@@ -160,8 +184,9 @@ impl Rounds {
                 Status::Budget | Status::Cancelled => false,
             };
             self.status = match outcome.status {
-                Status::Unreachable => Status::Unreachable,
-                Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
+                // What was not confirmed may be reached yet.
+                Status::Unreachable if is_whole => Status::Unreachable,
+                Status::Unreachable | Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
             };
             // Where the design stays the same the model is exact already.
             if !again || unchanged {
@@ -225,19 +250,12 @@ impl Rounds {
         timings: &mut Timings,
     ) -> Result<SearchOutcome, CliError> {
         let options = SearchOptions { seed: design.seed, max_evaluations: design.max_evaluations - self.evaluations };
-        let bar = Progress::start("search", console.quiet);
-        let left_s = design.max_seconds.map(|most_s| most_s - timings.search);
+        let bar = Progress::until("search", console.quiet, self.allowance.share(SEARCH_SHARE));
         let out_of_time = AtomicBool::new(false);
-        let guided = self.model.guide().is_some();
         let progress = |progress: SearchProgress| {
             bar.set(progress.evaluations as f64 / progress.max_evaluations as f64);
-            // Without a design of the model itself there is nothing to report.
-            let may_end = !guided || progress.stage == Stage::Judging;
-            if may_end && left_s.is_some_and(|left_s| bar.elapsed_s() > left_s) {
-                out_of_time.store(true, Ordering::Relaxed);
-                return ControlFlow::Break(());
-            }
-            ControlFlow::Continue(())
+            out_of_time.fetch_or(bar.is_out_of_time(), Ordering::Relaxed);
+            if bar.is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
         let outcome = match self.model.guide() {
@@ -249,7 +267,12 @@ impl Rounds {
         };
         let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
         timings.search += bar.finish();
+        heed()?;
+        let is_short = out_of_time.load(Ordering::Relaxed);
         let (outcome, choice) = outcome.map_err(|error| match error {
+            SearchError::EveryTrialFailed { .. } | SearchError::CancelledAtStart if is_short => {
+                CliError::OutOfTime(format!("the seconds allowed were spent before a design was found: {error}"))
+            }
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
                 CliError::Other(error.to_string())
             }
@@ -263,7 +286,10 @@ impl Rounds {
             feasible: point.feasible,
         }));
         self.choice = choice;
-        self.out_of_time = out_of_time.into_inner();
+        if out_of_time.into_inner() {
+            self.out_of_time = true;
+            self.cut("search");
+        }
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {
             self.solid_evaluations += outcome.evaluations;
@@ -272,6 +298,13 @@ impl Rounds {
         self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
         self.reachable.clone_from(&outcome.reachable);
         Ok(outcome)
+    }
+
+    /// Notes that the seconds allowed did not suffice for `stage`.
+    pub(super) fn cut(&mut self, stage: &'static str) {
+        if !self.cut_short.contains(&stage) {
+            self.cut_short.push(stage);
+        }
     }
 
     /// Largest distance of the confirming runs from the target, at all conditions, in tolerances; `None` where one has no

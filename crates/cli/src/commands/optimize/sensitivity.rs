@@ -56,7 +56,7 @@ impl<T: Copy> Dimensions<T> {
     }
 }
 
-/// The slopes of `model` at `design`; `None` where it has no response there.
+/// The slopes of `model` at `design`; `None` where it has no response there, or was asked to stop.
 ///
 /// # Errors
 /// [`CliError::Other`] for a model that is broken.
@@ -69,7 +69,7 @@ pub fn report(
 ) -> Result<Option<SensitivityReport>, CliError> {
     let found = match sensitivities(model, design, STEP_BLOCKS * block_m) {
         Ok(found) => found,
-        Err(ModelFailure::Trial { .. }) => return Ok(None),
+        Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => return Ok(None),
         Err(failure) => return Err(CliError::Other(failure.to_string())),
     };
     // A millionth of a metre: per metre times 1e-6.

@@ -19,12 +19,33 @@ pub struct Timings {
     pub confirm: f64,
     /// Confirming at further conditions.
     pub confirm_further: f64,
-    /// Slopes and tolerances at the design.
+    /// Errors, slopes and tolerances at the design, and what others reach.
     pub uncertainty: f64,
     /// Comparing designs by the goals of `[trade_offs]`.
     pub trade_offs: f64,
-    /// Drawing and tabulating.
+    /// Drawing and tabulating, up to result.json itself.
     pub export: f64,
+}
+
+impl Timings {
+    /// The seconds in words; stages that few designs have, where they took any.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let always = true;
+        let all = [
+            ("material", self.material, always),
+            ("flat sample", self.flat, always),
+            ("search", self.search, always),
+            ("confirmation", self.confirm + self.confirm_further, always),
+            ("why not", self.explain, self.explain > 0.0),
+            ("table", self.table, self.table > 0.0),
+            ("slopes and tolerances", self.uncertainty, always),
+            ("trade-offs", self.trade_offs, always),
+            ("export", self.export, always),
+        ];
+        let told = all.into_iter().filter(|(_, _, is_told)| *is_told);
+        told.map(|(what, seconds, _)| format!("{what} {seconds:.1} s")).collect::<Vec<_>>().join(", ")
+    }
 }
 
 /// The best design after a number of evaluations.

@@ -17,6 +17,7 @@ use slipgrid_pattern::Pattern;
 
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
+use crate::interruption;
 use crate::report::VERSION;
 
 /// What the model says of a design at the target's pressures. Numbers are kept as the file holds them, so that those
@@ -153,7 +154,10 @@ impl Study {
             (known, whole) = read(&path, &text, &depends_on, loads)?;
         }
         let resumed = known.len();
-        let writer = Writer { path, header: header(&depends_on), whole, file: None };
+        if resumed > 0 {
+            interruption::kept(&path, resumed);
+        }
+        let writer = Writer { path, answers: resumed, header: header(&depends_on), whole, file: None };
         Ok(Self { known: Mutex::new(known), resumed, loads, file: Some(Mutex::new(writer)) })
     }
 
@@ -209,6 +213,8 @@ impl Study {
 #[derive(Debug)]
 struct Writer {
     path: PathBuf,
+    /// Answers that it holds.
+    answers: usize,
     header: String,
     /// Bytes of whole lines in a file that is resumed; `None` where it is begun.
     whole: Option<u64>,
@@ -228,6 +234,8 @@ impl Writer {
         // One call: lines of two processes may follow one another, and do not mix.
         file.write_all(text.as_bytes()).map_err(failed)?;
         self.file = Some(file);
+        self.answers += 1;
+        interruption::kept(&self.path, self.answers);
         Ok(())
     }
 

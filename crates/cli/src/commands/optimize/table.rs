@@ -10,6 +10,7 @@ use super::rounds::Rounds;
 use super::stages::Timings;
 use crate::formats::design::Design;
 use crate::formats::target::quantity_name;
+use crate::interruption::heed;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
@@ -71,7 +72,7 @@ impl From<&Candidate> for NodeReport {
 }
 
 /// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres.
-fn lattice(design: &Design) -> (Vec<Pattern>, [f64; 3]) {
+pub(super) fn lattice(design: &Design) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
     let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
@@ -117,7 +118,7 @@ pub fn check(design: &Design) -> Result<(), CliError> {
 impl Rounds {
     /// Compares the design found with every design of a lattice.
     pub(super) fn compare(
-        &self,
+        &mut self,
         design: &Design,
         console: &Console<'_>,
         timings: &mut Timings,
@@ -125,14 +126,20 @@ impl Rounds {
     ) -> Result<Option<TableReport>, CliError> {
         let Some(best) = &self.best else { return Ok(None) };
         let best = self.model.judged(design, best);
-        let bar = Progress::start("table", console.quiet);
+        let bar = Progress::until("table", console.quiet, self.allowance.until());
         let compared = table(design, &self.model, &best, &bar, outputs);
         timings.table = bar.finish();
-        compared.map(Some)
+        heed()?;
+        let compared = compared?;
+        if compared.is_none() {
+            self.cut("table");
+        }
+        Ok(compared)
     }
 }
 
-/// Asks `model` of every design of the lattice, adds table.csv, and compares with `found`.
+/// Asks `model` of every design of the lattice, adds table.csv, and compares with `found`; `None` where `progress` ends
+/// before that.
 ///
 /// # Errors
 /// [`CliError::Other`] where the model is broken, or can compute no design of the table.
@@ -142,13 +149,13 @@ pub fn table(
     found: &Candidate,
     progress: &Progress,
     outputs: &mut Outputs,
-) -> Result<TableReport, CliError> {
+) -> Result<Option<TableReport>, CliError> {
     let (patterns, steps_m) = lattice(design);
     let share = 1.0 / patterns.len() as f64;
     let answers: Vec<Result<Candidate, ModelFailure>> = patterns
         .par_iter()
         .map(|pattern| {
-            let response = model.respond(pattern);
+            let response = if progress.is_over() { Err(ModelFailure::Cancelled) } else { model.respond(pattern) };
             slipgrid_springblock::Monitor::advance(progress, share);
             response.map(|response| Candidate {
                 design: *pattern,
@@ -158,6 +165,9 @@ pub fn table(
             })
         })
         .collect();
+    if answers.contains(&Err(ModelFailure::Cancelled)) {
+        return Ok(None);
+    }
     if let Some(Err(ModelFailure::Broken { reason })) =
         answers.iter().find(|answer| matches!(answer, Err(ModelFailure::Broken { .. })))
     {
@@ -182,7 +192,7 @@ pub fn table(
     let neighbour = best(&mut nodes.iter().filter(is_near).copied());
     let feasible = nodes.iter().filter(|node| node.violations.is_empty()).count();
     let beats = leader.is_better_than(found) && leader.misfit.cost < found.misfit.cost - BETTER;
-    Ok(TableReport {
+    Ok(Some(TableReport {
         designs: patterns.len(),
         failed: patterns.len() - nodes.len(),
         feasible,
@@ -191,7 +201,7 @@ pub fn table(
         neighbour: neighbour.as_ref().map(NodeReport::from),
         found_cost: found.misfit.cost,
         confirms_search: !beats,
-    })
+    }))
 }
 
 /// One row a design.

@@ -7,6 +7,7 @@ use slipgrid_optimize::{
     trade_offs,
 };
 use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Monitor;
 
 use super::limited::Limited;
 use super::model::SteadyCell;
@@ -16,6 +17,7 @@ use crate::charts::{TradeOffsChart, trade_offs as draw};
 use crate::formats::design::Design;
 use crate::formats::trade_offs::{TradeOffGoal, TradeOffsInput};
 use crate::output::Outputs;
+use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
 use crate::units::{PRESSURE_MPA, tidy};
 
@@ -121,7 +123,7 @@ impl Plane {
 }
 
 /// Compares the designs of `design` by its goals, the chosen one among them, and adds a table and a picture. `value` is
-/// what the search's model says of `chosen`. `None` where nothing is to be compared.
+/// what the search's model says of `chosen`. `None` where nothing is to be compared, and where `bar` ends before that.
 ///
 /// Where no design respects every limit the report says so, and the table is empty.
 ///
@@ -130,8 +132,8 @@ impl Plane {
 pub fn report(
     design: &Design,
     model: &SteadyCell,
-    chosen: &Pattern,
-    value: &[f64],
+    (chosen, value): (&Pattern, &[f64]),
+    bar: &Progress,
     outputs: &mut Outputs,
 ) -> Result<Option<TradeOffsReport>, CliError> {
     let Some(input) = &design.trade_offs else { return Ok(None) };
@@ -151,10 +153,17 @@ pub fn report(
         .transpose()
         .map_err(|error| failed(error.to_string()))?;
     let limited = Limited::of(design);
-    let goals = |at: &Pattern| goals(design, input, &plane, &limited, uncertainty.as_ref(), at);
+    let goals = |at: &Pattern| {
+        if bar.is_over() {
+            return Err(ModelFailure::Cancelled);
+        }
+        bar.advance(0.5 / input.designs as f64);
+        goals(design, input, &plane, &limited, uncertainty.as_ref(), at)
+    };
     let options = TradeOffOptions { lattice: input.designs, ..TradeOffOptions::default() };
     let found = match trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals) {
         Ok(found) => found,
+        Err(_) if bar.is_over() => return Ok(None),
         Err(SearchError::EveryTrialFailed { trials, reason }) => {
             let reason = format!("no design respects every limit; of the first, {reason}");
             return Ok(Some(nothing(input, model, trials, &reason, chosen, outputs)));

@@ -20,6 +20,7 @@ use crate::commands::pictures::{cavities_um, interface_map};
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::scene::DEFAULT_LAYER;
+use crate::interruption::heed;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::csv;
@@ -58,6 +59,7 @@ impl Figures<'_> {
         }
         let sample = self.scene(self.pattern, Fidelity::Steady, Extent::Sample)?;
         let steady = self.solve(&sample, &Progress::start("", true))?;
+        heed()?;
         self.interface(&sample, &steady, outputs)?;
         let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
         let solid = self.solve(&cell, &Progress::start("", true))?;
@@ -72,6 +74,7 @@ impl Figures<'_> {
         let progress = Progress::start("friction in time", console.quiet);
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
+        heed()?;
         let simulation = simulation?;
         let knowledge = knowledge(self.calibration.modulus_relative_std(), scene.area_law.as_ref(), &[self.heaviest]);
         let slopes = Slopes::new(&scene, &knowledge);

@@ -11,6 +11,7 @@ use crate::commands::calibrate::CONTACT_TOLERANCE;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::surface::Surface;
+use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::report::table::fixed;
 use crate::units::{PRESSURE_MPA, tidy};
@@ -84,6 +85,7 @@ pub fn scaled_laws(
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
+            heed()?;
             let curve = curve.map_err(|error| Diagnostic::file(map_path, error.to_string()))?;
             let mut notes = vec![format!(
                 "area law of {}: rms slope {}{}",

@@ -23,6 +23,7 @@ use crate::args::ValidateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::scene::DEFAULT_LAYER;
+use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json, json_and_timings};
@@ -230,6 +231,7 @@ fn validate(
     };
     let predicted = predict(&args.calibration, body, &cases, &points, &progress);
     progress.finish();
+    heed()?;
     let predicted = predicted?;
 
     let slopes = surface.laws.len();

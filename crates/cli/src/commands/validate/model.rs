@@ -10,6 +10,7 @@ use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel
 
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
+use crate::interruption::heed;
 use crate::progress::Progress;
 
 /// A flat measurement, as the model needs it.
@@ -85,6 +86,7 @@ pub fn predict(
     cases
         .par_iter()
         .map(|case| {
+            heed()?;
             let predicted = solve(body, case, points).map_err(|reason| CliError::from(Diagnostic::file(path, reason)));
             progress.advance(share);
             predicted

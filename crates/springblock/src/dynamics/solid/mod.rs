@@ -20,7 +20,7 @@ mod slip;
 mod stencil;
 mod sweep;
 
-pub use run::{SolidRun, SolidScheme};
+pub use run::{SOLID_STEP, SolidRun, SolidScheme};
 
 #[cfg(test)]
 mod tests;

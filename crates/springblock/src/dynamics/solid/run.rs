@@ -15,7 +15,7 @@ use crate::scene::{Load, Scene};
 use crate::solid::SolidLattice;
 
 /// Default step over sqrt(m/k), k = 2/5 E l: that of the plane in seconds, 4 ns for the published polymer at l = 10 um.
-const LEAPFROG_STEP: f64 = 0.1644;
+pub const SOLID_STEP: f64 = 0.1644;
 /// Stability limit of the leapfrog times the largest eigenfrequency.
 const LEAPFROG_LIMIT: f64 = 2.0;
 
@@ -36,7 +36,7 @@ impl SolidScheme {
     pub fn choose(scene: &Scene, lattice: &SolidLattice) -> Result<Self, SceneError> {
         let scales = Scales::solid(&scene.elastic, scene.layer.block_m);
         let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
-        let step_s = scene.run.step_s.unwrap_or(LEAPFROG_STEP * scales.time_s);
+        let step_s = scene.run.step_s.unwrap_or(SOLID_STEP * scales.time_s);
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
         }
@@ -215,6 +215,6 @@ mod tests {
         let patterned = largest_frequency(&SolidLattice::cell(&pattern, 10e-6, 10), false);
         // Edges of lands weigh a quarter and keep most of their springs.
         assert!(patterned > flat && patterned < 5.2, "{patterned}");
-        assert!(LEAPFROG_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
+        assert!(SOLID_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
     }
 }

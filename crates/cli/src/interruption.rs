@@ -1,0 +1,123 @@
+//! Ctrl-C: a first one ends a run as soon as the stage under way has heard of it, a second one at once.
+//!
+//! The handler sets one flag. Long loops ask it through their monitor ([`crate::progress::Progress`]) and the models that
+//! searches call; a stage that did not hear of it in time is ended from here. What was being written is finished or taken
+//! back first, so that no file is half written either way.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use crate::{CliError, exit_code};
+
+/// Time that the stage under way has to hear of a first Ctrl-C.
+const GRACE: Duration = Duration::from_millis(700);
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+static ACCOUNT: Mutex<Account> =
+    Mutex::new(Account { stage: String::new(), written: Vec::new(), study: None, goes_on: None });
+static RENAMING: Mutex<()> = Mutex::new(());
+
+/// What is said of a run that was interrupted.
+struct Account {
+    stage: String,
+    /// Files and folders with results.
+    written: Vec<PathBuf>,
+    /// File of answers, and how many it holds.
+    study: Option<(PathBuf, usize)>,
+    /// The command that goes on with them.
+    goes_on: Option<String>,
+}
+
+/// What others left half done in these numbers is as good as any.
+fn locked<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the process's runs on Ctrl-C from here on, instead of the process.
+///
+/// # Errors
+/// [`ctrlc::Error`] if the system takes no handler.
+pub fn install() -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(|| {
+        if ASKED.swap(true, Ordering::SeqCst) {
+            end();
+        }
+        std::thread::spawn(|| {
+            std::thread::sleep(GRACE);
+            // Files appear together: not between two of them.
+            let _renaming = locked(&RENAMING);
+            // Whoever closed stderr does not want to know.
+            let _ = writeln!(std::io::stderr(), "\nerror: {}", message());
+            end();
+        });
+    })
+}
+
+/// Ends the process, with the locks that it holds.
+fn end() -> ! {
+    crate::lock::remove_all();
+    std::process::exit(exit_code::INTERRUPTED.into())
+}
+
+/// Whether Ctrl-C was pressed.
+#[must_use]
+pub fn asked() -> bool {
+    ASKED.load(Ordering::Relaxed)
+}
+
+/// Ends a command between two stages, and one whose stage ended early.
+///
+/// # Errors
+/// [`CliError::Interrupted`] once Ctrl-C was pressed.
+pub fn heed() -> Result<(), CliError> {
+    if asked() { Err(CliError::Interrupted) } else { Ok(()) }
+}
+
+/// Names the stage under way.
+pub fn enter(stage: &str) {
+    stage.clone_into(&mut locked(&ACCOUNT).stage);
+}
+
+/// Says that the file at `study` holds `answers`, whatever happens to the run.
+pub fn kept(study: &Path, answers: usize) {
+    let mut account = locked(&ACCOUNT);
+    match &mut account.study {
+        Some((path, known)) if path == study => *known = answers,
+        other => *other = Some((study.to_owned(), answers)),
+    }
+}
+
+/// Says that a result stands at `path`, whole.
+pub fn wrote(path: &Path) {
+    locked(&ACCOUNT).written.push(path.to_owned());
+}
+
+/// Names the command that goes on with what was kept.
+pub fn goes_on_with(command: String) {
+    locked(&ACCOUNT).goes_on = Some(command);
+}
+
+/// While it is held the process does not end by a first Ctrl-C.
+pub fn shield() -> impl Drop {
+    locked(&RENAMING)
+}
+
+/// What is said of a run that was interrupted now.
+#[must_use]
+pub fn message() -> String {
+    let account = locked(&ACCOUNT);
+    let during = if account.stage.is_empty() { String::new() } else { format!(" during {}", account.stage) };
+    let written: Vec<String> = account.written.iter().map(|path| path.display().to_string()).collect();
+    let written = if written.is_empty() { "no result".to_owned() } else { written.join(", ") };
+    let mut text = format!("interrupted{during}: {written} was written");
+    if let Some((path, answers)) = account.study.as_ref().filter(|(_, answers)| *answers > 0) {
+        text += &format!("; {answers} answers of the search's model are kept in {}", path.display());
+        if let Some(command) = &account.goes_on {
+            text += &format!(", and\n  {command}\ngoes on with them");
+        }
+    }
+    text
+}

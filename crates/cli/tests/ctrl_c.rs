@@ -1,0 +1,181 @@
+//! Ctrl-C ends every stage, says what was kept, and leaves no half-written file.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+#![cfg(unix)]
+
+mod common;
+
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+
+/// A run ends in about a second; machines may be busy.
+const ENDED: Duration = Duration::from_secs(30);
+
+fn start(place: &Place, args: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    command.current_dir(place.path("")).args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn press(run: &Child) {
+    assert!(Command::new("kill").args(["-INT", &run.id().to_string()]).status().unwrap().success());
+}
+
+/// Starts the program, presses Ctrl-C after `after_s` seconds, and waits; `None` where it had ended by then.
+fn interrupted(place: &Place, args: &[&str], after_s: f64) -> Option<Output> {
+    let mut run = start(place, args);
+    std::thread::sleep(Duration::from_secs_f64(after_s));
+    if run.try_wait().unwrap().is_some() {
+        return None;
+    }
+    press(&run);
+    let pressed = Instant::now();
+    let output = run.wait_with_output().unwrap();
+    assert!(pressed.elapsed() < ENDED, "{args:?} went on for {:?}", pressed.elapsed());
+    Some(output)
+}
+
+/// What is said of an interrupted run; nothing of it is left but its study.
+fn told(place: &Place, output: &Output) -> String {
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("error: interrupted"), "{message}");
+    let left: Vec<String> = place.names().into_iter().filter(|name| name == "out" || name.contains(".part")).collect();
+    assert!(left.is_empty(), "{left:?} after {message}");
+    message
+}
+
+#[test]
+fn every_command_ends_and_writes_nothing() {
+    let fine = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
+    let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "sliding_um = 90.0");
+    let solid = SCENE.replace("\"groove\"", "\"disc\"").replace("block_um = 10.0", "block_um = 5.0");
+    let solid_dynamic = dynamic.replace("\"groove\"", "\"disc\"");
+    let flat: String = FLAT.to_owned() + &FLAT.lines().nth(1).unwrap().replace("50,", "100,");
+    let mapped = CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"map.asc\"");
+    let files = [
+        ("fine.toml", fine.as_str()),
+        ("dynamic.toml", &dynamic),
+        ("solid.toml", &solid),
+        ("solid-dynamic.toml", &solid_dynamic),
+        ("calibration.toml", CALIBRATION),
+        ("mapped.toml", &mapped),
+        ("flat.csv", &flat),
+    ];
+    let place = Place::with(&files);
+    place.succeed(&["synthesize", "--pixels", "512", "-o", "map.asc"]);
+    let simulate = |scene: &'static str| vec!["simulate", scene, "-o", "out"];
+    let mut ended = 0;
+    for (args, after_s) in [
+        (simulate("fine.toml"), 0.7),
+        (simulate("dynamic.toml"), 0.7),
+        (simulate("solid.toml"), 0.7),
+        (simulate("solid-dynamic.toml"), 1.5),
+        (vec!["accuracy", "--full", "-o", "out"], 0.7),
+        (vec!["area-law", "map.asc", "-o", "out"], 0.5),
+        (vec!["surface", "map.asc", "--cavities", "-o", "out"], 0.2),
+        (vec!["calibrate", "calibration.toml", "--report", "out"], 0.3),
+        (vec!["calibrate", "mapped.toml", "--report", "out"], 0.5),
+        (vec!["synthesize", "--pixels", "2048", "-o", "out"], 0.5),
+    ] {
+        // What a fast machine has done by then cannot be interrupted.
+        match interrupted(&place, &args, after_s) {
+            Some(output) => {
+                let message = told(&place, &output);
+                assert!(message.contains("no result was written"), "{args:?}: {message}");
+                // What takes a quarter of an hour is said before.
+                let is_long = args[1] == "dynamic.toml";
+                assert!(!is_long || message.starts_with("this run takes about "), "{message}");
+            }
+            None => {
+                ended += 1;
+                let _ = std::fs::remove_dir_all(place.path("out"));
+                let _ = std::fs::remove_file(place.path("out"));
+            }
+        }
+    }
+    assert!(ended <= 5, "{ended} of them had ended before");
+}
+
+/// A disc whose target is out of reach: searched, confirmed and explained in space.
+fn discs() -> String {
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let bounded = asked.replace("\"groove\"", "\"disc\"");
+    bounded.replace("[40.0, 1000.0]", "[60.0, 150.0]").replace("[40.0, 400.0]", "[40.0, 100.0]")
+}
+
+#[test]
+fn every_stage_of_a_design_ends_and_names_what_goes_on() {
+    let place = Place::with(&[("discs.toml", &discs())]);
+    let mut stages = Vec::new();
+    for after_s in [0.2, 1.0, 3.0, 8.0] {
+        let Some(output) = interrupted(&place, &["optimize", "discs.toml", "-o", "out"], after_s) else { break };
+        let message = told(&place, &output);
+        if message.contains("answers of the search's model are kept in out.study.jsonl") {
+            assert!(message.contains("slipgrid optimize discs.toml -o out --resume"), "{message}");
+            assert!(std::fs::read_to_string(place.path("out.study.jsonl")).unwrap().lines().count() > 1);
+        }
+        stages.push(message);
+    }
+    assert!(stages.iter().any(|message| message.contains("--resume")), "{stages:?}");
+}
+
+#[test]
+fn the_command_that_is_named_goes_on() {
+    let place = Place::with(&[("design.toml", DESIGN)]);
+    let output = interrupted(&place, &["optimize", "design.toml", "-o", "out"], 0.4);
+    let kept = output.map(|output| told(&place, &output)).filter(|message| message.contains("--resume"));
+    if let Some(message) = kept {
+        let answers = message.split(' ').find_map(|word| word.parse::<usize>().ok()).unwrap();
+        let again = place.run(&["optimize", "design.toml", "-o", "out", "--resume"]);
+        let said = String::from_utf8_lossy(&again.stderr).into_owned();
+        // Fifty evaluations need not suffice.
+        assert!(
+            matches!(again.status.code(), Some(0 | 4)) && said.contains(&format!("took over {answers} answers")),
+            "{message}{said}"
+        );
+    }
+}
+
+#[test]
+fn a_second_one_ends_at_once() {
+    let place = Place::with(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]);
+    let run = start(&place, &["simulate", "scene.toml", "-o", "out"]);
+    std::thread::sleep(Duration::from_millis(700));
+    press(&run);
+    press(&run);
+    let output = run.wait_with_output().unwrap();
+    // One signal where the system took both for one; either way it ends.
+    assert_eq!(output.status.code(), Some(130));
+    assert!(!place.path("out").exists());
+}
+
+#[test]
+fn files_are_whole_or_absent_whenever_it_is_pressed() {
+    let result = r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0,
+        "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
+        "specimen": {"shape": "disc", "diameter_mm": 20.0},
+        "material": {"name": "", "source": "", "synthetic_surface": false, "notes": []}}"#;
+    let place = Place::with(&[("result.json", result)]);
+    let args = ["export", "result.json", "--format", "dxf,svg,csv,corners,hatch,plt,stl", "-o", "out"];
+    let started = Instant::now();
+    place.succeed(&args);
+    let whole_s = started.elapsed().as_secs_f64();
+    let files = common::names(&place.path("out"));
+    for moment in 1..6 {
+        std::fs::remove_dir_all(place.path("out")).unwrap();
+        if let Some(output) = interrupted(&place, &args, whole_s * f64::from(moment) / 6.0)
+            && output.status.code() == Some(130)
+        {
+            let message = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(message.contains("interrupted"), "{message}");
+        }
+        if place.path("out").exists() {
+            assert_eq!(common::names(&place.path("out")), files);
+        } else {
+            std::fs::create_dir(place.path("out")).unwrap();
+        }
+        assert!(place.names().iter().all(|name| !name.contains(".part")), "{:?}", place.names());
+    }
+}

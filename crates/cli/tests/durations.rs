@@ -1,0 +1,138 @@
+//! What takes long is said before, counted afterwards, and ends in time.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+use std::time::Instant;
+
+use common::{DESIGN, Place, SCENE};
+use serde_json::Value;
+
+fn result(place: &Place) -> Value {
+    serde_json::from_str(&fs::read_to_string(place.path("out/result.json")).unwrap()).unwrap()
+}
+
+/// Discs in a thin layer, whose target is out of reach.
+fn discs() -> String {
+    let asked = DESIGN.replace("value = 0.9", "value = 0.5").replace("max_evaluations = 50", "max_evaluations = 2000");
+    let bounded = asked.replace("\"groove\"", "\"disc\"");
+    let bounded = bounded.replace("[40.0, 1000.0]", "[60.0, 100.0]").replace("[40.0, 400.0]", "[40.0, 60.0]");
+    bounded.replace("layer_um = 200.0", "layer_um = 80.0").replace("[2.0, 50.0]", "[2.0, 20.0]")
+}
+
+#[test]
+fn the_stages_of_a_design_sum_to_its_duration() {
+    let place = Place::with(&[("discs.toml", &discs())]);
+    let output = place.run(&["optimize", "discs.toml", "-o", "out"]);
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(3), "{told}{said}");
+    let found = result(&place);
+    let timings = found["timings_s"].as_object().unwrap();
+    let sum: f64 = timings.values().map(|seconds| seconds.as_f64().unwrap()).sum();
+    let wall_s = found["wall_s"].as_f64().unwrap();
+    assert!(sum > 0.95 * wall_s && sum < 1.001 * wall_s, "{sum} of {wall_s} s: {timings:?}");
+    assert!(timings["explain"].as_f64().unwrap() > 0.0 && told.contains(", why not "), "{told}");
+    // What is said on one line sums to the same, but for rounding.
+    let line = told.lines().find(|line| line.starts_with("designs tried")).unwrap();
+    let words: Vec<&str> = line.split([' ', ',', ';']).collect();
+    let said_s: f64 = words.windows(2).filter(|pair| pair[1] == "s").map(|pair| pair[0].parse::<f64>().unwrap()).sum();
+    assert!((said_s - sum).abs() < 0.6, "{line}: {sum}");
+    // The explanation asks of no more designs than a search or two.
+    assert!(found["explanation"]["evaluations"].as_u64().unwrap() < 900, "{}", found["explanation"]["evaluations"]);
+}
+
+#[test]
+fn seconds_hold_for_all_stages() {
+    let timed = |seconds: &str| discs().replace("seed = 1", &format!("seed = 1\nmax_seconds = {seconds}"));
+    let place = Place::with(&[("none.toml", &timed("0")), ("few.toml", &timed("1.5"))]);
+    for (file, cut) in [("none.toml", "search"), ("few.toml", "confirmation")] {
+        let started = Instant::now();
+        let output = place.run(&["optimize", file, "-o", "out"]);
+        let told = String::from_utf8_lossy(&output.stdout).into_owned();
+        // What cannot be cut short, such as errors beside numbers, takes seconds on a busy machine.
+        assert!(started.elapsed().as_secs_f64() < 60.0, "{file}: {:?}", started.elapsed());
+        let found = result(&place);
+        let cut_short: Vec<&str> = found["cut_short"].as_array().unwrap().iter().map(|s| s.as_str().unwrap()).collect();
+        // A fast machine may confirm in a second.
+        if file == "none.toml" {
+            assert_eq!((output.status.code(), cut_short[0]), (Some(4), cut), "{told}");
+        } else {
+            assert!(matches!(output.status.code(), Some(3 | 4)), "{told}");
+        }
+        assert!(told.contains("cut short by max_seconds: "), "{told}");
+        assert!(fs::exists(place.path("out/report.html")).unwrap());
+    }
+}
+
+#[test]
+fn what_takes_more_than_memory_or_a_month_is_refused_by_name() {
+    let sample = SCENE.replace("\"cell\"", "\"sample\"").replace("\"steady\"", "\"dynamic\"");
+    let wide = SCENE.replace("spacing_um = 370.0", "spacing_um = 9000000.0");
+    let warm = sample.replace("block_um = 10.0", "block_um = 1.0").replace("seed = 1", "seed = 1\nwarm_start = true");
+    let long = sample
+        .replace("length_um = 9960.0", "length_um = 99600.0")
+        .replace("block_um = 10.0", "block_um = 1.0")
+        .replace("sliding_um = 2.0", "sliding_um = 40.0");
+    let fine = DESIGN.replace("block_um = 10.0", "block_um = 1.0");
+    let files = [("wide.toml", wide.as_str()), ("warm.toml", &warm), ("long.toml", &long), ("design.toml", &fine)];
+    let place = Place::with(&files);
+    for (file, says) in [
+        ("wide.toml", ["sample.block_um", "GiB"]),
+        ("warm.toml", ["sample.block_um", "at most 8 GiB"]),
+        ("long.toml", ["run.sliding_um", "at most 30 days"]),
+    ] {
+        let message = place.refuse(&["simulate", file]);
+        assert!(says.iter().all(|says| message.contains(says)), "{file}: {message}");
+    }
+    let message = place.refuse(&["optimize", "design.toml", "-o", "out"]);
+    assert!(
+        message.contains("sample.block_um: 1.0 um makes confirming runs") && message.contains("8 GiB"),
+        "{message}"
+    );
+    assert!(!place.path("out").exists() && !place.path("out.study.jsonl").exists());
+}
+
+#[test]
+fn a_bound_without_brackets_fixes_a_dimension() {
+    let fixed = DESIGN
+        .replace("depth_um = [2.0, 50.0]", "depth_um = 20.8")
+        .replace("width_um = [40.0, 400.0]", "width_um = 300");
+    let listed = fixed.replace("depth_um = 20.8", "depth_um = [20.8]");
+    let place = Place::with(&[("fixed.toml", &fixed), ("listed.toml", &listed)]);
+    place.run(&["optimize", "fixed.toml", "-o", "out"]);
+    let design = &result(&place)["design"];
+    assert_eq!((design["width_um"].as_f64(), design["depth_um"].as_f64()), (Some(300.0), Some(20.8)));
+    let message = place.refuse(&["optimize", "listed.toml", "-o", "out"]);
+    assert!(message.contains("bounds.depth_um") && message.contains("one number without brackets"), "{message}");
+}
+
+#[test]
+fn hexagonal_discs_are_designed_and_drawn() {
+    let text = discs().replace("value = 0.5", "value = 0.97\ntolerance = 0.03").replace("tolerance = 0.01\n", "");
+    let text = text.replace("planform = \"disc\"", "planform = \"disc\"\narrangement = \"hexagonal\"");
+    let place = Place::with(&[("hexagonal.toml", &text)]);
+    let output = place.run(&["optimize", "hexagonal.toml", "-o", "out"]);
+    let (told, said) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{told}{said}");
+    let found = result(&place);
+    assert_eq!(found["design"]["arrangement"], "hexagonal");
+    // Rows lie sqrt(3)/2 of a pitch apart: centres of the file of cavities.
+    let csv = fs::read_to_string(place.path("out/pattern.csv")).unwrap();
+    let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let place_of = |name: &str| columns.iter().position(|column| column.starts_with(name)).unwrap();
+    let (x, y) = (place_of("centre_x"), place_of("centre_y"));
+    let centres: Vec<[f64; 2]> = lines
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            [cells[x].parse().unwrap(), cells[y].parse().unwrap()]
+        })
+        .collect();
+    let middle = centres.iter().copied().min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1]))).unwrap();
+    let mut away: Vec<f64> = centres.iter().map(|c| (c[0] - middle[0]).hypot(c[1] - middle[1])).collect();
+    away.sort_by(f64::total_cmp);
+    let pitch = away[1];
+    assert!((2..7).all(|n| (away[n] / pitch - 1.0).abs() < 1e-3) && away[7] > 1.5 * pitch, "{:?}", &away[..8]);
+}

@@ -1,0 +1,225 @@
+//! What solving a scene takes, roughly and before anything is begun.
+//!
+//! Rates are those of one core with vector units of 256 bits, rounded to the slow side: a run in time moves 6e8 blocks a
+//! second by linear springs in the plane, 7e7 by exact ones, 1.5e8 in space (tests/accuracy), and a band factor takes
+//! 2e-10 s a product.
+
+use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
+use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
+use crate::error::SceneError;
+use crate::scene::{Extent, Fidelity, Scene, Springs};
+use crate::solid::{SolidLattice, SolidModel};
+use crate::steady::{band_products, factor_bytes};
+
+/// Seconds a block and force evaluation, by linear and by exact springs in the plane, and in space.
+const LINEAR_S: f64 = 1.6e-9;
+const EXACT_S: f64 = 14e-9;
+const SOLID_S: f64 = 7e-9;
+/// Seconds a product of a band factor, and an entry of it in a solution of its equations.
+const PRODUCT_S: f64 = 2e-10;
+const ENTRY_S: f64 = 5e-10;
+/// Solutions that a load takes.
+const SOLUTIONS: f64 = 15.0;
+/// Seconds that a column of a steady cell in space takes for each explicit row and load.
+const SOLID_COLUMN_S: f64 = 6e-5;
+/// Longest time of one core that is begun, in seconds: a month.
+const MOST_CORE_S: f64 = 30.0 * 86_400.0;
+/// Bytes a block of a run in time, and of one in space with its warm start.
+const BYTES_PER_BLOCK: f64 = 200.0;
+const SOLID_BYTES_PER_BLOCK: f64 = 900.0;
+
+/// What solving a scene takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Expense {
+    /// Seconds of one core of its own. A run that goes on until its standard error is small enough may take twenty times
+    /// as many.
+    pub core_s: f64,
+    /// The same where it runs on the cores of rayon's current pool.
+    pub wall_s: f64,
+    /// Memory, in bytes.
+    pub bytes: f64,
+}
+
+/// What solving `scene`, which is valid, takes on rayon's current pool.
+#[must_use]
+pub fn expense(scene: &Scene) -> Expense {
+    of_threads(scene, rayon::current_num_threads() as f64)
+}
+
+/// Refuses a scene that takes more memory or time than anybody means to give it, on one thread.
+///
+/// # Errors
+/// [`SceneError::TooLarge`], [`SceneError::TooLong`].
+pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
+    let Expense { core_s, bytes, .. } = of_threads(scene, 1.0);
+    if bytes > MOST_FACTOR_BYTES {
+        return Err(SceneError::TooLarge { bytes, most_bytes: MOST_FACTOR_BYTES });
+    }
+    if core_s > MOST_CORE_S {
+        return Err(SceneError::TooLong { core_s, most_s: MOST_CORE_S });
+    }
+    Ok(())
+}
+
+fn of_threads(scene: &Scene, threads: f64) -> Expense {
+    match (scene.run.fidelity, scene.dimensions()) {
+        (Fidelity::Steady, 3) => solid(scene),
+        (Fidelity::Steady, _) => plane(scene, threads),
+        (_, dimensions) => in_time(scene, dimensions == 3, threads),
+    }
+}
+
+/// Columns of the scene's own surface in the vertical plane, and of its flat companion.
+fn surfaces(scene: &Scene) -> [Option<usize>; 2] {
+    let whole = scene.layer.columns();
+    match (&scene.pattern, scene.run.extent) {
+        (None, Extent::Sample) => [Some(whole), None],
+        (None, Extent::Cell) => [Some(whole.min(FLAT_CELL_COLUMNS)), None],
+        (Some(_), Extent::Sample) => [Some(whole); 2],
+        (Some(pattern), Extent::Cell) => {
+            // At most 4e7: the cast is exact.
+            let own = (pattern.pitch_m() / scene.layer.block_m).ceil() as usize;
+            [Some(own), Some(if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { own })]
+        }
+    }
+}
+
+/// Steady sliding in the plane: a factor for each surface, side by side.
+fn plane(scene: &Scene, threads: f64) -> Expense {
+    let (rows, is_cell, loads) = (scene.layer.rows(), scene.run.extent == Extent::Cell, scene.loads.len() as f64);
+    let (mut core_s, mut bytes) = (0.0, 0.0);
+    for columns in surfaces(scene).into_iter().flatten() {
+        let own = factor_bytes(columns, rows, is_cell);
+        bytes += own;
+        // Of a strip a quarter of a ring's, whose band is twice as wide.
+        let products = band_products(columns, rows) * if is_cell { 1.0 } else { 0.25 };
+        core_s += products * PRODUCT_S + loads * SOLUTIONS * own / 8.0 * ENTRY_S;
+    }
+    Expense { core_s, wall_s: core_s / threads.min(2.0), bytes }
+}
+
+/// Steady sliding in space: one cell, its loads one after the other.
+fn solid(scene: &Scene) -> Expense {
+    let Some(pattern) = &scene.pattern else { return Expense::default() };
+    let model = SolidModel::new(scene);
+    let [nx, ny] = model.columns(pattern);
+    let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
+    let core_s = nx * ny * explicit * scene.loads.len() as f64 * SOLID_COLUMN_S;
+    Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
+}
+
+/// Runs in time: one for each surface, load and draw.
+fn in_time(scene: &Scene, is_solid: bool, threads: f64) -> Expense {
+    let rows = scene.layer.rows();
+    let columns: Vec<f64> = match (&scene.pattern, is_solid) {
+        (Some(pattern), true) => {
+            let [nx, ny] = SolidLattice::columns_of(pattern, scene.layer.block_m);
+            vec![nx * if pattern.length_m().is_none() { nx } else { ny }; 2]
+        }
+        _ => surfaces(scene).into_iter().flatten().map(|columns| columns as f64).collect(),
+    };
+    let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| usual_step_s(scene, is_solid))).total();
+    // Longer ones are not begun, and say so.
+    let steps = if steps > MOST_STEPS { 0.0 } else { steps as f64 };
+    let is_exact = match scene.run.springs {
+        Some(springs) => springs == Springs::Exact,
+        None => scene.run.fidelity == Fidelity::Reference,
+    };
+    let stages = if scene.run.fidelity == Fidelity::Reference { 4.0 } else { 1.0 };
+    let block_s = if is_solid {
+        SOLID_S
+    } else if is_exact {
+        EXACT_S
+    } else {
+        LINEAR_S
+    };
+    let each = scene.loads.len() as f64 * scene.run.draws as f64;
+    let blocks: f64 = columns.iter().map(|columns| columns * rows as f64).sum();
+    let largest = columns.iter().copied().fold(0.0, f64::max);
+    let at_once = threads.min(each * columns.len() as f64);
+    let (mut core_s, mut bytes) = (each * blocks * steps * stages * block_s, 0.0);
+    if is_solid {
+        bytes += at_once * largest * rows as f64 * SOLID_BYTES_PER_BLOCK;
+    } else {
+        bytes += at_once * largest * rows as f64 * BYTES_PER_BLOCK;
+        if scene.run.warm_start {
+            let is_cell = scene.run.extent == Extent::Cell;
+            // Each run factors its own.
+            bytes += at_once * factor_bytes(largest as usize, rows, is_cell);
+            let products = band_products(largest as usize, rows) * if is_cell { 1.0 } else { 0.25 };
+            core_s += each * columns.len() as f64 * products * PRODUCT_S;
+        }
+    }
+    Expense { core_s, wall_s: core_s / at_once.max(1.0), bytes }
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_material::{Elastic, LocalFriction};
+    use slipgrid_pattern::{Pattern, Planform};
+
+    use super::*;
+    use crate::monitor::Unwatched;
+    use crate::scene::{Layer, Load, RunOptions};
+    use crate::simulate::simulate;
+
+    fn scene(fidelity: Fidelity, extent: Extent, block_m: f64) -> Scene {
+        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+        Scene {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            area_law: None,
+            pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()),
+            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m },
+            loads: vec![Load { pressure_pa: 1e6, friction }; 2],
+            speed_m_s: 2e-3,
+            run: RunOptions { fidelity, extent, ..RunOptions::default() },
+        }
+    }
+
+    #[test]
+    fn it_is_of_the_size_that_runs_were_measured_to_have() {
+        // Seconds and gigabytes on one core of 2.8 GHz.
+        let within = |found: f64, measured: f64| found > 0.4 * measured && found < 3.0 * measured;
+        for (found, core_s, bytes) in [
+            (expense(&scene(Fidelity::Steady, Extent::Sample, 2.5e-6)), 13.5, 1.67e9),
+            (expense(&scene(Fidelity::Steady, Extent::Cell, 1e-6)), 19.5, 1.28e9),
+        ] {
+            assert!(within(found.core_s, core_s) && within(found.bytes, bytes), "{found:?}");
+        }
+        // Two surfaces, two loads, 250,000 steps of travel and 3000 of ramp and rest, 19,920 blocks.
+        let dynamic = expense(&scene(Fidelity::Dynamic, Extent::Sample, 10e-6));
+        assert!(within(dynamic.core_s, 4.0 * 253e3 * 19_920.0 / 6.9e8), "{dynamic:?}");
+        let reference = expense(&scene(Fidelity::Reference, Extent::Sample, 10e-6));
+        assert!(within(reference.core_s, 4.0 * 1.012e6 * 4.0 * 19_920.0 / 8.5e7), "{reference:?}");
+    }
+
+    #[test]
+    fn what_is_not_begun_takes_no_time() {
+        let mut slow = scene(Fidelity::Dynamic, Extent::Sample, 10e-6);
+        slow.speed_m_s = 1e-9;
+        assert_eq!(expense(&slow).core_s, 0.0);
+    }
+
+    #[test]
+    fn what_takes_months_or_more_memory_than_there_is_is_refused_at_once() {
+        let mut scene = scene(Fidelity::Dynamic, Extent::Sample, 1e-6);
+        scene.layer.length_m = 0.1;
+        scene.run.sliding_m = 15e-6;
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::TooLong { .. })));
+        scene.run.fidelity = Fidelity::Steady;
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::TooLarge { .. })));
+        // A pitch of millions of blocks is refused before its columns are counted out.
+        scene.run.extent = Extent::Cell;
+        scene.pattern = Some(Pattern::new(Planform::Groove, 130e-6, 0.15, 20e-6).unwrap());
+        assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::TooLarge { .. })));
+    }
+
+    #[test]
+    fn loads_and_draws_are_counted() {
+        let one = expense(&scene(Fidelity::Dynamic, Extent::Cell, 10e-6));
+        let mut many = scene(Fidelity::Dynamic, Extent::Cell, 10e-6);
+        many.loads.extend(many.loads.clone());
+        many.run.draws = 3;
+        assert!((expense(&many).core_s / one.core_s - 6.0).abs() < 1e-9);
+    }
+}
