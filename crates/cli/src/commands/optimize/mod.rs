@@ -1,6 +1,8 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
 mod aim;
+mod chance;
+mod chance_report;
 mod conditions;
 mod conditions_report;
 mod confirmation;
@@ -19,6 +21,7 @@ mod robust_search;
 mod robustness;
 mod robustness_report;
 mod rounds;
+mod selection;
 mod sensitivity;
 mod stages;
 mod study;
@@ -70,6 +73,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let factors = further::all_factors(&design, &uncertainty, &loads, &further);
     let mut found = Rounds::new(&design, &material, loads.clone(), further, console, &mut timings)?;
     found.model.aim_with(factors);
+    found.chances = Some(chance::Chances::new(&design, &uncertainty, &found.model, &found.further)?);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.run(&design, console, &mut timings)?;
     let mut outputs = Outputs::default();
@@ -90,6 +94,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
+    let chance = match &found.chances {
+        Some(chances) => found.chance(&design, &uncertainty, chances, &errors.report)?,
+        None => None,
+    };
     let conditions = found.conditions_report(&design, &uncertainty, &errors.report, &outside)?;
     timings.uncertainty = probing.elapsed().as_secs_f64();
 
@@ -140,6 +148,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         version: VERSION,
         name: design.name.clone(),
         status: found.status.name(),
+        chance,
+        selection: found.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
         dimensions: if is_solid { 3 } else { 2 },

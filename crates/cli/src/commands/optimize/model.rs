@@ -221,6 +221,27 @@ impl SteadyCell {
         }
     }
 
+    /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
+    /// in space in the guide's blocks, which slopes hardly see. Its values are ratios.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
+        let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
+        let count = asked.loads.len();
+        Ok(Self {
+            solver: Solver::new(&asked, if self.is_solid() { 3 } else { 2 }),
+            guide: None,
+            flat_mu: None,
+            aim: vec![1.0; count],
+            correction: vec![0.0; count],
+            limited: Limited::default(),
+            study: Study::default(),
+            scene: asked.clone(),
+            asked,
+        })
+    }
+
     /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the flat sample's dynamic friction
     /// where that is wanted, and the discrepancy's factor where designs aim with it.
     #[must_use]

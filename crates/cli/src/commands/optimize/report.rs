@@ -7,10 +7,12 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
+use super::chance_report::ChanceReport;
 use super::conditions_report::ConditionsReport;
 use super::explanation::ExplanationReport;
 use super::reachable::ReachableReport;
 use super::robustness_report::{MEANING, RobustnessReport};
+use super::selection::SelectionReport;
 use super::sensitivity::SensitivityReport;
 use super::stages::{ImprovementReport, Timings};
 use super::table::TableReport;
@@ -34,6 +36,10 @@ pub struct DesignReport {
     pub name: String,
     /// `met`, `unreachable` or `budget`.
     pub status: &'static str,
+    /// The chance that a cut sample is on target; null where nothing is demanded.
+    pub chance: Option<ChanceReport>,
+    /// How the design was chosen among those on target; null where none meets the target, and with a goal.
+    pub selection: Option<SelectionReport>,
     /// The best design.
     pub design: PatternReport,
     /// Bursts per cavity; null where the design file gives no depth per burst.
@@ -159,8 +165,13 @@ impl DesignReport {
     #[must_use]
     pub fn summary(&self) -> String {
         let design = &self.design;
-        let mut text =
-            format!("{}: {}{}\n\n", self.name, if self.goal.is_some() { "" } else { "target " }, self.verdict());
+        let mut text = format!(
+            "{}: {}{}{}\n\n",
+            self.name,
+            self.chance_words(),
+            if self.goal.is_some() { "" } else { "target " },
+            self.verdict()
+        );
         text += &format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the surface\n\n",
             design.planform,
@@ -171,6 +182,12 @@ impl DesignReport {
             self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );
+        if let Some(selection) = &self.selection {
+            text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
+        }
+        for line in self.chance.iter().flat_map(ChanceReport::lines) {
+            text.insert_str(text.len() - 1, &format!("  {line}\n"));
+        }
         let mut table = Table::new([
             "P MPa",
             "target",
@@ -270,19 +287,25 @@ impl DesignReport {
         text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
         let timings = &self.timings_s;
         text += &format!(
-            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, trade-offs {:.1} s, export {:.1} s\n",
+            "\ndesigns tried: {}{}, searches: {}; material {:.1} s, flat sample {:.1} s, search {:.1} s, choice {:.1} s, confirmation {:.1} s, slopes and tolerances {:.1} s, trade-offs {:.1} s, export {:.1} s\n",
             self.evaluations,
             if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
             self.rounds,
             timings.material,
             timings.flat,
             timings.search,
+            timings.choice,
             timings.confirm + timings.confirm_further,
             timings.uncertainty,
             timings.trade_offs,
             timings.export
         );
         text
+    }
+
+    /// The chance, before the verdict.
+    fn chance_words(&self) -> String {
+        self.chance.as_ref().map_or_else(String::new, |chance| format!("{}; ", chance.words))
     }
 
     /// What ran out, in words.
@@ -307,7 +330,7 @@ impl DesignReport {
         let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
         match self.status {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
-            "met" => format!("met{scope}"),
+            "met" => format!("met by the model{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
             _ if self.goal.is_some() && self.misfit.predicted <= 1.0 => {
                 format!("best so far{scope}: {} before the search had ended", self.spent())

@@ -13,12 +13,14 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
+use super::chance::Chances;
 use super::flat::flat_friction;
 use super::further::Further;
 use super::in_time::WARM_TRAVEL_M;
 use super::limited::Limited;
 use super::model::SteadyCell;
 use super::robust_search::{self, RobustChoice};
+use super::selection::Chosen;
 use super::stages::{ImprovementReport, Timings};
 use super::study::Study;
 use super::subject;
@@ -55,6 +57,10 @@ pub(super) struct Rounds {
     pub(super) history: Vec<ImprovementReport>,
     /// How the best design was chosen, where samples decided.
     pub(super) choice: Option<RobustChoice>,
+    /// What the chance of designs rests on.
+    pub(super) chances: Option<Chances>,
+    /// What the best design was chosen from by its chance.
+    pub(super) selection: Option<Chosen>,
 }
 
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
@@ -121,6 +127,8 @@ impl Rounds {
             reachable: Vec::new(),
             history: Vec::new(),
             choice: None,
+            chances: None,
+            selection: None,
         })
     }
 
@@ -249,12 +257,13 @@ impl Rounds {
         };
         let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &progress));
         timings.search += bar.finish();
-        let (outcome, choice) = outcome.map_err(|error| match error {
+        let failed = |error: SearchError| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
                 CliError::Other(error.to_string())
             }
             _ => design.refuse(error.to_string()).into(),
-        })?;
+        };
+        let (outcome, choice) = outcome.map_err(failed)?;
         self.rounds += 1;
         self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
             round: self.rounds,
@@ -264,6 +273,7 @@ impl Rounds {
         }));
         self.choice = choice;
         self.out_of_time = out_of_time.into_inner();
+        let outcome = self.choose(design, outcome, console, timings).map_err(failed)?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {
             self.solid_evaluations += outcome.evaluations;

@@ -11,6 +11,8 @@ pub struct Timings {
     pub flat: f64,
     /// Searching.
     pub search: f64,
+    /// Choosing among the designs on target.
+    pub choice: f64,
     /// Finding out why the target is out of reach.
     pub explain: f64,
     /// The table of designs, where asked for.
