@@ -15,6 +15,7 @@ mod in_time;
 mod limited;
 mod material;
 mod model;
+mod raised;
 mod reachable;
 mod report;
 mod robust_search;
@@ -133,8 +134,18 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     timings.export = exporting.elapsed().as_secs_f64();
 
     let comparing = Instant::now();
-    let traded = trade_offs::report(&design, &found.model, &pattern, &best.response.value, &mut outputs)?;
+    let traded = trade_offs::report(
+        &design,
+        &found.model,
+        &pattern,
+        &best.response.value,
+        found.selection.as_ref(),
+        &mut outputs,
+    )?;
     timings.trade_offs = comparing.elapsed().as_secs_f64();
+
+    let flat = found.flat_is_best(&design);
+    let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
 
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_solid = found.model.is_solid();
@@ -147,7 +158,8 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         program: "slipgrid",
         version: VERSION,
         name: design.name.clone(),
-        status: found.status.name(),
+        status: if suffices { raised::FLAT_IS_BEST } else { found.status.name() },
+        flat,
         chance,
         selection: found.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
@@ -196,6 +208,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     console.out.write_all(text.as_bytes())?;
     console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     Ok(match found.status {
+        Status::Met if suffices => exit_code::UNREACHABLE,
         Status::Met => exit_code::DONE,
         Status::Unreachable => exit_code::UNREACHABLE,
         Status::Budget => exit_code::BUDGET,

@@ -10,6 +10,7 @@ use super::aim::DiscrepancyReport;
 use super::chance_report::ChanceReport;
 use super::conditions_report::ConditionsReport;
 use super::explanation::ExplanationReport;
+use super::raised::FlatReport;
 use super::reachable::ReachableReport;
 use super::robustness_report::{MEANING, RobustnessReport};
 use super::selection::SelectionReport;
@@ -34,10 +35,12 @@ pub struct DesignReport {
     pub version: &'static str,
     /// Name of the design.
     pub name: String,
-    /// `met`, `unreachable` or `budget`.
+    /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
     pub status: &'static str,
     /// The chance that a cut sample is on target; null where nothing is demanded.
     pub chance: Option<ChanceReport>,
+    /// Why the flat surface is better than any pattern; null where one is.
+    pub flat: Option<FlatReport>,
     /// How the design was chosen among those on target; null where none meets the target, and with a goal.
     pub selection: Option<SelectionReport>,
     /// The best design.
@@ -328,6 +331,13 @@ impl DesignReport {
     /// The status in words, with what it holds for where a section stands for the planform.
     fn verdict(&self) -> String {
         let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
+        if let Some(flat) = &self.flat {
+            let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
+            return format!(
+                "{name}{scope}: {}. What follows is the pattern that lowers it least, not an advice",
+                flat.words
+            );
+        }
         match self.status {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
             "met" => format!("met by the model{scope}"),
