@@ -47,7 +47,7 @@ pub struct SelectionOptions {
 
 impl Default for SelectionOptions {
     fn default() -> Self {
-        Self { nodes: 160, refinements: 3, alike: 0.01 }
+        Self { nodes: 120, refinements: 3, alike: 0.01 }
     }
 }
 
@@ -81,10 +81,10 @@ const LINE: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 const SECANT_STEPS: usize = 3;
 /// A secant step keeps so far from the ends of its bracket, as a share of it.
 const BRACKET_END: f64 = 0.05;
-/// Designs of one line whose chance is asked for: those that miss least.
-const MOST_OF_A_LINE: usize = 2;
+/// Designs of one line whose chance, which is dearer, is asked for: those that miss least.
+const MOST_OF_A_LINE: usize = 1;
 /// Designs whose surroundings are looked at: so many by rank, and so many by chance.
-const REFINED: usize = 5;
+const REFINED: usize = 3;
 /// First steps along the line about a design on target, as a share of the bounds: a shell is some hundredths thick.
 const LINE_STEP: f64 = 0.02;
 /// Rounds in which the dear model judges what its guide found, and designs of each.

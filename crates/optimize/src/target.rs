@@ -361,6 +361,12 @@ impl Target {
         Misfit { max, rms, cost, merit }
     }
 
+    /// Whether every one of `values` is accepted: as [`Target::misfit`] says, and sooner.
+    #[must_use]
+    pub fn accepts(&self, values: &[f64]) -> bool {
+        self.asked().zip(values).all(|(demand, value)| demand.wanted.residual(*value).abs() <= 1.0)
+    }
+
     /// Whether designs are ranked by their largest residual.
     pub(crate) const fn ranks_by_largest(&self) -> bool {
         self.goal.is_none() && !self.of_samples

@@ -210,7 +210,7 @@ impl Chances {
 
     /// Share of `draws` in which the inputs that `of` names leave every value accepted.
     pub fn share(&self, draws: &CommonDraws, about: &Linearization, of: &dyn Fn(usize) -> bool) -> Probability {
-        draws.probability_of(about, of, |values| self.target.misfit(values).is_met())
+        draws.probability_of(about, of, |values| self.target.accepts(values))
     }
 
     /// The values of a design to first order: by central differences over a standard deviation each way.

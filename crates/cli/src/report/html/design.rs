@@ -419,12 +419,16 @@ fn table(page: &mut Page, result: &Value) {
     if !table.is_object() {
         return;
     }
-    let verdict = if table["confirms_search"] == true { "None is better than" } else { "One is better than" };
+    let verdict = match (table["by_chance"] == true, table["confirms_search"] == true) {
+        (true, _) => "Not by its misfit alone was chosen",
+        (false, true) => "None is better than",
+        (false, false) => "One is better than",
+    };
     page.paragraph(
         "",
         &format!(
             "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict} \
-             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the root-mean-square misfit in \
+             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
              tolerances, or the goal in per cent.",
             plain(&table["designs"]),
             plain(&table["feasible"]),
