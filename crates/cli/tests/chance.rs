@@ -9,7 +9,7 @@ use std::fs;
 use common::{DESIGN, Place};
 use serde_json::Value;
 
-const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 4.0\nspacing_std_um = 4.0\ndepth_std_um = 0.6\ndraws = 100\n";
+const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 1.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\ndraws = 100\n";
 const MODULUS: &str = "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n";
 
 /// A short sample of several periods, so that confirming takes a second, at one pressure.
@@ -54,7 +54,7 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     assert_eq!(chance["limited_by"]["input"], "Young's modulus");
     assert!(chance["limited_by"]["chance_without"].as_f64().unwrap() > share);
     let list = |key: &str| chance[key].to_string();
-    for included in ["width (made to 4 um)", "Young's modulus (known to 21 %)", "numerical error (time average"] {
+    for included in ["width (made to 1 um)", "Young's modulus (known to 21 %)", "numerical error (time average"] {
         assert!(list("included").contains(included), "{}", list("included"));
     }
     for unknown in ["flat friction", "area law", "how far the model itself is off"] {

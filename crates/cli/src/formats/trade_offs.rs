@@ -75,7 +75,7 @@ impl TradeOffGoal {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Chance => "chance that confirming run and cut sample are on target",
+            Self::Chance => "chance that a cut sample is on target",
             Self::Misfit => "largest distance from the target (tolerances)",
             Self::LaserTime => "time under the laser (s)",
             Self::Volume => "volume of cavities (mm3)",

@@ -360,11 +360,7 @@ impl TradeOffsReport {
             let told = numbers(&found.goals);
             text += &format!(
                 "    {}{among}: {} / {} / {} um: {told}\n",
-                if *name == "chance" {
-                    "greatest chance, taken for alike".to_owned()
-                } else {
-                    format!("least {}", words(name)[0])
-                },
+                if *name == "chance" { "greatest chance".to_owned() } else { format!("least {}", words(name)[0]) },
                 design.width_um,
                 design.spacing_um,
                 design.depth_um
