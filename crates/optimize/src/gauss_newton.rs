@@ -11,10 +11,13 @@
 //! stops at its bound and the others are solved again. A limited quantity with the relative excess e
 //! is the constraint c = ln(1 + e) <= 0: a step that would break constraints to first order is solved
 //! again with c + c' s = 0 for each of them as one more, heavily weighted residual.
+//!
+//! The largest residual is brought down by the same steps, with weights that Lawson's algorithm finds (C. L. Lawson, thesis,
+//! UCLA 1961): w_i |r_i + J_i s| takes the place of w_i until the largest of these no longer falls.
 
 use crate::Limit;
 use crate::ledger::Notebook;
-use crate::polish::Cost;
+use crate::polish::{Cost, Objective};
 use crate::sequence::MOST_DIMENSIONS;
 use crate::space::Grid;
 use slipgrid_pattern::Pattern;
@@ -39,6 +42,13 @@ const WORTHWHILE_GAIN: f64 = 0.02;
 const CONSTRAINT_WEIGHT: f64 = 1e3;
 /// The constraint is aimed at from within by this much, so that rounding to the grid stays feasible.
 const CONSTRAINT_MARGIN: f64 = 5e-4;
+
+/// The same of the largest residual, which begins near its least value and has kinks there.
+const FIRST_DAMPING_OF_LARGEST: f64 = 0.3;
+const MOST_STEPS_OF_LARGEST: usize = 30;
+const WORTHWHILE_GAIN_OF_LARGEST: f64 = 0.002;
+/// Rounds in which weights are found; no model is asked.
+const MOST_WEIGHTINGS: usize = 100;
 
 /// Least 1 + e, so that a constraint far from binding has a logarithm.
 const FAR_WITHIN: f64 = 1e-6;
@@ -73,10 +83,12 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
     let mut here = visit(grid, start, cost, notebook)?;
     if !free.is_empty() && here.cost > cost.comfortable() {
         let mut jacobian = difference_quotients(grid, &here, cost, &free, notebook)?;
-        let (mut damping, mut vain) = (FIRST_DAMPING, 0);
+        let of_largest = cost.objective == Objective::Largest;
+        let (mut damping, mut vain) = (if of_largest { FIRST_DAMPING_OF_LARGEST } else { FIRST_DAMPING }, 0);
         let mut margins = vec![CONSTRAINT_MARGIN; here.constraints];
-        for _ in 0..MOST_STEPS {
-            let Some(step) = damped_step(&jacobian, &here, &free, damping, &margins) else { break };
+        let most_steps = if of_largest { MOST_STEPS_OF_LARGEST } else { MOST_STEPS };
+        for _ in 0..most_steps {
+            let Some(step) = damped_step(&jacobian, &here, &free, of_largest, damping, &margins) else { break };
             let Some(design) = grid.design(&std::array::from_fn(|axis| here.t[axis] + step[axis])) else { break };
             if design == here.design {
                 break;
@@ -86,7 +98,8 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
                 break;
             }
             let gain = next.as_ref().map_or(0.0, |next| here.cost - next.cost);
-            vain = if gain > WORTHWHILE_GAIN * here.cost { 0 } else { vain + 1 };
+            let worthwhile = if of_largest { WORTHWHILE_GAIN_OF_LARGEST } else { WORTHWHILE_GAIN };
+            vain = if gain > worthwhile * here.cost { 0 } else { vain + 1 };
             damping *= if gain > 0.0 { DAMPING_DECREASE } else { DAMPING_INCREASE };
             if let Some(next) = next {
                 broyden(&mut jacobian, &here, &next);
@@ -154,8 +167,16 @@ pub(crate) fn difference_quotients(
 }
 
 /// The damped step within the bounds that respects the constraints to first order; `None` where no
-/// share can move. The last rows of the Jacobian and the last residuals are the constraints'.
-fn damped_step(jacobian: &[Vector], here: &Point, free: &[usize], damping: f64, margins: &[f64]) -> Option<Vector> {
+/// share can move. The last rows of the Jacobian and the last residuals are the constraints'. With `of_largest` the step
+/// that brings the largest residual down.
+fn damped_step(
+    jacobian: &[Vector],
+    here: &Point,
+    free: &[usize],
+    of_largest: bool,
+    damping: f64,
+    margins: &[f64],
+) -> Option<Vector> {
     let (residuals, constraints) = here.split();
     let (rows, constraint_rows) = jacobian.split_at(residuals.len());
     let square = |axis: usize| rows.iter().map(|row| row[axis] * row[axis]).sum::<f64>();
@@ -163,9 +184,40 @@ fn damped_step(jacobian: &[Vector], here: &Point, free: &[usize], damping: f64, 
     if largest <= 0.0 {
         return None;
     }
-    let mut system: Vec<(Vector, f64)> = rows.iter().copied().zip(residuals.iter().copied()).collect();
-    let step =
-        constrained_step(&mut system, (constraint_rows, constraints, margins), &here.t, free, damping * largest)?;
+    let step_of = |weights: &[f64]| {
+        let weighted = |((row, residual), weight): ((&Vector, &f64), &f64)| {
+            let root = weight.sqrt();
+            (row.map(|slope| root * slope), root * residual)
+        };
+        let mut system: Vec<(Vector, f64)> = rows.iter().zip(residuals).zip(weights).map(weighted).collect();
+        let limits = (constraint_rows, constraints, margins);
+        constrained_step(&mut system, limits, &here.t, free, damping * largest)
+    };
+    let mut weights = vec![1.0; rows.len()];
+    let mut step = step_of(&weights)?;
+    if of_largest {
+        let left = |step: &Vector| -> Vec<f64> {
+            let moved = |row: &Vector| row.iter().zip(step).map(|(slope, share)| slope * share).sum::<f64>();
+            rows.iter().zip(residuals).map(|(row, residual)| (residual + moved(row)).abs()).collect()
+        };
+        let most = |left: &[f64]| left.iter().copied().fold(0.0, f64::max);
+        let mut trial = step;
+        for _ in 0..MOST_WEIGHTINGS {
+            let now = left(&trial);
+            let sum: f64 = weights.iter().zip(&now).map(|(weight, left)| weight * left).sum();
+            if sum <= 0.0 {
+                break;
+            }
+            // Of mean 1, so that the damping keeps its size.
+            let count = rows.len() as f64;
+            weights.iter_mut().zip(&now).for_each(|(weight, left)| *weight *= count * left / sum);
+            let Some(next) = step_of(&weights) else { break };
+            if most(&left(&next)) < most(&left(&step)) {
+                step = next;
+            }
+            trial = next;
+        }
+    }
     let longest = step.iter().fold(0.0_f64, |longest, share| longest.max(share.abs()));
     if longest == 0.0 {
         return None;
@@ -330,7 +382,7 @@ mod tests {
         // r = t - (0.6, 0.6, 0.3), c = t_1 + t_2 - 1 <= 0, from the middle: nearest allowed (0.5, 0.5, 0.3).
         let rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
         let here = point([0.4, 0.5, 0.5], vec![-0.2, -0.1, 0.2, -0.1], 1);
-        let step = damped_step(&rows, &here, &[0, 1, 2], 0.0, &[CONSTRAINT_MARGIN]).unwrap();
+        let step = damped_step(&rows, &here, &[0, 1, 2], false, 0.0, &[CONSTRAINT_MARGIN]).unwrap();
         for (axis, expected) in [(0, 0.5), (1, 0.5), (2, 0.3)] {
             assert!((here.t[axis] + step[axis] - expected).abs() < CONSTRAINT_MARGIN, "{step:?}");
         }
@@ -342,7 +394,7 @@ mod tests {
         // r = t - (0.9, 0.9, 0.3), t_1 <= 0.6 and t_2 <= 0.7, both to be seen.
         let rows = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let here = point([0.4, 0.5, 0.5], vec![-0.5, -0.4, 0.2, -0.2, -0.2], 2);
-        let step = damped_step(&rows, &here, &[0, 1, 2], 0.0, &[CONSTRAINT_MARGIN; 2]).unwrap();
+        let step = damped_step(&rows, &here, &[0, 1, 2], false, 0.0, &[CONSTRAINT_MARGIN; 2]).unwrap();
         for (axis, expected) in [(0, 0.6), (1, 0.7), (2, 0.3)] {
             assert!((here.t[axis] + step[axis] - expected).abs() <= 1.01 * CONSTRAINT_MARGIN, "{step:?}");
         }

@@ -212,11 +212,12 @@ impl ForwardModel for Remembered<'_> {
 }
 
 /// The guide with what is known of its differences from the model.
-struct Corrected<'a> {
-    guide: &'a dyn ForwardModel,
-    correction: Correction,
-    grid: &'a Grid,
-    failures: &'a [Pattern],
+pub(crate) struct Corrected<'a> {
+    pub(crate) guide: &'a dyn ForwardModel,
+    pub(crate) correction: Correction,
+    pub(crate) grid: &'a Grid,
+    /// Designs that the model could not compute.
+    pub(crate) failures: &'a [Pattern],
 }
 
 impl ForwardModel for Corrected<'_> {

@@ -131,9 +131,7 @@ impl<'a> Evaluator<'a> {
     }
 
     fn judge(&self, design: &Pattern, response: Response) -> Candidate {
-        let violations = self.constraints.violations(design, &response);
-        let misfit = self.target.misfit(&response.value);
-        Candidate { design: *design, response, misfit, violations }
+        Candidate::new(self.target, self.constraints, *design, response)
     }
 
     fn report(&self, record: &Record, stage: Stage) {

@@ -21,6 +21,7 @@
 //! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
+//! | [`select`], [`Merits`], [`CommonDraws`] | of the designs on target the one whose samples are likeliest there, and cheap |
 //! | [`trade_offs`], [`Goals`] | the designs of which none is better than another by every goal |
 //! | [`SearchError`] | why there was nothing to search |
 //!
@@ -62,6 +63,7 @@
 //! # Ok::<(), slipgrid_optimize::SearchError>(())
 //! ```
 
+mod chance;
 mod constraints;
 mod error;
 mod gauss_newton;
@@ -77,6 +79,7 @@ mod propagation;
 mod relaxation;
 mod robust;
 mod search;
+mod selection;
 mod sensitivity;
 mod sequence;
 mod space;
@@ -85,6 +88,7 @@ mod target;
 mod trade_offs;
 mod uncertainty;
 
+pub use chance::CommonDraws;
 pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use guidance::Guidance;
@@ -95,10 +99,11 @@ pub use propagation::{Linearization, Probability, Propagation, Spread, Uncertain
 pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search, search_near};
+pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_guided};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
-pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, trade_offs};
+pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, compare, trade_offs};
 pub use uncertainty::{Tolerances, Uncertainty};
 
 /// Root-mean-square misfit, in tolerances, at which a design counts as comfortably on target and

@@ -1,6 +1,6 @@
 //! What a search found.
 
-use crate::{Misfit, Response, Violation};
+use crate::{Constraints, Misfit, Response, Target, Violation};
 use slipgrid_pattern::Pattern;
 
 /// How a search ended.
@@ -45,6 +45,13 @@ pub struct Candidate {
 }
 
 impl Candidate {
+    /// `design` as `target` and `constraints` take what the model says of it.
+    #[must_use]
+    pub fn new(target: &Target, constraints: &Constraints, design: Pattern, response: Response) -> Self {
+        let violations = constraints.violations(&design, &response);
+        Self { design, misfit: target.misfit(&response.value), response, violations }
+    }
+
     /// Accepted at every pressure, and feasible.
     #[must_use]
     pub fn meets_target(&self) -> bool {
@@ -58,7 +65,7 @@ impl Candidate {
     }
 
     /// Whether this design is to be preferred: feasible ones first, then those that meet the target,
-    /// then the smaller cost. Among designs that are not feasible, the smaller excess.
+    /// then the smaller merit ([`Misfit::merit`]). Among designs that are not feasible, the smaller excess.
     #[must_use]
     pub fn is_better_than(&self, other: &Self) -> bool {
         match (self.violations.is_empty(), other.violations.is_empty()) {
@@ -68,7 +75,7 @@ impl Candidate {
             (true, true) => match (self.misfit.is_met(), other.misfit.is_met()) {
                 (true, false) => true,
                 (false, true) => false,
-                _ => self.misfit.cost < other.misfit.cost,
+                _ => self.misfit.merit < other.misfit.merit,
             },
         }
     }
@@ -127,6 +134,8 @@ pub struct SearchOutcome {
     /// Range of the value at each target pressure over all feasible designs tried; empty where none
     /// was feasible. Before a search ends as [`Status::Unreachable`] it looks for these extremes.
     pub reachable: Vec<ReachableRange>,
+    /// Every design tried that meets the target, in the search's own order.
+    pub meeting: Vec<Candidate>,
     /// Improvements of the best design.
     pub history: Vec<HistoryPoint>,
 }
@@ -134,7 +143,7 @@ pub struct SearchOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Bound, Constraints, Limit};
+    use crate::{Bound, Limit};
     use slipgrid_pattern::Planform;
 
     fn candidate(max: f64, cost: f64, peak_pressure_pa: f64) -> Candidate {
@@ -145,15 +154,15 @@ mod tests {
         let design = Pattern::new(Planform::Groove, 1e-4, 3e-4, 1e-5).unwrap();
         let response = Response { value: vec![0.9], limited: vec![peak_pressure_pa] };
         let violations = constraints.violations(&design, &response);
-        Candidate { design, response, misfit: Misfit { max, rms: cost, cost }, violations }
+        Candidate { design, response, misfit: Misfit { max, rms: cost, cost, merit: max }, violations }
     }
 
     #[test]
     fn feasible_then_met_then_nearest() {
         // Each is better than all that follow.
         let ranked = [
-            candidate(0.9, 0.5, 1e6),
-            candidate(1.0, 0.6, 1e6),
+            candidate(0.9, 0.6, 1e6),
+            candidate(1.0, 0.5, 1e6),
             candidate(1.1, 0.4, 1e6),
             candidate(9.0, 8.0, 1e6),
             candidate(0.5, 0.5, 11e6),

@@ -138,10 +138,18 @@ impl Propagation {
     /// How often `judge` holds; a failed draw counts as one for which it does not.
     #[must_use]
     pub fn probability(&self, judge: impl Fn(&[f64]) -> bool) -> Probability {
-        let (held, draws) = (self.samples.iter().filter(|sample| judge(sample)).count() as f64, self.draws() as f64);
+        Probability::of(self.samples.iter().filter(|sample| judge(sample)).count(), self.draws())
+    }
+}
+
+impl Probability {
+    /// `held` of `draws`.
+    #[must_use]
+    pub fn of(held: usize, draws: usize) -> Self {
+        let (held, draws) = (held as f64, draws as f64);
         // p' = (k + 1) / (n + 2), error sqrt(p' (1 - p') / (n + 2))
         let smoothed = (held + 1.0) / (draws + 2.0);
-        Probability { share: held / draws, stderr: (smoothed * (1.0 - smoothed) / (draws + 2.0)).sqrt() }
+        Self { share: held / draws, stderr: (smoothed * (1.0 - smoothed) / (draws + 2.0)).sqrt() }
     }
 }
 
@@ -213,10 +221,21 @@ impl Linearization {
         Ok(Self { design: *design, values, slopes })
     }
 
+    /// Of a model of which the values at `design` and the slopes along each input, one row an input, are known.
+    #[must_use]
+    pub const fn of_slopes(design: Pattern, values: Vec<f64>, slopes: Vec<Vec<f64>>) -> Self {
+        Self { design, values, slopes }
+    }
+
     /// The values at the design.
     #[must_use]
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// dv/dx, one row per input.
+    pub(crate) fn slopes(&self) -> &[Vec<f64>] {
+        &self.slopes
     }
 
     /// Standard deviation of each value: sqrt(g' C g), g its slopes and C the inputs' covariance.

@@ -79,14 +79,14 @@ pub fn explain(
     let problem = Problem { space, constraints, widest };
     let mut reliefs = Vec::new();
     let restrictions = problem.restrictions(best);
-    let step = |cost: f64| WORTHWHILE * cost.abs().max(1.0);
+    let step = |merit: f64| WORTHWHILE * merit.abs().max(1.0);
     for &restriction in &restrictions {
         let (limit, loosest) = problem.range(restriction);
         let Some(found) = attempt(&problem, &[(restriction, loosest)], solve)? else { continue };
         let helps = found.is_better_than(best)
             && (found.meets_target()
                 || !best.violations.is_empty()
-                || found.misfit.cost < best.misfit.cost - step(best.misfit.cost));
+                || found.misfit.merit < best.misfit.merit - step(best.misfit.merit));
         if !helps {
             continue;
         }
@@ -112,7 +112,7 @@ pub fn explain(
     let change = |relief: &Relief| (relief.relaxed - relief.limit).abs() / relief.limit.abs().max(f64::MIN_POSITIVE);
     reliefs.sort_by(|left, right| match (left.suffices, right.suffices) {
         (true, true) => change(left).total_cmp(&change(right)),
-        (false, false) => left.best.misfit.cost.total_cmp(&right.best.misfit.cost),
+        (false, false) => left.best.misfit.merit.total_cmp(&right.best.misfit.merit),
         (left, right) => right.cmp(&left),
     });
     let together = if reliefs.iter().any(|relief| relief.suffices) || restrictions.is_empty() {

@@ -70,7 +70,8 @@ pub fn search_robust(
         Err(failure) => Err(fatal(failure)),
     };
     let nominal_expected = expected(&nominal.best.design)?;
-    let never = Misfit { max: f64::INFINITY, rms: f64::INFINITY, cost: f64::INFINITY };
+    let most = f64::INFINITY;
+    let never = Misfit { max: most, rms: most, cost: most, merit: most };
     let mut chosen = RobustOutcome {
         best: nominal.best.clone(),
         expected: nominal_expected.unwrap_or(never),

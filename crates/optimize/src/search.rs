@@ -238,12 +238,9 @@ impl Search<'_> {
         if self.has_goal() && !self.is_comfortable() {
             self.run(self.bound_descents(), Stage::Polishing, self.stage_budget())?;
         }
-        // 3. A root-mean-square misfit of at most 1 can hide a design whose largest misfit is at most 1.
-        let hidden = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
-        if let Some(best) = self.ledger.best().filter(hidden).filter(|_| !self.has_goal()) {
-            let descents = vec![self.descent(self.grid, best.design, Objective::Largest, Method::Simplex)];
-            self.run(descents, Stage::Polishing, self.stage_budget())?;
-        }
+        // 3. The least root-mean-square misfit, which descents go for, can hide a design whose largest misfit, which
+        // decides, is less.
+        self.bring_the_largest_down()?;
         // 4. Before saying that the target is out of reach: how far friction can be brought, and
         // starts unlike those before; these, too, before saying that there is nothing better.
         let is_met = self.is_met();
@@ -255,6 +252,7 @@ impl Search<'_> {
             tried.extend(self.ledger.best().map(|best| best.design));
             let starts = self.distinct_starts(&tried, self.effort.starts);
             self.polish(&starts)?;
+            self.bring_the_largest_down()?;
         }
         // 5. With all evaluations left, what was cut short.
         if !self.is_comfortable() {
@@ -430,6 +428,26 @@ impl Search<'_> {
         let descent =
             |grid: Grid| grid.design(&shares).map(|start| self.descent(grid, start, Objective::Target, self.method()));
         grids.filter_map(descent).collect()
+    }
+
+    /// Brings the largest misfit down, where that decides and is not met: by Gauss-Newton steps from the best design and
+    /// from that of the least root mean square, then, where it may yet be met, by a simplex from the best.
+    fn bring_the_largest_down(&mut self) -> Result<(), Interruption> {
+        if !self.evaluator.target.ranks_by_largest() || self.is_met() {
+            return Ok(());
+        }
+        let cost = self.cost(Objective::Target);
+        let least = self.ledger.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
+        let mut starts: Vec<Pattern> = self.ledger.best().into_iter().chain(least).map(|start| start.design).collect();
+        starts.dedup();
+        let descents = |search: &Self, starts: &[Pattern], method| -> Vec<Descent> {
+            let from = |start: &Pattern| search.descent(search.grid, *start, Objective::Largest, method);
+            starts.iter().map(from).collect()
+        };
+        self.run(descents(self, &starts, Method::GaussNewton), Stage::Polishing, self.stage_budget())?;
+        let near = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
+        let start: Vec<Pattern> = self.ledger.best().filter(near).map(|best| best.design).into_iter().collect();
+        self.run(descents(self, &start, Method::Simplex), Stage::Polishing, self.stage_budget())
     }
 
     /// Descents to the lowest and the highest value, each from the feasible design nearest to it so far.

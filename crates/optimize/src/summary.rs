@@ -38,6 +38,7 @@ pub(crate) fn outcome(
         guide_evaluations: 0,
         failed_trials: failed_trials(ledger),
         reachable: reachable(ledger, target),
+        meeting: ledger.candidates().filter(|candidate| candidate.meets_target()).cloned().collect(),
         history,
     })
 }
@@ -55,9 +56,14 @@ fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
 
 fn alternatives(ledger: &Ledger, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
     let mut meeting: Vec<&Candidate> = ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
-    meeting.sort_by(|left, right| left.misfit.cost.total_cmp(&right.misfit.cost));
+    meeting.sort_by(|left, right| left.misfit.merit.total_cmp(&right.misfit.merit));
+    unlike(meeting.into_iter(), grid, best)
+}
+
+/// The first of `ranked` that are unlike `best` and one another.
+pub(crate) fn unlike<'a>(ranked: impl Iterator<Item = &'a Candidate>, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
     let mut alternatives: Vec<Candidate> = Vec::new();
-    for candidate in meeting {
+    for candidate in ranked {
         let is_unlike = |other: &Candidate| grid.distance(&candidate.design, &other.design) >= ALTERNATIVE_DISTANCE;
         if alternatives.len() < ALTERNATIVES && is_unlike(best) && alternatives.iter().all(is_unlike) {
             alternatives.push(candidate.clone());

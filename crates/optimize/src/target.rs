@@ -165,6 +165,8 @@ pub struct Target {
     conditions: usize,
     /// Values at one condition, after which those at the next begin.
     period: usize,
+    /// Values are those of samples of a design, of which the mean counts.
+    of_samples: bool,
 }
 
 /// Distance of a response from the target.
@@ -174,9 +176,11 @@ pub struct Misfit {
     pub max: f64,
     /// Root mean square of the residuals, by weight.
     pub rms: f64,
-    /// What the search minimizes: the root mean square, at the condition where it is largest; with a goal that goal, in
+    /// What descents minimize: the root mean square, at the condition where it is largest; with a goal that goal, in
     /// per cent, with the price of coming near the edge of what is accepted.
     pub cost: f64,
+    /// What designs are ranked by: the largest residual; with a goal, and over samples of a design, the cost.
+    pub merit: f64,
 }
 
 impl Target {
@@ -217,7 +221,7 @@ impl Target {
             return Err(SearchError::OnePressure);
         }
         let period = demands.len();
-        Ok(Self { quantity, demands, goal, conditions: 1, period })
+        Ok(Self { quantity, demands, goal, conditions: 1, period, of_samples: false })
     }
 
     /// The same asked at each of `conditions` conditions, at least one: values are those at the first, then those at the
@@ -334,7 +338,7 @@ impl Target {
 
     /// The same asked of `times` responses, one after the other.
     pub(crate) fn repeated(&self, times: usize) -> Self {
-        Self { demands: self.demands.repeat(times), ..self.clone() }
+        Self { demands: self.demands.repeat(times), of_samples: true, ..self.clone() }
     }
 
     /// Misfit of `values`, one per point and condition; further values are ignored, and the largest residual of the first
@@ -353,7 +357,24 @@ impl Target {
             if self.conditions == 1 { rms } else { self.by_condition(values).map(of).fold(0.0, f64::max) }
         };
         let cost = self.goal_cost(values).map_or_else(worst, |goal| goal + near_the_edge());
-        Misfit { max, rms, cost }
+        let merit = if self.ranks_by_largest() { max } else { cost };
+        Misfit { max, rms, cost, merit }
+    }
+
+    /// Whether every one of `values` is accepted: as [`Target::misfit`] says, and sooner.
+    #[must_use]
+    pub fn accepts(&self, values: &[f64]) -> bool {
+        self.asked().zip(values).all(|(demand, value)| demand.wanted.residual(*value).abs() <= 1.0)
+    }
+
+    /// Whether designs are ranked by their largest residual.
+    pub(crate) const fn ranks_by_largest(&self) -> bool {
+        self.goal.is_none() && !self.of_samples
+    }
+
+    /// Mean of the residuals with their signs.
+    pub(crate) fn mean_residual(&self, values: &[f64]) -> f64 {
+        mean(self.asked().zip(values).map(|(demand, value)| (demand, demand.wanted.residual(*value))))
     }
 
     /// The goal in per cent, the less the better.

@@ -104,10 +104,29 @@ pub fn trade_offs(
     table.finish()
 }
 
+/// The trade-offs among `designs` alone.
+///
+/// # Errors
+/// As [`trade_offs`].
+pub fn compare(constraints: &Constraints, designs: &[Pattern], goals: &dyn Goals) -> Result<TradeOffs, SearchError> {
+    let mut table = Table { goals, constraints, known: BTreeMap::new(), compared: Vec::new(), first_reason: None };
+    table.add(designs.to_vec())?;
+    table.finish()
+}
+
 /// Points of a lattice in shares of the bounds, about `wanted` of them, and their distance along each axis. An axis with
 /// few values, such as bursts, has no more points than values.
 fn lattice(grid: &Grid, wanted: usize) -> (Vec<[f64; MOST_DIMENSIONS]>, [f64; MOST_DIMENSIONS]) {
-    let mut order = grid.free_axes();
+    lattice_of(grid, &grid.free_axes(), wanted)
+}
+
+/// The same over some of the free axes; shares of the others are 0.
+pub(crate) fn lattice_of(
+    grid: &Grid,
+    axes: &[usize],
+    wanted: usize,
+) -> (Vec<[f64; MOST_DIMENSIONS]>, [f64; MOST_DIMENSIONS]) {
+    let mut order = axes.to_vec();
     order.sort_by_key(|&axis| grid.values(axis));
     let mut counts = [1_u64; MOST_DIMENSIONS];
     let mut left = wanted as f64;
@@ -119,7 +138,7 @@ fn lattice(grid: &Grid, wanted: usize) -> (Vec<[f64; MOST_DIMENSIONS]>, [f64; MO
     }
     let spacings = counts.map(|count| if count > 1 { 1.0 / (count - 1) as f64 } else { 0.0 });
     let mut points = vec![[0.0; MOST_DIMENSIONS]];
-    for axis in grid.free_axes() {
+    for &axis in axes {
         points = points
             .iter()
             .flat_map(|point| {
@@ -194,13 +213,13 @@ impl Table<'_> {
             if is_on_front { front.push(known) } else { dominated.push(known) }
         }
         // Stable: of equal goals the earlier first.
-        front.sort_by(|a, b| compare(&a.goals, &b.goals));
+        front.sort_by(|a, b| in_order(&a.goals, &b.goals));
         Ok(TradeOffs { front, dominated, left_out })
     }
 }
 
 /// Lexicographic.
-fn compare(left: &[f64], right: &[f64]) -> std::cmp::Ordering {
+fn in_order(left: &[f64], right: &[f64]) -> std::cmp::Ordering {
     let differing = left.iter().zip(right).map(|(l, r)| l.total_cmp(r)).find(|order| order.is_ne());
     differing.unwrap_or(std::cmp::Ordering::Equal)
 }
@@ -210,7 +229,7 @@ fn non_dominated(goals: &[&[f64]]) -> Vec<usize> {
     // In lexicographic order whatever dominates comes first, and what a dominated one dominates something on the
     // front dominates too.
     let mut order: Vec<usize> = (0..goals.len()).collect();
-    order.sort_by(|&a, &b| compare(goals[a], goals[b]));
+    order.sort_by(|&a, &b| in_order(goals[a], goals[b]));
     let mut front: Vec<usize> = Vec::new();
     for index in order {
         if !front.iter().any(|&other| dominates(goals[other], goals[index])) {

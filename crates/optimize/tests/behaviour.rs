@@ -70,7 +70,7 @@ fn history_ends_at_the_best_design_and_alternatives_are_others() {
     assert_eq!(last.misfit, outcome.best.misfit);
     assert!(last.evaluation <= outcome.evaluations && last.feasible);
     assert!(outcome.history.windows(2).all(|pair| pair[0].evaluation < pair[1].evaluation));
-    assert!(outcome.history.windows(2).all(|pair| pair[0].misfit.rms > pair[1].misfit.rms));
+    assert!(outcome.history.windows(2).all(|pair| pair[0].misfit.max > pair[1].misfit.max));
     assert!(!outcome.alternatives.is_empty());
     for alternative in &outcome.alternatives {
         assert!(alternative.meets_target());

@@ -35,7 +35,9 @@ fn the_limit_that_binds_is_named_with_the_least_that_suffices() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
     let (outcome, found, searches) = explained(&wanted, &space(), &peak(4.5));
     assert_eq!(outcome.status, Status::Unreachable);
-    let [relief] = &found.reliefs[..] else { panic!("{found:?}") };
+    // The largest misfit is least at the lower bound of the width, which is relaxed too and does not suffice.
+    let [relief, width] = &found.reliefs[..] else { panic!("{found:?}") };
+    assert_eq!((width.restriction, width.suffices), (Restriction::LowerBound(Dimension::Width), false));
     assert_eq!((relief.restriction, relief.suffices, relief.limit), (Restriction::Quantity(0), true, 4.5e6));
     // The least by brute force over what meets the target.
     let mut least = f64::INFINITY;
@@ -51,7 +53,7 @@ fn the_limit_that_binds_is_named_with_the_least_that_suffices() {
     }
     assert!(relief.relaxed > 0.99 * least && relief.relaxed < 1.03 * least, "{} {least}", relief.relaxed);
     assert!(relief.best.meets_target() && relief.best.response.limited[0] == relief.relaxed);
-    assert!(found.together.is_none() && searches <= 8, "{searches}");
+    assert!(found.together.is_none() && searches <= 9, "{searches}");
 }
 
 #[test]
@@ -92,10 +94,10 @@ fn what_nothing_brings_within_reach_is_said() {
     let (outcome, found, _) = explained(&wanted, &space(), &constraints);
     assert_eq!(outcome.status, Status::Unreachable);
     assert!(!found.reliefs.is_empty() && found.reliefs.iter().all(|relief| !relief.suffices));
-    assert!(found.reliefs.iter().all(|relief| relief.best.misfit.rms < outcome.best.misfit.rms));
+    assert!(found.reliefs.iter().all(|relief| relief.best.misfit.max < outcome.best.misfit.max));
     let together = found.together.unwrap();
     assert!(!together.misfit.is_met());
-    assert!(found.reliefs.iter().all(|relief| together.misfit.rms <= relief.best.misfit.rms + 0.1));
+    assert!(found.reliefs.iter().all(|relief| together.misfit.max <= relief.best.misfit.max + 0.1));
     assert!(ratio(&together.design, PRESSURES_PA[3]) < ratio(&outcome.best.design, PRESSURES_PA[3]));
 }
 

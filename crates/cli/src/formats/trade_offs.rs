@@ -26,10 +26,15 @@ pub struct TradeOffsFile {
 /// Something that should be as small as possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TradeOffGoal {
+    /// Chance that a cut sample is on target: the greater the better, and alike within the error of the choice. Designs on
+    /// target alone are compared.
+    Chance,
     /// Largest distance from the target, in tolerances.
     Misfit,
     /// Time under the laser for the specimen.
     LaserTime,
+    /// Volume of the cavities on the specimen.
+    Volume,
     /// Largest local pressure at any target pressure.
     PeakPressure,
     /// Standard deviation of the target's quantity over samples, in tolerances, root mean square over pressures.
@@ -37,14 +42,17 @@ pub enum TradeOffGoal {
 }
 
 impl TradeOffGoal {
-    const ALL: [Self; 4] = [Self::Misfit, Self::LaserTime, Self::PeakPressure, Self::Spread];
+    const ALL: [Self; 6] =
+        [Self::Chance, Self::Misfit, Self::LaserTime, Self::Volume, Self::PeakPressure, Self::Spread];
 
     /// The name used in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Chance => "chance",
             Self::Misfit => "misfit",
             Self::LaserTime => "laser_time",
+            Self::Volume => "volume",
             Self::PeakPressure => "peak_pressure",
             Self::Spread => "spread",
         }
@@ -54,8 +62,10 @@ impl TradeOffGoal {
     #[must_use]
     pub const fn column(self) -> &'static str {
         match self {
+            Self::Chance => "chance",
             Self::Misfit => "misfit_tolerances",
             Self::LaserTime => "laser_time_s",
+            Self::Volume => "volume_mm3",
             Self::PeakPressure => "peak_pressure_mpa",
             Self::Spread => "spread_tolerances",
         }
@@ -65,8 +75,10 @@ impl TradeOffGoal {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
+            Self::Chance => "chance that a cut sample is on target",
             Self::Misfit => "largest distance from the target (tolerances)",
             Self::LaserTime => "time under the laser (s)",
+            Self::Volume => "volume of cavities (mm3)",
             Self::PeakPressure => "largest local pressure (MPa)",
             Self::Spread => "standard deviation over samples (tolerances)",
         }
@@ -152,7 +164,14 @@ fn needs(document: &Document, name: &Spanned<String>, goal: TradeOffGoal, given:
         TradeOffGoal::Spread if !given.has_tolerances => {
             return refuse("needs to know how samples scatter", "a table [tolerances]".to_owned());
         }
-        TradeOffGoal::Misfit | TradeOffGoal::Spread | TradeOffGoal::PeakPressure => {}
+        TradeOffGoal::Chance if !given.target.has_demands() || given.target.goal().is_some() => {
+            return refuse("is that of designs on a target", "a value or a band in [target], and no goal".to_owned());
+        }
+        TradeOffGoal::Chance
+        | TradeOffGoal::Misfit
+        | TradeOffGoal::Volume
+        | TradeOffGoal::Spread
+        | TradeOffGoal::PeakPressure => {}
     }
     Ok(())
 }
@@ -187,6 +206,8 @@ mod tests {
         assert_eq!(two.goals, [TradeOffGoal::Misfit, TradeOffGoal::PeakPressure]);
         let three = read("goals = [\"misfit\", \"laser_time\", \"spread\"]\ndesigns = 64", &known, true).unwrap();
         assert_eq!((three.goals.len(), three.designs), (3, 64));
+        let by_chance = read("goals = [\"chance\", \"volume\"]", &bare, false).unwrap();
+        assert_eq!(by_chance.goals, [TradeOffGoal::Chance, TradeOffGoal::Volume]);
         for (text, laser, has_tolerances, says) in [
             ("goals = [\"misfit\"]", &bare, false, "two or three"),
             ("goals = [\"misfit\", \"misfit\"]", &bare, false, "each goal once"),

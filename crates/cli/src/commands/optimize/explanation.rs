@@ -86,6 +86,10 @@ impl Rounds {
         timings: &mut Timings,
     ) -> Result<Option<ExplanationReport>, CliError> {
         let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
+        // No limit is the reason where physics is.
+        if self.flat_is_best(design).is_some() {
+            return Ok(None);
+        }
         let bar = Progress::until("why not", console.quiet, self.allowance.until());
         let explanation = explanation(design, &self.model, &self.model.judged(design, best), &bar);
         let is_cut = bar.is_out_of_time();

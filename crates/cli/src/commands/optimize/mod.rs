@@ -3,6 +3,8 @@
 mod aim;
 mod allowance;
 mod announcement;
+mod chance;
+mod chance_report;
 mod conditions;
 mod conditions_report;
 mod confirmation;
@@ -15,12 +17,14 @@ mod in_time;
 mod limited;
 mod material;
 mod model;
+mod raised;
 mod reachable;
 mod report;
 mod robust_search;
 mod robustness;
 mod robustness_report;
 mod rounds;
+mod selection;
 mod sensitivity;
 mod stages;
 mod study;
@@ -96,6 +100,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let factors = further::all_factors(&design, &uncertainty, &loads, &further);
     let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
+    found.chances = Some(chance::Chances::new(&design, &uncertainty, &found.model, &found.further)?);
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.announce(&design, with_table, console)?;
     found.run(&design, console, &mut timings)?;
@@ -117,6 +122,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
+    let chance = match &found.chances {
+        Some(chances) => found.chance(&design, &uncertainty, chances, &errors.report)?,
+        None => None,
+    };
     let conditions = found.conditions_report(&design, &uncertainty, &errors.report, &outside)?;
     let reachable = reachable::of_search(&design, &uncertainty, &found, &probing)?;
     let mut cut_short = found.cut_short.clone();
@@ -158,12 +167,16 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 
     let comparing = Progress::until("trade-offs", console.quiet, allowance.until());
     let value = &best.response.value;
-    let traded = trade_offs::report(&design, &found.model, (&pattern, value), &comparing, &mut outputs)?;
-    cut_short.extend((design.trade_offs.is_some() && traded.is_none()).then_some("trade-offs"));
+    let selection = found.selection.as_ref();
+    let traded = trade_offs::report(&design, &found.model, (&pattern, value), selection, &comparing, &mut outputs)?;
+    cut_short.extend((comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"));
     timings.trade_offs = comparing.finish();
     heed()?;
 
     let gathering = Instant::now();
+    let flat = found.flat_is_best(&design);
+    let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
+
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_solid = found.model.is_solid();
     let sectioned = Some(&pattern).filter(|_| !is_solid);
@@ -176,7 +189,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         program: "slipgrid",
         version: VERSION,
         name: design.name.clone(),
-        status: found.status.name(),
+        status: if suffices { raised::FLAT_IS_BEST } else { found.status.name() },
+        flat,
+        chance,
+        selection: found.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
         bursts: design.constraints.limits.bursts(pattern.depth_m()),
         dimensions: if is_solid { 3 } else { 2 },
@@ -229,6 +245,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     Ok(match found.status {
+        Status::Met if suffices => exit_code::UNREACHABLE,
         Status::Met => exit_code::DONE,
         Status::Unreachable => exit_code::UNREACHABLE,
         Status::Budget => exit_code::BUDGET,

@@ -152,9 +152,9 @@ impl SteadyCell {
         share.map(|share| share.unwrap_or(1.0)).map_err(|error| ModelFailure::Trial { reason: error.to_string() })
     }
 
-    /// What a cell says of `design` as it lies on the specimen.
-    fn laid(&self, design: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
-        let share = self.share(design)?;
+    /// What a cell says, with its cavities as `designed` lies on the specimen.
+    fn laid(&self, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
+        let share = self.share(designed)?;
         Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
     }
 
@@ -219,13 +219,22 @@ impl SteadyCell {
         Ok(simulation)
     }
 
-    /// Ratios of `design` in `scene`, one of this model's with other coefficients and another area law.
+    /// Ratios of `made`, a sample of what was `designed` and laid, in `scene`, one of this model's with other coefficients and
+    /// another area law.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
-    pub fn ratios_of(&self, scene: &Scene, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+    pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let solver = Solver::new(scene, if self.is_solid() { 3 } else { 2 });
-        Ok(self.laid(design, open(Self::answer(scene, &solver, design)?)?)?.ratio)
+        Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
+    }
+
+    /// Ratios of `made`, a sample of what was `designed`, at every condition: as many cavities lie on it.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the sample cannot be computed.
+    pub fn ratios_made(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.laid(designed, open(Self::answer(&self.asked, &self.solver, made)?)?)?.ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -261,6 +270,28 @@ impl SteadyCell {
             scene,
             asked,
         }
+    }
+
+    /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
+    /// in space in the guide's blocks, which slopes hardly see. Its values are ratios.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
+        let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
+        let count = asked.loads.len();
+        Ok(Self {
+            solver: Solver::new(&asked, if self.is_solid() { 3 } else { 2 }),
+            guide: None,
+            flat_mu: None,
+            aim: vec![1.0; count],
+            correction: vec![0.0; count],
+            limited: Limited::default(),
+            study: Study::default(),
+            specimen: self.specimen,
+            scene: asked.clone(),
+            asked,
+        })
     }
 
     /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the flat sample's dynamic friction

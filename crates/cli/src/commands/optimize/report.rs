@@ -7,10 +7,13 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
 
 use super::aim::DiscrepancyReport;
+use super::chance_report::ChanceReport;
 use super::conditions_report::ConditionsReport;
 use super::explanation::ExplanationReport;
+use super::raised::FlatReport;
 use super::reachable::ReachableReport;
 use super::robustness_report::{MEANING, RobustnessReport};
+use super::selection::SelectionReport;
 use super::sensitivity::SensitivityReport;
 use super::stages::{ImprovementReport, Timings};
 use super::table::TableReport;
@@ -32,8 +35,14 @@ pub struct DesignReport {
     pub version: &'static str,
     /// Name of the design.
     pub name: String,
-    /// `met`, `unreachable` or `budget`.
+    /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
     pub status: &'static str,
+    /// The chance that a cut sample is on target; null where nothing is demanded.
+    pub chance: Option<ChanceReport>,
+    /// Why the flat surface is better than any pattern; null where one is.
+    pub flat: Option<FlatReport>,
+    /// How the design was chosen among those on target; null where none meets the target, and with a goal.
+    pub selection: Option<SelectionReport>,
     /// The best design.
     pub design: PatternReport,
     /// Bursts per cavity; null where the design file gives no depth per burst.
@@ -162,8 +171,13 @@ impl DesignReport {
     #[must_use]
     pub fn summary(&self) -> String {
         let design = &self.design;
-        let mut text =
-            format!("{}: {}{}\n\n", self.name, if self.goal.is_some() { "" } else { "target " }, self.verdict());
+        let mut text = format!(
+            "{}: {}{}{}\n\n",
+            self.name,
+            self.chance_words(),
+            if self.goal.is_some() { "" } else { "target " },
+            self.verdict()
+        );
         text += &format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the surface\n\n",
             design.planform,
@@ -174,6 +188,12 @@ impl DesignReport {
             self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
             100.0 * design.areal_density,
         );
+        if let Some(selection) = &self.selection {
+            text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
+        }
+        for line in self.chance.iter().flat_map(ChanceReport::lines) {
+            text.insert_str(text.len() - 1, &format!("  {line}\n"));
+        }
         let mut table = Table::new([
             "P MPa",
             "target",
@@ -281,6 +301,11 @@ impl DesignReport {
         text
     }
 
+    /// The chance, before the verdict.
+    fn chance_words(&self) -> String {
+        self.chance.as_ref().map_or_else(String::new, |chance| format!("{}; ", chance.words))
+    }
+
     /// What ran out, in words.
     fn spent(&self) -> &'static str {
         if self.out_of_time { "the seconds allowed were spent" } else { "the evaluations allowed were spent" }
@@ -301,9 +326,16 @@ impl DesignReport {
     /// The status in words, with what it holds for where a section stands for the planform.
     fn verdict(&self) -> String {
         let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
+        if let Some(flat) = &self.flat {
+            let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
+            return format!(
+                "{name}{scope}: {}. What follows is the pattern that lowers it least, not an advice",
+                flat.words
+            );
+        }
         match self.status {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
-            "met" => format!("met{scope}"),
+            "met" => format!("met by the model{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
             _ if self.goal.is_some() && self.misfit.predicted <= 1.0 => {
                 format!("best so far{scope}: {} before the search had ended", self.spent())

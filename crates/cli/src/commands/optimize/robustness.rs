@@ -106,6 +106,8 @@ impl<'a> Request<'a> {
 /// The model about a confirmed design, with the parameters that are not known exactly.
 struct AboutDesign<'a> {
     model: &'a SteadyCell,
+    /// The design, as many of whose cavities lie on every sample.
+    designed: Pattern,
     bar: &'a Progress,
     /// The design's, with the material as calibrated.
     scene: Scene,
@@ -203,7 +205,7 @@ impl<'a> AboutDesign<'a> {
         let scene = model.scene(request.about.pattern);
         let loads = &scene.loads;
         let count = loads.len();
-        let steady = model.ratios_of(&scene, request.about.pattern)?;
+        let steady = model.ratios_of(&scene, request.about.pattern, request.about.pattern)?;
         let mut parameters = Parameters::default();
         let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
         let mut add = |block: Vec<Vec<f64>>| {
@@ -238,6 +240,7 @@ impl<'a> AboutDesign<'a> {
         let about = Self {
             model,
             bar: request.about.bar,
+            designed: *request.about.pattern,
             is_ratio: request.is_ratio,
             offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
             flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
@@ -276,7 +279,7 @@ impl UncertainModel for AboutDesign<'_> {
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
         let log_modulus = at(self.parameters.modulus, 0);
         let moved = moved(&self.scene, &flat, log_modulus, at(self.parameters.law, 0)).map_err(trial)?;
-        let steady = self.model.ratios_of(&moved, design)?;
+        let steady = self.model.ratios_of(&moved, design, &self.designed)?;
         let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
         let mut values = self.ordered(&ratio, &flat);
         if let Some(found) = &self.discrepancy {

@@ -14,12 +14,14 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
 
 use super::allowance::{Allowance, SEARCH_SHARE};
+use super::chance::Chances;
 use super::flat::flat_friction;
 use super::further::Further;
 use super::in_time::WARM_TRAVEL_M;
 use super::limited::Limited;
 use super::model::SteadyCell;
 use super::robust_search::{self, RobustChoice};
+use super::selection::Chosen;
 use super::stages::{ImprovementReport, Timings};
 use super::study::Study;
 use super::subject;
@@ -61,6 +63,10 @@ pub(super) struct Rounds {
     pub(super) allowance: Allowance,
     /// Stages that these did not suffice for.
     pub(super) cut_short: Vec<&'static str>,
+    /// What the chance of designs rests on.
+    pub(super) chances: Option<Chances>,
+    /// What the best design was chosen from by its chance.
+    pub(super) selection: Option<Chosen>,
 }
 
 /// How the names of confirming stages begin.
@@ -144,6 +150,8 @@ impl Rounds {
             choice: None,
             allowance,
             cut_short: Vec::new(),
+            chances: None,
+            selection: None,
         })
     }
 
@@ -269,7 +277,7 @@ impl Rounds {
         timings.search += bar.finish();
         heed()?;
         let is_short = out_of_time.load(Ordering::Relaxed);
-        let (outcome, choice) = outcome.map_err(|error| match error {
+        let failed = |error: SearchError| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::CancelledAtStart if is_short => {
                 CliError::OutOfTime(format!("the seconds allowed were spent before a design was found: {error}"))
             }
@@ -277,7 +285,8 @@ impl Rounds {
                 CliError::Other(error.to_string())
             }
             _ => design.refuse(error.to_string()).into(),
-        })?;
+        };
+        let (outcome, choice) = outcome.map_err(failed)?;
         self.rounds += 1;
         self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
             round: self.rounds,
@@ -290,6 +299,8 @@ impl Rounds {
             self.out_of_time = true;
             self.cut("search");
         }
+        let outcome = self.choose(design, outcome, console, timings).map_err(failed)?;
+        heed()?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_solid() {
             self.solid_evaluations += outcome.evaluations;

@@ -11,6 +11,8 @@ pub struct Timings {
     pub flat: f64,
     /// Searching.
     pub search: f64,
+    /// Choosing among the designs on target.
+    pub choice: f64,
     /// Finding out why the target is out of reach.
     pub explain: f64,
     /// The table of designs, where asked for.
@@ -36,6 +38,7 @@ impl Timings {
             ("material", self.material, always),
             ("flat sample", self.flat, always),
             ("search", self.search, always),
+            ("choice", self.choice, self.choice > 0.0),
             ("confirmation", self.confirm + self.confirm_further, always),
             ("why not", self.explain, self.explain > 0.0),
             ("table", self.table, self.table > 0.0),

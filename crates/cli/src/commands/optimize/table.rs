@@ -41,10 +41,12 @@ pub struct TableReport {
     pub best: NodeReport,
     /// The best of those within a step of the design found, in each direction; null where there is none.
     pub neighbour: Option<NodeReport>,
-    /// What the search minimizes, of the design found: root-mean-square misfit in tolerances, or the goal in per cent.
+    /// What designs are ranked by, of the design found: largest misfit in tolerances, or the goal in per cent.
     pub found_cost: f64,
     /// No design of the table is better than the one found.
     pub confirms_search: bool,
+    /// The design found is on target and was chosen by its chance: less misfit alone does not make a design better.
+    pub by_chance: bool,
 }
 
 /// A design of the table.
@@ -52,7 +54,7 @@ pub struct TableReport {
 pub struct NodeReport {
     /// The design.
     pub design: PatternReport,
-    /// What the search minimizes.
+    /// What designs are ranked by.
     pub cost: f64,
     /// Largest distance from the target, in tolerances.
     pub misfit: f64,
@@ -64,7 +66,7 @@ impl From<&Candidate> for NodeReport {
     fn from(candidate: &Candidate) -> Self {
         Self {
             design: (&candidate.design).into(),
-            cost: candidate.misfit.cost,
+            cost: candidate.misfit.merit,
             misfit: candidate.misfit.max,
             feasible: candidate.violations.is_empty(),
         }
@@ -191,7 +193,10 @@ pub fn table(
     };
     let neighbour = best(&mut nodes.iter().filter(is_near).copied());
     let feasible = nodes.iter().filter(|node| node.violations.is_empty()).count();
-    let beats = leader.is_better_than(found) && leader.misfit.cost < found.misfit.cost - BETTER;
+    // Of designs on target the chance decides, which a table does not say.
+    let is_chosen = design.target.goal().is_none() && found.meets_target();
+    let is_less = leader.misfit.merit < found.misfit.merit - BETTER;
+    let beats = !is_chosen && leader.is_better_than(found) && is_less;
     Ok(Some(TableReport {
         designs: patterns.len(),
         failed: patterns.len() - nodes.len(),
@@ -199,8 +204,9 @@ pub fn table(
         meeting: nodes.iter().filter(|node| node.meets_target()).count(),
         best: (&leader).into(),
         neighbour: neighbour.as_ref().map(NodeReport::from),
-        found_cost: found.misfit.cost,
+        found_cost: found.misfit.merit,
         confirms_search: !beats,
+        by_chance: is_chosen,
     }))
 }
 
@@ -234,7 +240,7 @@ fn csv(design: &Design, patterns: &[Pattern], answers: &[Result<Candidate, Model
                     text += &format!(",{}", tidy(value / limit.unit_si));
                 }
                 let feasible = node.violations.is_empty();
-                text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.cost);
+                text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.merit);
             }
             Err(_) => {
                 let columns = design.target.values() + design.constraints.quantities.len() + 2;
@@ -258,7 +264,15 @@ impl TableReport {
             self.designs, self.feasible, self.meeting, self.failed
         )];
         let gain = self.found_cost - self.best.cost;
-        lines.push(if self.confirms_search {
+        lines.push(if self.by_chance {
+            format!(
+                "the design found is on target ({:.3}), as are {} of the table, and was chosen by its chance; the least misfit has {} ({:.3})",
+                self.found_cost,
+                self.meeting,
+                at(&self.best),
+                self.best.cost
+            )
+        } else if self.confirms_search {
             format!(
                 "none is better than the design found ({:.3}) by more than {BETTER}: the best is {} ({:.3})",
                 self.found_cost,

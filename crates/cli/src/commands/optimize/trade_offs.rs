@@ -1,16 +1,17 @@
 //! What can be had for what: the designs of which none is better than another by every goal of `[trade_offs]`.
 
 use serde::Serialize;
-use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
-    Linearization, ModelFailure, Response, SearchError, Target, TradeOff, TradeOffOptions, TradeOffs, Uncertainty,
-    trade_offs,
+    Choice, Linearization, ModelFailure, Response, SearchError, Target, TradeOff, TradeOffOptions, TradeOffs,
+    Uncertainty, compare, trade_offs,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Monitor;
 
+use super::chance_report::percent;
 use super::limited::Limited;
 use super::model::SteadyCell;
+use super::selection::{Chosen, Effort};
 use super::study::Answer;
 use crate::CliError;
 use crate::charts::{TradeOffsChart, trade_offs as draw};
@@ -123,7 +124,8 @@ impl Plane {
 }
 
 /// Compares the designs of `design` by its goals, the chosen one among them, and adds a table and a picture. `value` is
-/// what the search's model says of `chosen`. `None` where nothing is to be compared, and where `bar` ends before that.
+/// what the search's model says of `chosen`. Where the chance is a goal, what it was chosen from, `selection`, is what is
+/// compared. `None` where nothing is to be compared, and where `bar` ends before that.
 ///
 /// Where no design respects every limit the report says so, and the table is empty.
 ///
@@ -133,10 +135,18 @@ pub fn report(
     design: &Design,
     model: &SteadyCell,
     (chosen, value): (&Pattern, &[f64]),
+    selection: Option<&Chosen>,
     bar: &Progress,
     outputs: &mut Outputs,
 ) -> Result<Option<TradeOffsReport>, CliError> {
     let Some(input) = &design.trade_offs else { return Ok(None) };
+    let chance_at = input.goals.iter().position(|goal| *goal == TradeOffGoal::Chance);
+    let pool = match (chance_at, selection) {
+        (None, _) => None,
+        (Some(_), Some(selection)) => Some(Pool::new(selection)),
+        // No design on target was compared by its chance.
+        (Some(_), None) => return Ok(None),
+    };
     let failed = |reason: String| CliError::Other(format!("trade-offs: {reason}"));
     let plane = match Plane::new(model, chosen, value) {
         Ok(plane) => plane,
@@ -153,15 +163,21 @@ pub fn report(
         .transpose()
         .map_err(|error| failed(error.to_string()))?;
     let limited = Limited::of(design);
+    let by =
+        By { design, input, plane: &plane, limited: &limited, uncertainty: uncertainty.as_ref(), pool: pool.as_ref() };
     let goals = |at: &Pattern| {
         if bar.is_over() {
             return Err(ModelFailure::Cancelled);
         }
         bar.advance(0.5 / input.designs as f64);
-        goals(design, input, &plane, &limited, uncertainty.as_ref(), at)
+        by.goals(at)
     };
     let options = TradeOffOptions { lattice: input.designs, ..TradeOffOptions::default() };
-    let found = match trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals) {
+    let found = match &pool {
+        Some(pool) => compare(&design.constraints, &pool.designs(), &goals),
+        None => trade_offs(&design.space, &design.constraints, &[*chosen], &options, &goals),
+    };
+    let mut found = match found {
         Ok(found) => found,
         Err(_) if bar.is_over() => return Ok(None),
         Err(SearchError::EveryTrialFailed { trials, reason }) => {
@@ -170,6 +186,13 @@ pub fn report(
         }
         Err(error) => return Err(failed(error.to_string())),
     };
+    let order = found.front.clone();
+    if let (Some(place), Some(pool)) = (chance_at, &pool) {
+        for known in found.front.iter_mut().chain(&mut found.dominated) {
+            known.goals[place] = pool.get(&known.design).map_or(0.0, |choice| choice.chance.share);
+        }
+    }
+    let found = found;
     outputs.add("trade-offs.csv", csv(input, &found, chosen));
     let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
     let chosen_goals = own.map(|known| known.goals.clone());
@@ -186,7 +209,7 @@ pub fn report(
         })?,
     );
     let misfit = input.goals.iter().position(|goal| *goal == TradeOffGoal::Misfit);
-    let is_met = |known: &&TradeOff| misfit.is_some_and(|place| known.goals[place] <= 1.0);
+    let is_met = |known: &&TradeOff| pool.is_some() || misfit.is_some_and(|place| known.goals[place] <= 1.0);
     let met: Vec<&TradeOff> = found.front.iter().filter(is_met).collect();
     let shown = if met.is_empty() { found.front.iter().collect() } else { met.clone() };
     Ok(Some(TradeOffsReport {
@@ -199,7 +222,7 @@ pub fn report(
         chosen_is_on_front: found.front.iter().any(|known| known.design == *chosen),
         on_target: !met.is_empty(),
         listed: listed(&shown),
-        best: (0..input.goals.len()).filter_map(|goal| best(&shown, goal)).collect(),
+        best: (0..input.goals.len()).filter_map(|goal| best(&shown, &order, goal)).collect(),
         model: model_words(model),
         none_because: None,
     }))
@@ -243,41 +266,70 @@ fn nothing(
     }
 }
 
-/// What a design does by each goal.
-fn goals(
-    design: &Design,
-    input: &TradeOffsInput,
-    plane: &Plane,
-    limited: &Limited,
-    uncertainty: Option<&Uncertainty>,
-    at: &Pattern,
-) -> Result<Vec<f64>, ModelFailure> {
-    let (value, answer) = plane.answer(at)?;
-    let limited = limited.values(at, &answer)?;
-    let response = Response { value, limited };
-    if let Some(broken) = design.constraints.violations(at, &response).first() {
-        return Err(ModelFailure::Trial { reason: broken.to_string() });
-    }
-    input
-        .goals
-        .iter()
-        .map(|goal| match goal {
-            TradeOffGoal::Misfit => Ok(design.target.misfit(&response.value).max),
-            TradeOffGoal::LaserTime => laser_time(design, at),
-            TradeOffGoal::PeakPressure => Ok(PRESSURE_MPA.from_si(answer.peak_pressure_pa())),
-            TradeOffGoal::Spread => match uncertainty {
-                Some(uncertainty) => spread(&design.target, plane, uncertainty, at),
-                None => Err(ModelFailure::Broken { reason: "there are no tolerances".to_owned() }),
-            },
-        })
-        .collect()
+/// The designs on target, with their chances.
+struct Pool<'a> {
+    chosen: &'a Chosen,
+    /// Chances from here on are alike.
+    alike_from: f64,
 }
 
-/// Time under the laser for the specimen, in seconds.
-fn laser_time(design: &Design, at: &Pattern) -> Result<f64, ModelFailure> {
-    let trial = |reason: String| ModelFailure::Trial { reason };
-    let layout = design.outline.layout(*at).map_err(|error| trial(error.to_string()))?;
-    laser_time_s(&layout, &design.laser).ok_or_else(|| trial("the laser's time is not known".to_owned()))
+impl<'a> Pool<'a> {
+    fn new(chosen: &'a Chosen) -> Self {
+        let greatest = chosen.selection.pool.iter().map(|choice| choice.chance.share).fold(0.0, f64::max);
+        Self { chosen, alike_from: greatest - chosen.selection.alike }
+    }
+
+    fn designs(&self) -> Vec<Pattern> {
+        self.chosen.selection.pool.iter().map(|choice| choice.candidate.design).collect()
+    }
+
+    fn get(&self, design: &Pattern) -> Option<&Choice> {
+        self.chosen.selection.pool.iter().find(|choice| choice.candidate.design == *design)
+    }
+}
+
+/// What designs are compared by.
+struct By<'a> {
+    design: &'a Design,
+    input: &'a TradeOffsInput,
+    plane: &'a Plane,
+    limited: &'a Limited,
+    uncertainty: Option<&'a Uncertainty>,
+    pool: Option<&'a Pool<'a>>,
+}
+
+impl By<'_> {
+    /// What a design does by each goal.
+    fn goals(&self, at: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        let trial = |reason: &str| ModelFailure::Trial { reason: reason.to_owned() };
+        let (value, answer) = self.plane.answer(at)?;
+        let limited = self.limited.values(at, &answer)?;
+        let response = Response { value, limited };
+        // Those of the pool respect every limit by the search's own model.
+        let broken = self.design.constraints.violations(at, &response);
+        if let Some(broken) = broken.first().filter(|_| self.pool.is_none()) {
+            return Err(trial(&broken.to_string()));
+        }
+        self.input
+            .goals
+            .iter()
+            .map(|goal| match goal {
+                TradeOffGoal::Chance => {
+                    let pool = self.pool.ok_or_else(|| trial("there are no chances"))?;
+                    let choice = pool.get(at).ok_or_else(|| trial("its chance is not known"))?;
+                    Ok((pool.alike_from - choice.chance.share).max(0.0))
+                }
+                TradeOffGoal::Misfit => Ok(self.design.target.misfit(&response.value).max),
+                TradeOffGoal::LaserTime => Effort::LaserTime.of(self.design, at),
+                TradeOffGoal::Volume => Effort::Volume.of(self.design, at),
+                TradeOffGoal::PeakPressure => Ok(PRESSURE_MPA.from_si(answer.peak_pressure_pa())),
+                TradeOffGoal::Spread => match self.uncertainty {
+                    Some(uncertainty) => spread(&self.design.target, self.plane, uncertainty, at),
+                    None => Err(ModelFailure::Broken { reason: "there are no tolerances".to_owned() }),
+                },
+            })
+            .collect()
+    }
 }
 
 /// Root mean square over pressures of the standard deviation over samples, to first order, in tolerances.
@@ -299,9 +351,11 @@ fn listed(front: &[&TradeOff]) -> Vec<ListedDesign> {
     (0..most).map(|step| ListedDesign::new(front[place(step)])).collect()
 }
 
-/// The best by one goal; the earliest of equals.
-fn best(front: &[&TradeOff], goal: usize) -> Option<ListedDesign> {
-    front.iter().min_by(|a, b| a.goals[goal].total_cmp(&b.goals[goal])).map(|known| ListedDesign::new(known))
+/// The best by one goal as it was compared in `order`; the earliest of equals.
+fn best(front: &[&TradeOff], order: &[TradeOff], goal: usize) -> Option<ListedDesign> {
+    let shown = |compared: &&TradeOff| front.iter().any(|known| known.design == compared.design);
+    let best = order.iter().filter(shown).min_by(|a, b| a.goals[goal].total_cmp(&b.goals[goal]))?;
+    front.iter().find(|known| known.design == best.design).map(|known| ListedDesign::new(known))
 }
 
 /// The front as a table, the chosen design with it and marked.
@@ -352,7 +406,11 @@ impl TradeOffsReport {
         let numbers = |goals: &[f64]| {
             let told = self.goals.iter().zip(goals).map(|(name, goal)| {
                 let [goal_name, unit] = words(name);
-                format!("{goal_name} {goal:.2} {unit}")
+                if *name == "chance" {
+                    format!("chance {}", percent(*goal))
+                } else {
+                    format!("{goal_name} {goal:.3} {unit}")
+                }
             });
             told.collect::<Vec<_>>().join(", ")
         };
@@ -365,8 +423,8 @@ impl TradeOffsReport {
             let design = &found.design;
             let told = numbers(&found.goals);
             text += &format!(
-                "    least {}{among}: {} / {} / {} um: {told}\n",
-                words(name)[0],
+                "    {}{among}: {} / {} / {} um: {told}\n",
+                if *name == "chance" { "greatest chance".to_owned() } else { format!("least {}", words(name)[0]) },
                 design.width_um,
                 design.spacing_um,
                 design.depth_um

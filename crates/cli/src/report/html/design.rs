@@ -7,6 +7,7 @@ use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
 use super::{background, conditions, uncertainty};
 use crate::output::Outputs;
+use crate::report::table::fixed;
 
 /// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
 #[must_use]
@@ -16,6 +17,7 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
     verdict(&mut page, result);
     dimensions(&mut page, result);
     target(&mut page, result, outputs);
+    chance_parts(&mut page, result);
     uncertainty::robustness(&mut page, result);
     uncertainty::sensitivities(&mut page, result);
     pattern(&mut page, result, outputs);
@@ -37,9 +39,19 @@ pub fn design(result: &Value, outputs: &Outputs) -> String {
 
 fn verdict(page: &mut Page, result: &Value) {
     let scope = if result["section_model"] == true { " (by the vertical section, as grooves)" } else { "" };
+    chance(page, result);
+    let flat = &result["flat"];
+    if flat.is_object() {
+        let words = text(flat, "words");
+        page.paragraph(
+            "verdict missed",
+            &format!("No pattern: {words}. What follows is the pattern that lowers it least."),
+        );
+        return;
+    }
     let (class, words) = match text(result, "status") {
         "met" if result["goal"].is_object() => ("verdict", "Best design found within bounds and limits"),
-        "met" => ("verdict", "Target met"),
+        "met" => ("verdict", "Target met by the model"),
         "unreachable" => ("verdict missed", "Target not reachable within bounds and limits; nearest design below"),
         _ if result["out_of_time"] == true => {
             ("verdict missed", "The seconds allowed were spent before the search had ended; best design so far below")
@@ -59,6 +71,60 @@ fn verdict(page: &mut Page, result: &Value) {
     for broken in texts(result, "violations") {
         page.paragraph("warning", &broken);
     }
+}
+
+/// The chance that a cut sample is on target, first of all.
+fn chance(page: &mut Page, result: &Value) {
+    let chance = &result["chance"];
+    if !chance.is_object() {
+        return;
+    }
+    let words = text(chance, "words");
+    let mut letters = words.chars();
+    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
+    page.paragraph("chance", &format!("{first}{}.", letters.as_str()));
+    if let Some(share) = chance["value"].as_f64() {
+        page.bar(share);
+    }
+}
+
+/// What the chance rests on.
+fn chance_parts(page: &mut Page, result: &Value) {
+    let chance = &result["chance"];
+    let (included, not_known) = (texts(chance, "included"), texts(chance, "not_known"));
+    if !included.is_empty() {
+        page.paragraph(
+            "",
+            &format!("The chance is one of all pressures and conditions at once. It includes {}.", included.join(", ")),
+        );
+    }
+    if !not_known.is_empty() {
+        page.paragraph(
+            "",
+            &format!("Not in the chance, as nothing says how well it is known: {}.", not_known.join(", ")),
+        );
+    }
+    if let Some(share) = chance["with_discrepancy"].as_f64() {
+        page.paragraph(
+            "",
+            &format!(
+                "Were the model as far off as on the calibration's patterned samples, it would be {:.1} %.",
+                100.0 * share
+            ),
+        );
+    }
+    let rows: Vec<Vec<String>> = each(chance, "parts")
+        .iter()
+        .map(|part| {
+            let share = part["chance_without"].as_f64().map(|share| 100.0 * share);
+            vec![text(part, "input").to_owned(), text(part, "known_to").to_owned(), fixed(share, 1)]
+        })
+        .collect();
+    page.table(
+        "What limits the chance: what it would be in % were one of these known, or made, exactly.",
+        &["what", "how well it is known", "chance in %"],
+        &rows,
+    );
 }
 
 /// Names, units and keys of a pattern's dimensions.
@@ -95,6 +161,10 @@ fn dimensions(page: &mut Page, result: &Value) {
         &["quantity", "value", "unit"],
         &rows,
     );
+    let selection = text(&result["selection"], "words");
+    if !selection.is_empty() {
+        page.paragraph("", &format!("The design was {selection}."));
+    }
 }
 
 fn target(page: &mut Page, result: &Value, outputs: &Outputs) {
@@ -352,12 +422,16 @@ fn table(page: &mut Page, result: &Value) {
     if !table.is_object() {
         return;
     }
-    let verdict = if table["confirms_search"] == true { "None is better than" } else { "One is better than" };
+    let verdict = match (table["by_chance"] == true, table["confirms_search"] == true) {
+        (true, _) => "Not by its misfit alone was chosen",
+        (false, true) => "None is better than",
+        (false, false) => "One is better than",
+    };
     page.paragraph(
         "",
         &format!(
             "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict} \
-             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the root-mean-square misfit in \
+             the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
              tolerances, or the goal in per cent.",
             plain(&table["designs"]),
             plain(&table["feasible"]),

@@ -50,6 +50,15 @@ impl Page {
         let _ = writeln!(self.body, "<p{class}>{}</p>", escape(text));
     }
 
+    /// A share from 0 to 1 as a bar, which words beside it say too.
+    pub(super) fn bar(&mut self, share: f64) {
+        let percent = 100.0 * share.clamp(0.0, 1.0);
+        let _ = writeln!(
+            self.body,
+            "<div class=\"bar\" aria-hidden=\"true\"><div style=\"width:{percent:.1}%\"></div></div>"
+        );
+    }
+
     pub(super) fn list(&mut self, items: &[String]) {
         if items.is_empty() {
             return;

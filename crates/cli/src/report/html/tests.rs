@@ -6,6 +6,9 @@ use crate::output::Outputs;
 fn result() -> serde_json::Value {
     json!({
         "name": "a <b> & \"c\"", "version": "0.0.0", "status": "met", "section_model": false,
+        "chance": {"value": 0.16, "words": "16 % chance that a cut sample is on target (limited by Young's modulus)",
+            "included": ["width"], "not_known": ["the model"], "parts": [{"input": "width", "known_to": "8 um", "chance_without": 0.2}]},
+        "selection": {"words": "chosen of 3"},
         "design": {"planform": "groove", "width_um": 130.0, "spacing_um": 370.0, "depth_um": 20.0, "areal_density": 0.26},
         "target": {"quantity": "ratio", "pressure_mpa": [0.65, 2.6], "value": [0.97, 0.83], "tolerance": 0.01},
         "predicted": [{"peak_pressure_mpa": 1.9, "ratio_discretization_error": -0.0012}, {"peak_pressure_mpa": 7.1}],
@@ -81,7 +84,11 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
-        "Target met.",
+        "<p class=\"chance\">16 % chance that a cut sample is on target (limited by Young's modulus).</p>",
+        "<div style=\"width:16.0%\">",
+        "Not in the chance, as nothing says how well it is known: the model.",
+        "The design was chosen of 3.",
+        "Target met by the model.",
         "<td>0.97 ± 0.01</td>",
         "Status at every pressure: converged.",
         "0.9616 ± 0.0012",

@@ -254,7 +254,7 @@ pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
     let chosen = if found["chosen_is_on_front"] == true {
         "The chosen design is one of them."
     } else {
-        "The chosen design is not one of them: the search asks for the target alone."
+        "The chosen design is not one of them: it was not chosen by these goals."
     };
     page.paragraph(
         "",

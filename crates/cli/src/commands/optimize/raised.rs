@@ -1,0 +1,75 @@
+//! Targets that no pattern is needed for, or that none can meet, because the model only lowers friction.
+
+use serde::Serialize;
+use slipgrid_optimize::{Goal, Quantity, Status, Wanted};
+
+use super::rounds::Rounds;
+use crate::formats::design::Design;
+use crate::report::table::fixed;
+use crate::units::PRESSURE_MPA;
+
+/// What is to be said where the flat surface is better than any pattern.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlatReport {
+    /// In words, with the numbers.
+    pub words: String,
+    /// The flat surface does what is asked; otherwise nothing does.
+    pub suffices: bool,
+}
+
+/// The status of a design whose flat surface is the best.
+pub const FLAT_IS_BEST: &str = "flat_is_best";
+
+impl Rounds {
+    /// What the flat surface does about the target of `design`, where it is better than any pattern.
+    pub(super) fn flat_is_best(&self, design: &Design) -> Option<FlatReport> {
+        let target = &design.target;
+        let flat: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
+        let quantity = match target.quantity() {
+            Quantity::Ratio => "ratio",
+            Quantity::DynamicFriction => "dynamic friction",
+        };
+        let points = target.points();
+        let asked = || flat.iter().enumerate().map(|(place, flat)| (&points[place % points.len()], *flat));
+        // The demand that lies highest above the flat surface.
+        let above = asked()
+            .filter_map(|(point, flat)| Some((point, flat, point.wanted.band()[0]? - flat)))
+            .filter(|(_, _, by)| *by > 0.0)
+            .max_by(|a, b| a.2.total_cmp(&b.2));
+        if let Some((point, flat, by)) = above.filter(|_| self.status == Status::Unreachable) {
+            return Some(FlatReport {
+                words: format!(
+                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and the flat surface, which no \
+                     pattern exceeds, has {}",
+                    PRESSURE_MPA.from_si(point.pressure_pa),
+                    fixed(Some(flat + by), 4),
+                    fixed(Some(flat), 4),
+                ),
+                suffices: false,
+            });
+        }
+        if !target.misfit(&flat).is_met() {
+            return None;
+        }
+        let found = &self.best.as_ref()?.response.value;
+        let list = |values: &[f64]| values.iter().map(|value| fixed(Some(*value), 4)).collect::<Vec<_>>().join(", ");
+        let goes_up = |wanted: &Wanted, flat: f64| matches!(wanted, Wanted::Near { value, .. } if *value > flat);
+        let is_best = match target.goal() {
+            Some(Goal::Highest) => {
+                let (flat, found) = (target.goal_value(&flat)?, target.goal_value(found)?);
+                flat - found <= target.tolerance()
+            }
+            Some(Goal::Lowest | Goal::Even) => false,
+            None => asked().all(|(point, flat)| goes_up(&point.wanted, flat)),
+        };
+        is_best.then(|| FlatReport {
+            words: format!(
+                "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
+                 ended at almost no pattern ({})",
+                list(&flat),
+                list(found),
+            ),
+            suffices: true,
+        })
+    }
+}

@@ -1,0 +1,130 @@
+//! The chance that a cut sample is on target, which comes first, and targets that the flat surface answers.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+
+use common::{DESIGN, Place};
+use serde_json::Value;
+
+const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 1.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\ndraws = 100\n";
+const MODULUS: &str = "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n";
+
+/// A short sample of several periods, so that confirming takes a second, at one pressure.
+fn design(target: &str, more: &str) -> String {
+    let text = DESIGN
+        .replace("length_um = 9960.0", "length_um = 1000.0")
+        .replace("[40.0, 400.0]", "[40.0, 100.0]")
+        .replace("[40.0, 1000.0]", "[40.0, 200.0]")
+        .replace("[0.65, 2.6]", "[2.6]")
+        .replace("value = 0.9\ntolerance = 0.01", target)
+        .replace("max_evaluations = 50", "max_evaluations = 2000");
+    format!("{text}{more}")
+}
+
+fn optimize(place: &Place, file: &str, code: i32) -> (String, Value) {
+    let output = place.run(&["optimize", file]);
+    assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
+    let folder = place.path("out").join(file.trim_end_matches(".toml"));
+    let result = fs::read_to_string(folder.join("result.json")).unwrap();
+    (String::from_utf8(output.stdout).unwrap(), serde_json::from_str(&result).unwrap())
+}
+
+#[test]
+fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
+    let target = "value = 0.88\ntolerance = 0.02";
+    let trade_offs = "[trade_offs]\ngoals = [\"chance\", \"volume\", \"peak_pressure\"]\n";
+    let place = Place::with(&[
+        ("all.toml", &design(target, &format!("{TOLERANCES}{trade_offs}")).replace("density_g_cm3 = 0.9\n", MODULUS)),
+        ("material.toml", &design(target, "").replace("density_g_cm3 = 0.9\n", MODULUS)),
+        ("nothing.toml", &design(target, "")),
+    ]);
+    let (told, found) = optimize(&place, "all.toml", 0);
+    let first = told.lines().next().unwrap();
+    assert!(
+        first.contains("% chance that a cut sample is on target (limited by Young's modulus, known to 21 %"),
+        "{first}"
+    );
+    assert!(first.ends_with("target met by the model"), "{first}");
+    let chance = &found["chance"];
+    let share = chance["value"].as_f64().unwrap();
+    assert!(share > 0.05 && share < 0.95 && chance["stderr"].as_f64().unwrap() < 0.01, "{share}");
+    assert_eq!(chance["limited_by"]["input"], "Young's modulus");
+    assert!(chance["limited_by"]["chance_without"].as_f64().unwrap() > share);
+    let list = |key: &str| chance[key].to_string();
+    for included in ["width (made to 1 um)", "Young's modulus (known to 21 %)", "numerical error (time average"] {
+        assert!(list("included").contains(included), "{}", list("included"));
+    }
+    for unknown in ["flat friction", "area law", "how far the model itself is off"] {
+        assert!(list("not_known").contains(unknown), "{}", list("not_known"));
+    }
+    // To first order it is what the draws of the steady model say.
+    let sampled = &found["robustness"]["with_material"];
+    let error = sampled["probability_stderr"].as_f64().unwrap();
+    assert!((sampled["probability"].as_f64().unwrap() - share).abs() < 4.0 * error + 0.03, "{sampled} {share}");
+
+    // The chosen design is one of those that none beats: of those as likely it takes least.
+    let (selection, traded) = (&found["selection"], &found["trade_offs"]);
+    assert!(told.contains("chosen of ") && selection["on_target"].as_u64().unwrap() > 10);
+    assert_eq!((&traded["chosen_is_on_front"], &traded["designs"]), (&Value::from(true), &selection["on_target"]));
+    assert!(selection["effort_value"].as_f64().unwrap() <= selection["effort_of_greatest_chance"].as_f64().unwrap());
+    assert_eq!(selection["effort"], "cavity_volume_mm3");
+    assert!((traded["chosen"][1].as_f64().unwrap() / selection["effort_value"].as_f64().unwrap() - 1.0).abs() < 1e-6);
+    let page = fs::read_to_string(place.path("out/all/report.html")).unwrap();
+    let at = |what: &str| page.find(what).unwrap();
+    assert!(at("chance that a cut sample is on target") < at("Target met by the model"));
+    assert!(at("Target met by the model") < at("The design</h2>") && at("The design</h2>") < at("Target, prediction"));
+
+    // Improvements of one search fall.
+    let history = found["history"].as_array().unwrap();
+    for pair in history.windows(2).filter(|pair| pair[0]["round"] == pair[1]["round"] && pair[0]["feasible"] == true) {
+        assert!(pair[1]["misfit"].as_f64() < pair[0]["misfit"].as_f64(), "{pair:?}");
+    }
+
+    let (told, _) = optimize(&place, "material.toml", 0);
+    let first = told.lines().next().unwrap();
+    assert!(first.contains("known to 21 %; from the material alone: tolerances are not given)"), "{first}");
+    let (told, found) = optimize(&place, "nothing.toml", 0);
+    let said = "chance not known: neither tolerances nor errors of the material are given; target met by the model";
+    assert!(told.lines().next().unwrap().contains(said), "{told}");
+    assert_eq!((&found["chance"]["value"], &found["status"]), (&Value::Null, &Value::from("met")));
+}
+
+#[test]
+fn the_choice_is_the_same_on_two_threads() {
+    let text = design("value = 0.88\ntolerance = 0.02", TOLERANCES);
+    let place = Place::with(&[("a.toml", &text)]);
+    let found = |threads: &str| {
+        let output = place.run(&["optimize", "a.toml", "--threads", threads, "-o", threads]);
+        assert!(output.status.success());
+        let text = fs::read_to_string(place.path(threads).join("result.json")).unwrap();
+        let found: Value = serde_json::from_str(&text).unwrap();
+        ["design", "selection", "chance", "alternatives"].map(|key| found[key].clone())
+    };
+    assert_eq!(found("1"), found("2"));
+}
+
+#[test]
+fn a_target_above_the_flat_surface_is_not_answered_by_a_pattern() {
+    let place = Place::with(&[
+        ("above.toml", &design("value = 1.2\ntolerance = 0.03", "")),
+        (
+            "highest.toml",
+            &design("goal = \"highest\"", "")
+                .replace("length_um = 1000.0", "length_um = 3960.0")
+                .replace("spacing_um = [40.0, 200.0]", "spacing_um = [40.0, 3000.0]"),
+        ),
+    ]);
+    let (told, found) = optimize(&place, "above.toml", 3);
+    let said = "this model only lowers friction: at 2.6 MPa a ratio of at least 1.1700 is wanted, and the flat surface, which no pattern exceeds, has 1.0000";
+    assert!(told.contains(said) && !told.contains("why: "), "{told}");
+    assert_eq!((&found["status"], &found["explanation"]), (&Value::from("unreachable"), &Value::Null));
+    assert_eq!(found["flat"]["suffices"], false);
+    let page = fs::read_to_string(place.path("out/above/report.html")).unwrap();
+    assert!(page.contains("this model only lowers friction"));
+    let (told, found) = optimize(&place, "highest.toml", 3);
+    assert!(told.contains("the flat surface is the best") && !told.contains("best found"), "{told}");
+    assert_eq!((&found["status"], &found["flat"]["suffices"]), (&Value::from("flat_is_best"), &Value::from(true)));
+}

@@ -1,0 +1,87 @@
+//! The chance that what is made of a design is on target, by draws that all designs share.
+
+use crate::normal::Normals;
+use crate::propagation::{Linearization, Probability};
+use crate::uncertainty::Uncertainty;
+
+/// Seeded draws of everything that is not known exactly. Designs judged by the same draws are compared without the
+/// scatter of drawing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CommonDraws {
+    /// Deviations of the inputs, one draw after the other.
+    deviations: Vec<f64>,
+    inputs: usize,
+    draws: usize,
+}
+
+impl CommonDraws {
+    /// `draws` draws from `uncertainty`.
+    #[must_use]
+    pub fn new(uncertainty: &Uncertainty, draws: usize, seed: u64) -> Self {
+        let mut normals = Normals::new(seed);
+        let inputs = uncertainty.inputs();
+        let mut deviations = Vec::with_capacity(draws * inputs);
+        for _ in 0..draws {
+            let z: Vec<f64> = (0..inputs).map(|_| normals.next()).collect();
+            deviations.extend(uncertainty.deviations(&z));
+        }
+        Self { deviations, inputs, draws }
+    }
+
+    /// How often `judge` holds of the values of `about`, moved to first order by each draw.
+    #[must_use]
+    pub fn probability(&self, about: &Linearization, judge: impl Fn(&[f64]) -> bool) -> Probability {
+        self.probability_of(about, &|_| true, judge)
+    }
+
+    /// The same where the inputs of `of` alone are off.
+    #[must_use]
+    pub fn probability_of(
+        &self,
+        about: &Linearization,
+        of: &dyn Fn(usize) -> bool,
+        judge: impl Fn(&[f64]) -> bool,
+    ) -> Probability {
+        // What moves nothing need not be added up.
+        let moving: Vec<usize> = (0..self.inputs)
+            .filter(|&input| of(input) && about.slopes()[input].iter().any(|slope| *slope != 0.0))
+            .collect();
+        let mut values = about.values().to_vec();
+        let mut held = 0_usize;
+        for draw in 0..self.draws {
+            let deviations = &self.deviations[draw * self.inputs..(draw + 1) * self.inputs];
+            values.copy_from_slice(about.values());
+            for &input in &moving {
+                for (value, slope) in values.iter_mut().zip(&about.slopes()[input]) {
+                    *value += deviations[input] * slope;
+                }
+            }
+            held += usize::from(judge(&values));
+        }
+        Probability::of(held, self.draws)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tolerances;
+    use slipgrid_pattern::{Pattern, Planform};
+
+    #[test]
+    fn the_share_within_a_band_is_that_of_the_normal_distribution() {
+        let tolerances = Tolerances { std_m: [3e-6, 0.0, 0.0], width_spacing_correlation: 0.0 };
+        let known = Uncertainty::new(&tolerances, &[vec![16.0]]).unwrap();
+        let draws = CommonDraws::new(&known, 20_000, 7);
+        let design = Pattern::new(Planform::Groove, 1e-4, 1e-4, 1e-5).unwrap();
+        // v = 1 + w / um + p: a standard deviation of 5 in all, of 3 by the width alone.
+        let none = vec![0.0];
+        let about = Linearization::of_slopes(design, vec![1.0], vec![vec![1e6], none.clone(), none, vec![1.0]]);
+        let within = |values: &[f64]| (values[0] - 1.0).abs() <= 5.0;
+        let all = draws.probability(&about, within);
+        assert!((all.share - 0.6827).abs() < 3.0 * all.stderr && all.stderr < 0.004, "{all:?}");
+        let width = draws.probability_of(&about, &|input| input < 3, within);
+        assert!((width.share - 0.9044).abs() < 3.0 * width.stderr, "{width:?}");
+        assert_eq!(draws.probability(&about, within), CommonDraws::new(&known, 20_000, 7).probability(&about, within));
+    }
+}

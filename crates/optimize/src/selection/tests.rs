@@ -1,0 +1,151 @@
+use super::*;
+use crate::{Bound, CommonDraws, Limit, Linearization, Quantity, Response, TargetPoint, Tolerances, Uncertainty};
+use slipgrid_pattern::{ManufacturingLimits, Planform};
+
+const PRESSURES_PA: [f64; 2] = [1e6, 2e6];
+
+fn um(design: &Pattern) -> [f64; 3] {
+    [design.width_m(), design.spacing_m(), design.depth_m()].map(|length_m| length_m * 1e6)
+}
+
+/// Lowering goes with width over pitch and rises with the depth.
+fn value(design: &Pattern) -> Vec<f64> {
+    let [w, s, d] = um(design);
+    [0.5, 1.0].map(|load| 1.0 - load * w / (w + s) * (1.0 - (-d / 8.0).exp())).to_vec()
+}
+
+fn respond(design: &Pattern) -> Result<Response, ModelFailure> {
+    Ok(Response { value: value(design), limited: Vec::new() })
+}
+
+fn target() -> Target {
+    let point = |(pressure_pa, value)| TargetPoint { pressure_pa, value };
+    let points = PRESSURES_PA.into_iter().zip([0.9, 0.8]).map(point).collect();
+    Target::new(Quantity::Ratio, points, 0.01).unwrap()
+}
+
+fn space() -> DesignSpace {
+    DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
+}
+
+fn bursts() -> Constraints {
+    let limits = ManufacturingLimits { depth_per_burst_m: Some(2.6e-6), ..Default::default() };
+    Constraints { limits, ..Default::default() }
+}
+
+fn carry_on(_: f64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// Dimensions scatter; effort is the volume removed.
+struct Made {
+    uncertainty: Uncertainty,
+    draws: CommonDraws,
+}
+
+impl Made {
+    fn new() -> Self {
+        let tolerances = Tolerances { std_m: [4e-6, 4e-6, 1.3e-6], width_spacing_correlation: 0.0 };
+        let uncertainty = Uncertainty::new(&tolerances, &[]).unwrap();
+        Self { draws: CommonDraws::new(&uncertainty, 2000, 1), uncertainty }
+    }
+}
+
+impl Merits for Made {
+    fn chance(&self, candidate: &Candidate) -> Result<Probability, ModelFailure> {
+        let model = |design: &Pattern, _: &[f64]| Ok(value(design));
+        let about = Linearization::new(&model, &candidate.design, &self.uncertainty)?;
+        Ok(self.draws.probability(&about, |values| target().misfit(values).is_met()))
+    }
+
+    fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
+        let [w, s, d] = um(design);
+        Ok(w / (w + s) * d)
+    }
+}
+
+fn chosen_on(threads: usize) -> Selection {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let options = SelectionOptions::default();
+    pool.install(|| select(&target(), &space(), &bursts(), &[], &options, &respond, &Made::new(), &carry_on).unwrap())
+}
+
+#[test]
+fn the_chosen_design_is_as_likely_as_any_and_takes_the_least_effort_of_those() {
+    let found = chosen_on(1);
+    let best = &found.pool[0];
+    assert!(found.pool.iter().all(|choice| choice.candidate.meets_target()));
+    assert!(found.pool.iter().all(|choice| choice.chance.share <= best.chance.share + found.alike));
+    assert!(found.alike >= 0.01 && found.designs < 2500, "{} {}", found.alike, found.designs);
+    for choice in found.pool.iter().filter(|choice| choice.chance.share >= best.chance.share) {
+        assert!(choice.effort >= best.effort);
+    }
+    // By brute force on the valley: for each width and depth the spacing that hits the target.
+    let made = Made::new();
+    let mut tried: Vec<(f64, f64)> = Vec::new();
+    for width_um in (40..=400).step_by(20) {
+        for bursts in 1..=19 {
+            let (w, d) = (f64::from(width_um), 2.6 * f64::from(bursts));
+            let s = w * (1.0 - (-d / 8.0_f64).exp()) / 0.2 - w;
+            if (40.0..=1000.0).contains(&s) {
+                let design = Pattern::new(Planform::Groove, w * 1e-6, s * 1e-6, d * 1e-6).unwrap();
+                let candidate = Candidate::new(&target(), &bursts_of_none(), design, respond(&design).unwrap());
+                tried.push((made.chance(&candidate).unwrap().share, made.effort(&design).unwrap()));
+            }
+        }
+    }
+    let most = tried.iter().map(|(chance, _)| *chance).fold(0.0, f64::max);
+    assert!(best.chance.share > most - found.alike - 0.01, "{} {most}", best.chance.share);
+    let least = tried.iter().filter(|(chance, _)| *chance >= most - found.alike).map(|(_, effort)| *effort);
+    let least = least.fold(f64::INFINITY, f64::min);
+    assert!(best.effort < 1.05 * least, "{} {least}", best.effort);
+    assert!(!found.alternatives.is_empty() && found.alternatives.iter().all(Candidate::meets_target));
+}
+
+fn bursts_of_none() -> Constraints {
+    Constraints::default()
+}
+
+#[test]
+fn the_choice_is_the_same_at_any_number_of_threads() {
+    assert_eq!(chosen_on(1), chosen_on(3));
+}
+
+#[test]
+fn a_design_beyond_a_limit_is_not_chosen_and_nothing_on_target_is_an_empty_pool() {
+    let shallow = |design: &Pattern| Ok(Response { value: value(design), limited: vec![design.depth_m()] });
+    let bound = Bound::AtMost(10e-6);
+    let limit = Limit { name: "depth", unit: "um", unit_si: 1e-6, bound, scale: 1e-5, loosest: f64::INFINITY };
+    let limited = Constraints { quantities: vec![limit], ..bursts() };
+    let options = SelectionOptions::default();
+    let made = Made::new();
+    let found = select(&target(), &space(), &limited, &[], &options, &shallow, &made, &carry_on).unwrap();
+    assert!(found.pool.iter().all(|choice| choice.candidate.design.depth_m() <= 10e-6) && !found.pool.is_empty());
+    let flat = |_: &Pattern| Ok(Response { value: vec![1.0, 1.0], limited: Vec::new() });
+    let none = select(&target(), &space(), &bursts(), &[], &options, &flat, &made, &carry_on).unwrap();
+    assert!(none.pool.is_empty() && none.alternatives.is_empty());
+}
+
+#[test]
+fn a_guide_that_is_off_leads_to_designs_that_the_model_has_judged() {
+    let guide = |design: &Pattern| {
+        let off = 0.01 + 2e-5 * design.width_m() * 1e6;
+        Ok(Response { value: value(design).iter().map(|value| value + off).collect(), limited: Vec::new() })
+    };
+    let mut guidance = Guidance::new();
+    for width_m in [60e-6, 200e-6, 380e-6] {
+        let design = Pattern::new(Planform::Groove, width_m, 300e-6, 10.4e-6).unwrap();
+        guidance.learn(design, &respond(&design).unwrap(), &guide(&design).unwrap());
+    }
+    let (options, made) = (SelectionOptions::default(), Made::new());
+    let (target, space, limits) = (target(), space(), bursts());
+    let found =
+        select_guided(&target, &space, &limits, &[], &options, &respond, &guide, &mut guidance, &made, &carry_on);
+    let found = found.unwrap();
+    assert!(found.pool.len() <= JUDGED_ROUNDS * JUDGED && !found.pool.is_empty());
+    for choice in &found.pool {
+        assert_eq!(choice.candidate.response, respond(&choice.candidate.design).unwrap());
+    }
+    let alone = chosen_on(2);
+    assert!(found.pool[0].chance.share > alone.pool[0].chance.share - 0.03);
+}
