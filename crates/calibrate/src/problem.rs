@@ -119,7 +119,7 @@ pub enum CalibrationError {
     },
     /// Local coefficients would have to be larger than any.
     #[error(
-        "measurement {number}: friction over the area law's factor {factor:.3} is {mean:.2}: expected a local \
+        "measurement {number}: friction over the area law's factor {factor:.2e} is {mean:.2e}: expected a local \
          coefficient of at most {most}"
     )]
     BeyondLaw {
@@ -152,6 +152,14 @@ pub enum CalibrationError {
         steps: f64,
         /// Most that are begun.
         most: f64,
+    },
+    /// More coefficients than the profiles of their errors can be computed for.
+    #[error("{count} coefficients are to be fitted: expected at most {most}")]
+    TooManyCoefficients {
+        /// Coefficients of all conditions.
+        count: usize,
+        /// The most that are fitted.
+        most: usize,
     },
     /// All runs together would take too long.
     #[error("the runs of the flat sample take {steps:.1e} time steps together: expected at most {most:.0e}")]

@@ -155,6 +155,26 @@ fn measurements_that_cannot_be_used_are_refused_at_once() {
 }
 
 #[test]
+fn a_table_of_too_many_conditions_is_refused_at_once() {
+    let header = FLAT.lines().next().unwrap();
+    let rows: String = (1..=300).map(|i| format!("{i},2,15,0.248,0.002\n")).collect();
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", &format!("{header}\n{rows}"))]);
+    let start = Instant::now();
+    let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+    assert!(message.contains("c.toml: 300 coefficients are to be fitted; expected fewer conditions"), "{message}");
+    assert!(start.elapsed() < AT_ONCE, "{:?}", start.elapsed());
+}
+
+#[test]
+fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them() {
+    let map = "map = \"map.asc\"\nwindows = 200";
+    let place = Place::with(&[("c.toml", &CALIBRATION.replace("persson_rms_slope = 0.0137", map)), ("flat.csv", FLAT)]);
+    place.succeed(&["synthesize", "--pixels", "64", "-o", "map.asc"]);
+    let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+    assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
+}
+
+#[test]
 fn mistaken_units_and_sizes_are_refused_at_once() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let pattern = "[pattern]\nwidth_um = 1e6\nspacing_um = 1e6\ndepth_um = 20\n[fit]";

@@ -14,6 +14,9 @@ const LEAST_EXCESS: f64 = 1e-3;
 /// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
 const MOST_WORK: u64 = 10 * MOST_STEPS;
 
+/// Coefficients at most: time and memory of their covariance and profiles grow with the fourth and the second power of
+/// their number, and reach half an hour here.
+const MOST_COEFFICIENTS: usize = 250;
 /// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
 /// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
@@ -55,6 +58,10 @@ pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
 
 /// Refuses what no run would bring nearer.
 pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
+    let (count, most) = (Layout::new(problem).count, MOST_COEFFICIENTS);
+    if count > most {
+        return Err(CalibrationError::TooManyCoefficients { count, most });
+    }
     let most = FRICTION_BOUNDS[1];
     for (measured, number) in problem.measurements.iter().zip(1..) {
         if let Some(peak) = measured.static_peak {

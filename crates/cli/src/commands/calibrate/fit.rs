@@ -81,6 +81,7 @@ pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) 
         CalibrationError::BeyondLaw { .. } => "another [surface], or a smaller load",
         CalibrationError::NotQuasiStatic { .. } => "a larger force_n or a smaller speed_mm_s",
         CalibrationError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
+        CalibrationError::TooManyCoefficients { .. } => "fewer conditions, or coefficients = \"single\" in [fit]",
         CalibrationError::TooMuchWork { .. } => "fewer rows, or larger speeds",
         _ => return CliError::Other(format!("calibration: {error}")),
     };
