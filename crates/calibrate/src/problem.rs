@@ -132,6 +132,19 @@ pub enum CalibrationError {
         /// The largest that is fitted.
         most: f64,
     },
+    /// Inertia of the layer exceeds friction by far.
+    #[error(
+        "measurement {number}: friction is {share:.1e} of the stress rho c v of the layer's inertia at this speed: \
+         expected at least {least}"
+    )]
+    Inertia {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Friction over rho c v.
+        share: f64,
+        /// The least that is fitted.
+        least: f64,
+    },
     /// Dynamic runs have little to do with steady sliding.
     #[error(
         "measurement {number}: in the model the sample slides with {:.0} % of its steady friction at this load and \
@@ -189,6 +202,7 @@ impl CalibrationError {
             | Self::NoSliding { number, .. }
             | Self::PeakTooHigh { number, .. }
             | Self::BeyondLaw { number, .. }
+            | Self::Inertia { number, .. }
             | Self::NotQuasiStatic { number, .. }
             | Self::TooManySteps { number, .. } => Some(*number),
             _ => None,

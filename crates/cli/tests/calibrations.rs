@@ -118,7 +118,7 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
 }
 
 /// Rows that a calibration cannot use, and what is said.
-const ROWS: [(&str, &str); 13] = [
+const ROWS: [(&str, &str); 14] = [
     ("50,2,15,0.248,0.002,0.20,0.01", "flat.csv:2: mu_static: 0.2 is no static peak: dynamic friction is 0.248"),
     ("50,2,15,0.248,0.002,0.3,", "flat.csv:2: mu_static: stands without mu_static_std"),
     (
@@ -169,7 +169,7 @@ fn a_table_of_too_many_conditions_is_refused_at_once() {
 fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them() {
     let map = "map = \"map.asc\"\nwindows = 200";
     let place = Place::with(&[("c.toml", &CALIBRATION.replace("persson_rms_slope = 0.0137", map)), ("flat.csv", FLAT)]);
-    place.succeed(&["synthesize", "--pixels", "64", "-o", "map.asc"]);
+    place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
     let message = place.refuse(&["calibrate", "c.toml", "-q"]);
     assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
 }

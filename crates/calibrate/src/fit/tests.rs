@@ -282,6 +282,8 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
         p.measurements = (0..30).map(at).collect();
     });
     assert!(matches!(many, CalibrationError::TooMuchWork { .. }), "{many}");
+    let light = refused(&|p| p.measurements[1].pressure_pa = 10.0);
+    assert!(matches!(light, CalibrationError::Inertia { number: 2, .. }), "{light}");
     let wide = refused(&|p| p.measurements = vec![p.measurements[0]; 251]);
     assert!(matches!(wide, CalibrationError::TooManyCoefficients { count: 251, .. }), "{wide}");
 }
