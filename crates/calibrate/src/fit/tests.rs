@@ -313,3 +313,28 @@ fn a_heavy_load_is_given_the_travel_that_its_onset_takes() {
     let found = flat::dynamic(&problem, &pairs, &Unwatched).unwrap();
     assert!(found[0].mu_static.unwrap() > found[0].mu_dynamic, "{found:?}");
 }
+
+#[test]
+fn planned_steps_are_those_that_a_run_takes() {
+    use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, simulate};
+    let problem = problem(Coefficients::Single);
+    let pair = LocalFriction::new(0.22, 0.2, 0.05).unwrap();
+    let planned = flat::planned_steps(&problem, &vec![pair; 3]);
+    let scene = Scene {
+        elastic: problem.elastic,
+        area_law: None,
+        pattern: None,
+        layer: problem.layer,
+        loads: vec![Load { pressure_pa: 0.637e6, friction: pair }],
+        speed_m_s: 2e-3,
+        run: RunOptions {
+            fidelity: Fidelity::Dynamic,
+            extent: Extent::Sample,
+            warm_start: true,
+            sliding_m: 0.4e-6,
+            ..RunOptions::default()
+        },
+    };
+    let ran = simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps;
+    assert_eq!(planned, [ran; 3]);
+}
