@@ -119,7 +119,7 @@ pub enum CalibrationError {
     },
     /// Local coefficients would have to be larger than any.
     #[error(
-        "measurement {number}: friction over the area law's factor {factor:.3} is {mean:.2}: expected a local \
+        "measurement {number}: friction over the area law's factor {factor:.2e} is {mean:.2e}: expected a local \
          coefficient of at most {most}"
     )]
     BeyondLaw {
@@ -131,6 +131,19 @@ pub enum CalibrationError {
         mean: f64,
         /// The largest that is fitted.
         most: f64,
+    },
+    /// Inertia of the layer exceeds friction by far.
+    #[error(
+        "measurement {number}: friction is {share:.1e} of the stress rho c v of the layer's inertia at this speed: \
+         expected at least {least}"
+    )]
+    Inertia {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Friction over rho c v.
+        share: f64,
+        /// The least that is fitted.
+        least: f64,
     },
     /// Dynamic runs have little to do with steady sliding.
     #[error(
@@ -152,6 +165,14 @@ pub enum CalibrationError {
         steps: f64,
         /// Most that are begun.
         most: f64,
+    },
+    /// More coefficients than the profiles of their errors can be computed for.
+    #[error("{count} coefficients are to be fitted: expected at most {most}")]
+    TooManyCoefficients {
+        /// Coefficients of all conditions.
+        count: usize,
+        /// The most that are fitted.
+        most: usize,
     },
     /// All runs together would take too long.
     #[error("the runs of the flat sample take {steps:.1e} time steps together: expected at most {most:.0e}")]
@@ -181,6 +202,7 @@ impl CalibrationError {
             | Self::NoSliding { number, .. }
             | Self::PeakTooHigh { number, .. }
             | Self::BeyondLaw { number, .. }
+            | Self::Inertia { number, .. }
             | Self::NotQuasiStatic { number, .. }
             | Self::TooManySteps { number, .. } => Some(*number),
             _ => None,

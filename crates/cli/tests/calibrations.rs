@@ -118,7 +118,7 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
 }
 
 /// Rows that a calibration cannot use, and what is said.
-const ROWS: [(&str, &str); 13] = [
+const ROWS: [(&str, &str); 14] = [
     ("50,2,15,0.248,0.002,0.20,0.01", "flat.csv:2: mu_static: 0.2 is no static peak: dynamic friction is 0.248"),
     ("50,2,15,0.248,0.002,0.3,", "flat.csv:2: mu_static: stands without mu_static_std"),
     (
@@ -129,6 +129,7 @@ const ROWS: [(&str, &str); 13] = [
     ("50,2,15,0.248,0.3,,", "flat.csv:2: mu_dynamic_std: 0.3 cannot be"),
     ("50,2,15,0.0005,0.0001,,", "flat.csv:2: mu_dynamic: 0.0005 cannot be"),
     ("50,0.00005,15,0.248,0.002,,", "flat.csv:2: (50 N, 0.00005 mm/s, 15 %): its run takes"),
+    ("0.001,2,15,0.248,0.002,,", "flat.csv:2: (0.001 N, 2 mm/s, 15 %): friction is 4.4e-3 of the stress rho c v"),
     (
         "500000,2,15,0.248,0.002,,",
         "flat.csv:2: force_n: 500000 (16.753 of Young's modulus, on the specimen's area) cannot be",
@@ -152,6 +153,26 @@ fn measurements_that_cannot_be_used_are_refused_at_once() {
         assert!(message.contains("expected"), "{message}");
         assert!(start.elapsed() < AT_ONCE, "{row}: {:?}", start.elapsed());
     }
+}
+
+#[test]
+fn a_table_of_too_many_conditions_is_refused_at_once() {
+    let header = FLAT.lines().next().unwrap();
+    let rows: String = (1..=300).map(|i| format!("{i},2,15,0.248,0.002\n")).collect();
+    let place = Place::with(&[("c.toml", CALIBRATION), ("flat.csv", &format!("{header}\n{rows}"))]);
+    let start = Instant::now();
+    let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+    assert!(message.contains("c.toml: 300 coefficients are to be fitted; expected fewer conditions"), "{message}");
+    assert!(start.elapsed() < AT_ONCE, "{:?}", start.elapsed());
+}
+
+#[test]
+fn windows_that_a_map_does_not_hold_are_refused_in_the_file_that_asks_for_them() {
+    let map = "map = \"map.asc\"\nwindows = 200";
+    let place = Place::with(&[("c.toml", &CALIBRATION.replace("persson_rms_slope = 0.0137", map)), ("flat.csv", FLAT)]);
+    place.succeed(&["synthesize", "--pixels", "256", "-o", "map.asc"]);
+    let message = place.refuse(&["calibrate", "c.toml", "-q"]);
+    assert!(message.starts_with("error: c.toml: surface.windows: number of windows per side is 200"), "{message}");
 }
 
 #[test]

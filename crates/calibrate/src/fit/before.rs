@@ -14,6 +14,12 @@ const LEAST_EXCESS: f64 = 1e-3;
 /// Time steps of one round of dynamic runs at most: ten runs of the longest kind, some ten hours.
 const MOST_WORK: u64 = 10 * MOST_STEPS;
 
+/// Coefficients at most: time and memory of their covariance and profiles grow with the fourth and the second power of
+/// their number, and reach half an hour here.
+const MOST_COEFFICIENTS: usize = 250;
+/// Friction over rho c v, the stress of a shear wave of the sliding speed, below which inertia rules: on the usual layer at
+/// 2 mm/s it is 0.0035 at 10 Pa, where dynamic friction is 0.46 of the steady one.
+const LEAST_FRICTION_OVER_INERTIA: f64 = 0.005;
 /// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
 /// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
@@ -53,8 +59,12 @@ pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
     )
 }
 
-/// Refuses what no run would bring nearer.
-pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
+/// Refuses what no run would bring nearer; time steps of the first round's run of every measurement otherwise.
+pub fn check(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
+    let (count, most) = (Layout::new(problem).count, MOST_COEFFICIENTS);
+    if count > most {
+        return Err(CalibrationError::TooManyCoefficients { count, most });
+    }
     let most = FRICTION_BOUNDS[1];
     for (measured, number) in problem.measurements.iter().zip(1..) {
         if let Some(peak) = measured.static_peak {
@@ -62,6 +72,13 @@ pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
             if ratio > MOST_PEAK {
                 return Err(CalibrationError::PeakTooHigh { number, ratio, most: MOST_PEAK });
             }
+        }
+        // c = sqrt(G / rho), G = 3 E / 8: rho c v = sqrt(G rho) v
+        let elastic = &problem.elastic;
+        let impedance = (0.375 * elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt();
+        let share = measured.mu_dynamic * measured.pressure_pa / (impedance * measured.speed_m_s);
+        if share < LEAST_FRICTION_OVER_INERTIA {
+            return Err(CalibrationError::Inertia { number, share, least: LEAST_FRICTION_OVER_INERTIA });
         }
         if let Some(law) = &problem.area_law {
             let factor = law.factor(measured.pressure_pa);
@@ -71,7 +88,9 @@ pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
             }
         }
     }
-    let steps = planned_steps(problem)?;
+    let layout = Layout::new(problem);
+    let guess = first_guess(problem, &layout);
+    let steps = flat::planned_steps(problem, &layout.pairs(problem, &guess)?);
     if let Some(i) = steps.iter().position(|steps| *steps > MOST_STEPS) {
         let (steps, most) = (steps[i] as f64, MOST_STEPS as f64);
         return Err(CalibrationError::TooManySteps { number: i + 1, steps, most });
@@ -80,17 +99,15 @@ pub fn check(problem: &Problem) -> Result<(), CalibrationError> {
     if all > MOST_WORK {
         return Err(CalibrationError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
     }
-    Ok(())
+    Ok(steps)
 }
 
 /// Time steps of the first round's dynamic run of every measurement; a fit takes two rounds or more, and twice as many
 /// where static peaks are fitted.
 ///
 /// # Errors
-/// [`CalibrationError`] if a number of `problem` has no meaning.
+/// [`CalibrationError`] as [`calibrate`](super::calibrate), of all that is known before the first run.
 pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
     problem.validate()?;
-    let layout = Layout::new(problem);
-    let guess = first_guess(problem, &layout);
-    Ok(flat::planned_steps(problem, &layout.pairs(problem, &guess)?))
+    check(&without_hidden_peaks(problem).0)
 }

@@ -282,6 +282,10 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
         p.measurements = (0..30).map(at).collect();
     });
     assert!(matches!(many, CalibrationError::TooMuchWork { .. }), "{many}");
+    let light = refused(&|p| p.measurements[1].pressure_pa = 10.0);
+    assert!(matches!(light, CalibrationError::Inertia { number: 2, .. }), "{light}");
+    let wide = refused(&|p| p.measurements = vec![p.measurements[0]; 251]);
+    assert!(matches!(wide, CalibrationError::TooManyCoefficients { count: 251, .. }), "{wide}");
 }
 
 #[test]
@@ -308,4 +312,29 @@ fn a_heavy_load_is_given_the_travel_that_its_onset_takes() {
     let pairs = vec![LocalFriction::new(0.3, 0.25, 0.05).unwrap()];
     let found = flat::dynamic(&problem, &pairs, &Unwatched).unwrap();
     assert!(found[0].mu_static.unwrap() > found[0].mu_dynamic, "{found:?}");
+}
+
+#[test]
+fn planned_steps_are_those_that_a_run_takes() {
+    use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, simulate};
+    let problem = problem(Coefficients::Single);
+    let pair = LocalFriction::new(0.22, 0.2, 0.05).unwrap();
+    let planned = flat::planned_steps(&problem, &vec![pair; 3]);
+    let scene = Scene {
+        elastic: problem.elastic,
+        area_law: None,
+        pattern: None,
+        layer: problem.layer,
+        loads: vec![Load { pressure_pa: 0.637e6, friction: pair }],
+        speed_m_s: 2e-3,
+        run: RunOptions {
+            fidelity: Fidelity::Dynamic,
+            extent: Extent::Sample,
+            warm_start: true,
+            sliding_m: 0.4e-6,
+            ..RunOptions::default()
+        },
+    };
+    let ran = simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps;
+    assert_eq!(planned, [ran; 3]);
 }

@@ -79,8 +79,12 @@ pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) 
         },
         CalibrationError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         CalibrationError::BeyondLaw { .. } => "another [surface], or a smaller load",
-        CalibrationError::NotQuasiStatic { .. } => "a larger force_n or a smaller speed_mm_s",
+        CalibrationError::Inertia { .. } => "a larger force_n or a smaller speed_mm_s",
+        CalibrationError::NotQuasiStatic { .. } => {
+            "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily"
+        }
         CalibrationError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
+        CalibrationError::TooManyCoefficients { .. } => "fewer conditions, or coefficients = \"single\" in [fit]",
         CalibrationError::TooMuchWork { .. } => "fewer rows, or larger speeds",
         _ => return CliError::Other(format!("calibration: {error}")),
     };

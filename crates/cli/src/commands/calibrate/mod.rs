@@ -208,7 +208,7 @@ fn calibrate(
     discrepancy_of: &Calibration,
     console: &mut Console<'_>,
 ) -> Result<Calibrated, CliError> {
-    let mut facts = surface_facts(calibration, console)?;
+    let mut facts = surface_facts(path, calibration, console)?;
     let law = if facts.curve.is_empty() {
         None
     } else {
@@ -253,7 +253,7 @@ fn calibrate(
     Ok(Calibrated { file, material, uncertainty, fit, discrepancy })
 }
 
-fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {
+fn surface_facts(file: &Path, calibration: &Calibration, console: &mut Console<'_>) -> Result<SurfaceFacts, CliError> {
     let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
     let mut pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa)).to_vec();
     let threshold = pressures_pa.partition_point(|&pressure_pa| pressure_pa < calibration.threshold_pa);
@@ -275,6 +275,14 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
         }),
         Surface::Map { path, synthetic, options, windows } => {
             let surface = SurfaceMap::read_period(path, options)?;
+            let refuse_windows = |error: ContactError| Diagnostic {
+                key: Some("surface.windows".into()),
+                ..Diagnostic::file(file, error.to_string())
+            };
+            // Whether the map can be cut so is known before its contact is computed.
+            if let Some(per_side) = windows.filter(|per_side| *per_side > 1) {
+                slipgrid_contact::windows(&surface.map, per_side).map_err(refuse_windows)?;
+            }
             let progress = Progress::start("area law", console.quiet);
             let curve = area_curve(&surface.map, contact_modulus_pa, &pressures_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
@@ -291,8 +299,7 @@ fn surface_facts(calibration: &Calibration, console: &mut Console<'_>) -> Result
             }
             let request =
                 LawRequest { contact_modulus_pa, pressures_pa: &pressures_pa, threshold_pa: calibration.threshold_pa };
-            let spread = spread(&surface.map, *windows, &request, console)
-                .map_err(|error| Diagnostic::file(path, format!("surface.windows: {error}")))?;
+            let spread = spread(&surface.map, *windows, &request, console).map_err(refuse_windows)?;
             heed()?;
             if let Some(spread) = &spread {
                 notes.push(format!(
