@@ -138,7 +138,7 @@ fn a_design_that_no_specimen_takes_is_refused_before_the_search() {
     // Where only some designs fit, the others are no answer.
     fs::write(place.path("d.toml"), small().replace("diameter_mm = 1.0", "diameter_mm = 0.07")).unwrap();
     let code = place.run(&["optimize", "d.toml"]).status.code();
-    assert!(matches!(code, Some(0 | 3)), "{code:?}");
+    assert!(matches!(code, Some(0 | 3 | 4)), "{code:?}");
     assert!(place.path("out/d/pattern.csv").exists());
 }
 

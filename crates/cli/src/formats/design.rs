@@ -3,17 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_export::{ExportError, Laser};
+use slipgrid_export::Laser;
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target};
-use slipgrid_pattern::{Arrangement, ManufacturingLimits, Pattern, Texture};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits};
 use slipgrid_springblock::{Layer, SceneError};
 use toml::Spanned;
 
 use super::condition_ranges::{ConditionRangeFile, read_conditions};
 use super::document::Document;
 use super::file_kind::FileKind;
-use super::laser::{LaserFile, SpecimenFile, read_laser, read_specimen};
+use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::{MaterialFile, existing};
 use super::material_uncertainty::{MaterialUncertainty, read_known};
@@ -193,7 +193,7 @@ impl Design {
         let limits = &file.limits;
         let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
-        check_specimen(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
         let (material, uncertainty) = read_material_input(&document, &file.material)?;
         if let MaterialInput::Given(material) = &material {
@@ -480,35 +480,6 @@ fn read_limits(
         }
     }
     Ok(limits)
-}
-
-/// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
-/// most distant are too many.
-fn check_specimen(
-    document: &Document,
-    table: &Spanned<SpecimenFile>,
-    outline: &Specimen,
-    texture: &Texture,
-    (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
-) -> Result<(), Diagnostic> {
-    for end in [0, 1] {
-        // Lengths that no texture takes are refused with the bounds.
-        let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
-        match outline.check(pattern) {
-            Err(error @ ExportError::NoCavityFits { .. }) if end == 0 => {
-                return Err(document
-                    .refuse(table.span(), error.to_string())
-                    .expected("a larger specimen, or smaller bounds"));
-            }
-            Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
-                return Err(document
-                    .refuse(table.span(), error.to_string())
-                    .expected("a smaller specimen, or larger bounds"));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
 }
 
 fn read_material_input(

@@ -1,7 +1,8 @@
 //! Laser and specimen in design files.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_export::{Ablation, AblationPoint, Exposure, Laser, Outline};
+use slipgrid_export::{Ablation, AblationPoint, ExportError, Exposure, Laser, Outline};
+use slipgrid_pattern::{Pattern, Texture};
 use toml::Spanned;
 
 use super::document::Document;
@@ -213,6 +214,38 @@ pub fn read_specimen(document: &Document, file: &Spanned<SpecimenFile>) -> Resul
     let at_the_rim =
         specimen.cavities.as_ref().map(|name| document.choice(name, &AT_THE_RIM, |name| name)).transpose()?;
     Ok(Specimen { outline, is_clipped: at_the_rim == Some(AT_THE_RIM[1]) })
+}
+
+/// Refuses a specimen on which the smallest cavity within the bounds does not fit, or on which even the largest and
+/// most distant are too many.
+///
+/// # Errors
+/// [`Diagnostic`] at the specimen.
+pub fn check_fits(
+    document: &Document,
+    table: &Spanned<SpecimenFile>,
+    outline: &Specimen,
+    texture: &Texture,
+    (width_m, spacing_m, depth_m): ([f64; 2], [f64; 2], [f64; 2]),
+) -> Result<(), Diagnostic> {
+    for end in [0, 1] {
+        // Lengths that no texture takes are refused with the bounds.
+        let Ok(pattern) = Pattern::new(*texture, width_m[end], spacing_m[end], depth_m[0]) else { continue };
+        match outline.check(pattern) {
+            Err(error @ ExportError::NoCavityFits { .. }) if end == 0 => {
+                return Err(document
+                    .refuse(table.span(), error.to_string())
+                    .expected("a larger specimen, or smaller bounds"));
+            }
+            Err(error @ ExportError::TooManyCavities { .. }) if end == 1 => {
+                return Err(document
+                    .refuse(table.span(), error.to_string())
+                    .expected("a smaller specimen, or larger bounds"));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ impl Answer {
             return Err(Fault { reason, expected: "positive numbers".to_owned() });
         }
         let sizes = [("least_pressure", self.least_pressure), ("clearance_um", self.clearance_um.unwrap_or(0.0))];
-        let beyond = sizes.into_iter().find(|(_, value)| !(value.abs() <= LARGEST));
+        let beyond = sizes.into_iter().find(|(_, value)| value.is_nan() || value.abs() > LARGEST);
         let beyond =
             beyond.or(Some(("peak_pressure_mpa", self.peak_pressure_mpa)).filter(|&(_, value)| !positive(value)));
         match beyond {
