@@ -39,8 +39,8 @@ fn place(changed: &[(&str, &dyn Fn(usize, usize, f64) -> f64)]) -> Place {
     place
 }
 
-/// How far the spikes of these tests stand out, in um: the map's Sa is about 0.5 um.
-const SPIKE_UM: f64 = 6.0;
+/// How far the spikes of these tests stand out, in the file's nanometres: the map's Sa is 0.57 um.
+const SPIKE_NM: f64 = 6000.0;
 
 /// `high` added at three points, one of them at the map's side, and a pair.
 fn spiked(high: f64) -> impl Fn(usize, usize, f64) -> f64 {
@@ -57,7 +57,7 @@ fn law<'a>(map: &'a str, flags: &[&'a str]) -> Vec<&'a str> {
 
 #[test]
 fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
-    let place = place(&[("spiked.asc", &spiked(SPIKE_UM))]);
+    let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
     let clean = json(&place.succeed(&["surface", "clean.asc", "--json"]));
     assert!(clean.get("warnings").is_none(), "{}", clean["warnings"]);
     let slope = |result: &Value| result["parameters"]["rms_slope"].as_f64().unwrap();
@@ -90,7 +90,7 @@ fn spikes_are_named_by_surface_and_area_law_and_removed_when_asked() {
 
 #[test]
 fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
-    let place = place(&[("spiked.asc", &spiked(SPIKE_UM))]);
+    let place = place(&[("spiked.asc", &spiked(SPIKE_NM))]);
     let calibration =
         |more: &str| CALIBRATION.replace("persson_rms_slope = 0.0137", &format!("map = \"spiked.asc\"{more}"));
     std::fs::write(place.path("calibration.toml"), calibration("")).unwrap();
@@ -121,7 +121,7 @@ fn what_is_wrong_with_a_map_stands_in_every_result_that_rests_on_it() {
 fn a_law_that_rises_above_one_and_slopes_of_no_surface_are_refused() {
     // Ten points as high as a hair carry the light loads: f rises with the pressure.
     let high = |row: usize, col: usize, height: f64| {
-        if row % 30 == 7 && col % 30 == 11 { height + 1.5 * SPIKE_UM } else { height }
+        if row % 30 == 7 && col % 30 == 11 { height + 1.5 * SPIKE_NM } else { height }
     };
     let in_metres = |_: usize, _: usize, height: f64| 1e4 * height;
     let flat = |_: usize, _: usize, _: f64| 0.0;

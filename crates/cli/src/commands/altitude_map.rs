@@ -89,7 +89,12 @@ impl SurfaceMap {
         if options.despike {
             notes.push(despiked(&mut map));
         }
-        let mut warnings: Vec<String> = map.spike_warning().map(told).into_iter().collect();
+        let spiked = map.spike_warning();
+        let spike_points = match &spiked {
+            Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
+            _ => 0,
+        };
+        let mut warnings: Vec<String> = spiked.map(told).into_iter().collect();
         warnings.extend(map.missing_warning().map(told));
         let filled = match map.missing() {
             0 => Vec::new(),
@@ -97,9 +102,9 @@ impl SurfaceMap {
         };
         let filling = map.fill_missing();
         if filling.points > 0 {
+            let residual = if filling.converged { ", to a residual of 1e-10 of the start" } else { "" };
             notes.push(format!(
-                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface, to a residual of \
-                 1e-10 of the start",
+                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface{residual}",
                 filling.points,
                 100.0 * filling.points as f64 / points as f64,
             ));
@@ -137,7 +142,10 @@ impl SurfaceMap {
             notes.push("the map is taken as one period as it is".to_owned());
         }
         let rms_slope = map.rms_slope_spectral().map_err(|error| refuse(&error))?;
-        warnings.extend(map.height_warnings(rms_slope).into_iter().map(told));
+        // High points that are spikes are no debris beside.
+        let is_new =
+            |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
+        warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new).map(told));
         Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
     }
 

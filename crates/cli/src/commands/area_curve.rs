@@ -66,8 +66,8 @@ pub fn check_factors(path: &Path, law: &AreaLaw, warnings: &[String]) -> Result<
         return Err(Diagnostic::file(path, reason).expected(expected));
     }
     Ok(Some(format!(
-        "factor above 1: {found}, where real contact area grows no faster than pressure; so few points are in contact that \
-         their number scatters: a larger map, or a finer one, would say more"
+        "factor above 1: {found}, where real contact area grows no faster than pressure: too few points are in contact for \
+         their number to say more, or a few high ones carry the load of the rest"
     )))
 }
 
