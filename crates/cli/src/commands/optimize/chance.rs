@@ -44,6 +44,8 @@ pub struct Chances {
     uncertainty: Uncertainty,
     /// The model that dimensions are moved in.
     still: SteadyCell,
+    /// The same in the next larger blocks that divide the layer, in the vertical plane.
+    coarse: Option<SteadyCell>,
     /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
     friction: Option<Along>,
     law_scale: Option<Along>,
@@ -166,6 +168,7 @@ impl Chances {
             scale: (0..count).map(|load| model.scale(load)).collect(),
             tolerances,
             still: model.beside(|scene: &Scene| Ok::<_, CliError>(scene.clone()))?,
+            coarse: coarse(model)?,
             friction: along(friction_at, count, true, 0.0, 0.0)?,
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
             law: along(law_at, 1, false, 0.0, 1.0)?,
@@ -201,6 +204,18 @@ impl Chances {
     /// Places of the numerical errors.
     pub fn numerical(&self) -> Range<usize> {
         self.first_numerical..self.first_numerical + self.scale.len()
+    }
+
+    /// Standard deviations of the values of `design` by how exactly they are computed: `others`, and in the vertical plane how
+    /// they change with the size of the blocks.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed in either.
+    pub fn numerical_of(&self, design: &Pattern, others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let Some(coarse) = &self.coarse else { return Ok(others.to_vec()) };
+        let (own, coarse) = (self.still.steady(design)?.ratio, coarse.steady(design)?.ratio);
+        let each = own.iter().zip(&coarse).zip(self.scale.iter().zip(others));
+        Ok(each.map(|((own, coarse), (scale, other))| (scale * (own - coarse)).hypot(*other)).collect())
     }
 
     /// Seeded draws of everything.
@@ -282,6 +297,21 @@ impl Chances {
             (Err(failure), _) | (_, Err(failure)) => Err(failure),
         }
     }
+}
+
+/// `model` in the next larger blocks that divide its layer; `None` in space, and where none do.
+fn coarse(model: &SteadyCell) -> Result<Option<SteadyCell>, CliError> {
+    let rows = model.asked().layer.rows();
+    let factor = [2, 3, 5].into_iter().find(|&factor| rows.is_multiple_of(factor) && rows > factor);
+    let Some(factor) = factor.filter(|_| !model.is_solid()) else { return Ok(None) };
+    let change = |scene: &Scene| {
+        let mut coarse = scene.clone();
+        coarse.layer.block_m *= factor as f64;
+        // The cell knows no specimen: any whole number of blocks does.
+        coarse.layer.length_m = coarse.layer.height_m;
+        Ok::<_, CliError>(coarse)
+    };
+    model.beside(change).map(Some)
 }
 
 /// Covariances under construction.

@@ -65,6 +65,8 @@ pub(super) struct Rounds {
     pub(super) cut_short: Vec<&'static str>,
     /// What the chance of designs rests on.
     pub(super) chances: Option<Chances>,
+    /// Largest change of the model by the last confirming run; 0 before.
+    pub(super) missed: f64,
     /// What the best design was chosen from by its chance.
     pub(super) selection: Option<Chosen>,
 }
@@ -151,6 +153,7 @@ impl Rounds {
             allowance,
             cut_short: Vec::new(),
             chances: None,
+            missed: 0.0,
             selection: None,
         })
     }
@@ -248,7 +251,8 @@ impl Rounds {
     /// Corrects the model at the confirmed design; returns the largest change.
     pub(super) fn correct(&mut self) -> f64 {
         let confirmed = self.confirmed_each();
-        self.best.as_ref().map_or(0.0, |best| self.model.correct(&best.response.value, &confirmed))
+        self.missed = self.best.as_ref().map_or(0.0, |best| self.model.correct(&best.response.value, &confirmed));
+        self.missed
     }
 
     pub(super) fn search(

@@ -100,16 +100,19 @@ struct ByChance<'a> {
     chances: &'a Chances,
     draws: CommonDraws,
     numerical: Vec<f64>,
+    /// Misfit up to which a confirming run is not expected to fail.
+    safe_misfit: f64,
     effort: Effort,
 }
 
 impl Merits for ByChance<'_> {
     fn chance(&self, candidate: &Candidate) -> Result<Probability, ModelFailure> {
         let values = &candidate.response.value;
-        let about = About { design: &candidate.design, values, numerical: &self.numerical, corrected: false };
+        let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
+        let about = About { design: &candidate.design, values, numerical: &numerical, corrected: false };
         let linear = self.chances.linearize(&about)?;
         let all = self.chances.share(&self.draws, &linear, &|_| true);
-        if candidate.misfit.max <= NEAR_THE_EDGE {
+        if candidate.misfit.max <= self.safe_misfit {
             return Ok(all);
         }
         let places = self.chances.numerical();
@@ -152,7 +155,9 @@ impl Rounds {
             design,
             chances,
             draws: chances.draws(DRAWS, design.seed),
-            numerical: chances.scale().iter().map(|scale| scale * NUMERICAL_STD).collect(),
+            // Another design may differ by half of what the last one did.
+            numerical: chances.scale().iter().map(|scale| (scale * NUMERICAL_STD).max(0.5 * self.missed)).collect(),
+            safe_misfit: if self.missed > 0.0 { 0.0 } else { NEAR_THE_EDGE },
             effort: if has_time { Effort::LaserTime } else { Effort::Volume },
         };
         let (target, space, constraints, known) =
