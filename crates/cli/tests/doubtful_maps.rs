@@ -15,9 +15,12 @@ fn strings(value: &Value) -> Vec<&str> {
     value.as_array().map_or_else(Vec::new, |list| list.iter().map(|entry| entry.as_str().unwrap()).collect())
 }
 
+/// What becomes of the height at a row and column.
+type Change<'a> = dyn Fn(usize, usize, f64) -> f64 + 'a;
+
 /// A place with the map `clean.asc`, 96 x 96 pixels with an rms slope of 0.03, and `NAME` made of it for each of
 /// `changed`: a function of row, column and height in the file's unit.
-fn place(changed: &[(&str, &dyn Fn(usize, usize, f64) -> f64)]) -> Place {
+fn place(changed: &[(&str, &Change<'_>)]) -> Place {
     let place = Place::with(&[("flat.csv", FLAT)]);
     place.succeed(&["synthesize", "--pixels", "96", "--waves", "3:24", "--rms-slope", "0.03", "-o", "clean.asc"]);
     let clean = std::fs::read_to_string(place.path("clean.asc")).unwrap();

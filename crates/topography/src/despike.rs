@@ -231,7 +231,8 @@ impl HeightMap {
         }
         let stands_alone = around > 2 && upright(farthest) - rim > threshold_m;
         let (row, col) = (farthest / self.cols(), farthest % self.cols());
-        stands_alone.then(|| Cluster { spike: Spike { row, col, points: nodes.len(), height_m }, nodes })
+        let spike = Spike { row, col, points: nodes.len(), height_m };
+        stands_alone.then_some(Cluster { spike, nodes })
     }
 }
 

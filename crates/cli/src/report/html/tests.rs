@@ -37,7 +37,8 @@ fn result() -> serde_json::Value {
             "parts": [{"of": [{"input": "width", "std": 0.01}]}],
             "with_discrepancy": {"probability": 0.1, "probability_stderr": 0.01, "factor": [0.85], "by_pressure": []}},
         "history": [{"evaluation": 1, "misfit": 3.0}, {"evaluation": 9, "misfit": 0.5}],
-        "material": {"name": "m", "source": "s", "synthetic_surface": true, "notes": ["n"]},
+        "material": {"name": "m", "source": "s", "synthetic_surface": true, "notes": ["n"],
+            "warnings": ["spikes: 5 points stand alone"]},
         "model": ["two dimensions"], "laser": {"spot_um": 23.0}, "evaluations": 9, "rounds": 1, "seed": 1
     })
 }
@@ -106,6 +107,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "one search",
         "0.9400 to 0.9800",
         "synthetic surface",
+        "The material is doubtful: spikes: 5 points stand alone.",
         "At 2.6 MPa cavities close",
         "name = &quot;x &lt; y&quot;",
         "prefers-color-scheme:dark",
