@@ -50,8 +50,9 @@ fn told(place: &Place, output: &Output) -> String {
 fn every_command_ends_and_writes_nothing() {
     let fine = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
     let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "sliding_um = 90.0");
-    let solid = SCENE.replace("\"groove\"", "\"disc\"").replace("block_um = 10.0", "block_um = 5.0");
     let solid_dynamic = dynamic.replace("\"groove\"", "\"disc\"");
+    let dynamic = dynamic.replace("\"cell\"", "\"sample\"");
+    let solid = SCENE.replace("\"groove\"", "\"disc\"").replace("block_um = 10.0", "block_um = 5.0");
     let flat: String = FLAT.to_owned() + &FLAT.lines().nth(1).unwrap().replace("50,", "100,");
     let mapped = CALIBRATION.replace("persson_rms_slope = 0.0137", "map = \"map.asc\"");
     let files = [
