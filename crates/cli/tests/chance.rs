@@ -24,6 +24,11 @@ fn design(target: &str, more: &str) -> String {
     format!("{text}{more}")
 }
 
+/// Young's modulus known to 21 %; deep grooves, of which blocks say all.
+fn uncertain(text: &str) -> String {
+    text.replace("density_g_cm3 = 0.9\n", MODULUS).replace("depth_um = [2.0, 50.0]", "depth_um = [20.0, 50.0]")
+}
+
 fn optimize(place: &Place, file: &str, code: i32) -> (String, Value) {
     let output = place.run(&["optimize", file]);
     assert_eq!(output.status.code(), Some(code), "{file}: {}", String::from_utf8_lossy(&output.stderr));
@@ -37,8 +42,8 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     let target = "value = 0.88\ntolerance = 0.02";
     let trade_offs = "[trade_offs]\ngoals = [\"chance\", \"volume\", \"peak_pressure\"]\n";
     let place = Place::with(&[
-        ("all.toml", &design(target, &format!("{TOLERANCES}{trade_offs}")).replace("density_g_cm3 = 0.9\n", MODULUS)),
-        ("material.toml", &design(target, "").replace("density_g_cm3 = 0.9\n", MODULUS)),
+        ("all.toml", &uncertain(&design(target, &format!("{TOLERANCES}{trade_offs}")))),
+        ("material.toml", &uncertain(&design(target, ""))),
         ("nothing.toml", &design(target, "")),
     ]);
     let (told, found) = optimize(&place, "all.toml", 0);
@@ -50,7 +55,7 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     assert!(first.ends_with("target met by the model"), "{first}");
     let chance = &found["chance"];
     let share = chance["value"].as_f64().unwrap();
-    assert!(share > 0.05 && share < 0.95 && chance["stderr"].as_f64().unwrap() < 0.01, "{share}");
+    assert!(share > 0.02 && share < 0.98 && chance["stderr"].as_f64().unwrap() < 0.01, "{share}");
     assert_eq!(chance["limited_by"]["input"], "Young's modulus");
     assert!(chance["limited_by"]["chance_without"].as_f64().unwrap() > share);
     let list = |key: &str| chance[key].to_string();
