@@ -193,8 +193,10 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let alone = [0.15, 0.5].map(|mean| steady(&place, "out/deep", mean)[0]);
     assert!((alone[0] - 0.84).abs() <= 0.015 && (alone[1] - 0.84).abs() > 0.015, "{alone:?}");
     let together = [0.15, 0.5].map(|mean| steady(&place, "out/both", mean)[0]);
-    assert!(together.iter().all(|ratio| (ratio - 0.84).abs() <= 0.015), "{together:?}");
     let found = result(&place, "out/both");
+    for at in at(&found) {
+        assert!((number(&at["by_pressure"][0]["ratio"]) - 0.84).abs() <= 0.015, "{at}");
+    }
     assert_eq!((&found["status"], at(&found).len()), (&"met".into(), 2));
     // Between them ratios lie between: the ends of a range of friction stand for it.
     let ends = [together[0].min(together[1]), together[0].max(together[1])];
