@@ -174,6 +174,13 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let place = Place::with(&[
         ("first.toml", &with(target, FIRST)),
         ("second.toml", &with(target, second)),
+        // Deep grooves side by side, whose ratio depends on friction most.
+        (
+            "deep.toml",
+            &with(target, FIRST)
+                .replace("width_um = [40.0, 100.0]", "width_um = [40.0, 50.0]")
+                .replace("depth_um = [2.0, 50.0]", "depth_um = [46.0, 50.0]"),
+        ),
         ("both.toml", &with(target, &both)),
         ("low-first.toml", &lowest(FIRST)),
         ("low-both.toml", &lowest(&both)),
@@ -181,12 +188,15 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     for file in ["first", "second", "both"] {
         place.succeed(&["optimize", &format!("{file}.toml"), "--table"]);
     }
-    // The best for the first condition alone misses at the second; that for both holds at both.
-    let alone = [0.15, 0.5].map(|mean| steady(&place, "out/first", mean)[0]);
+    place.succeed(&["optimize", "deep.toml"]);
+    // What holds at the first condition alone may miss at the second; that for both holds at both.
+    let alone = [0.15, 0.5].map(|mean| steady(&place, "out/deep", mean)[0]);
     assert!((alone[0] - 0.84).abs() <= 0.015 && (alone[1] - 0.84).abs() > 0.015, "{alone:?}");
     let together = [0.15, 0.5].map(|mean| steady(&place, "out/both", mean)[0]);
-    assert!(together.iter().all(|ratio| (ratio - 0.84).abs() <= 0.015), "{together:?}");
     let found = result(&place, "out/both");
+    for at in at(&found) {
+        assert!((number(&at["by_pressure"][0]["ratio"]) - 0.84).abs() <= 0.015, "{at}");
+    }
     assert_eq!((&found["status"], at(&found).len()), (&"met".into(), 2));
     // Between them ratios lie between: the ends of a range of friction stand for it.
     let ends = [together[0].min(together[1]), together[0].max(together[1])];
@@ -203,14 +213,13 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     };
     let (one, two) = (table("out/first"), table("out/second"));
     assert!(one.len() == two.len() && one.len() > 1000);
-    let misfit = |ratio: f64| (ratio - 0.84).abs() / 0.015;
-    let rms = |ratios: [f64; 2]| (0.5 * ratios.map(|ratio| misfit(ratio).powi(2)).iter().sum::<f64>()).sqrt();
-    let costs = one.iter().zip(&two).map(|(one, two)| {
+    let is_met = |ratio: f64| (ratio - 0.84).abs() <= 0.015;
+    let meeting = one.iter().zip(&two).filter(|(one, two)| {
         assert_eq!(one[..3], two[..3]);
-        rms([one[3], two[3]])
+        is_met(one[3]) && is_met(two[3])
     });
-    let least = costs.filter(|cost| cost.is_finite()).fold(f64::INFINITY, f64::min);
-    assert!(rms(together) < least + 0.1, "{} {least}", rms(together));
+    assert_eq!(found["table"]["meeting"].as_u64().unwrap(), meeting.count() as u64);
+    assert_eq!((&found["table"]["by_chance"], &found["table"]["confirms_search"]), (&true.into(), &true.into()));
     let header = fs::read_to_string(place.path("out/both/table.csv")).unwrap();
     assert!(header.starts_with("width_um,spacing_um,depth_um,ratio_at_2.6_mpa,ratio_at_2.6_mpa_2_mm_s_80_pct,"));
 

@@ -21,11 +21,12 @@ use std::ops::ControlFlow;
 /// What designs on target are chosen by. As with [`ForwardModel`], they are asked of from several threads at once and
 /// equal designs give equal answers.
 pub trait Merits: Sync {
-    /// The chance that what is made of `candidate` is on target.
+    /// The chance that what is made of `candidate` is on target, and the share of it that counts in the choice: less than 1
+    /// of a design that a dearer model may refuse. Only how the shares of designs compare matters.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] for a design that is not to be chosen; otherwise as [`ForwardModel::respond`].
-    fn chance(&self, candidate: &Candidate) -> Result<Probability, ModelFailure>;
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure>;
 
     /// What making `design` takes, the less the better.
     ///
@@ -58,6 +59,8 @@ pub struct Choice {
     pub candidate: Candidate,
     /// The chance that what is made of it is on target.
     pub chance: Probability,
+    /// The share of the chance that counts in the choice.
+    pub counts: f64,
     /// What making it takes.
     pub effort: f64,
 }
@@ -177,6 +180,20 @@ fn selection(grid: &Grid, pool: Vec<Choice>, designs: usize, alike: f64) -> Sele
     Selection { pool, alternatives, designs, alike }
 }
 
+impl Selection {
+    /// What each design of the pool is ranked by, in its order: its chance, less by what counts of it where more counts of
+    /// another's.
+    #[must_use]
+    pub fn merits(&self) -> Vec<f64> {
+        merits(&self.pool)
+    }
+}
+
+fn merits(pool: &[Choice]) -> Vec<f64> {
+    let most = pool.iter().map(|choice| choice.counts).fold(f64::MIN_POSITIVE, f64::max);
+    pool.iter().map(|choice| choice.chance.share * choice.counts / most).collect()
+}
+
 /// The greatest chance of `pool`.
 fn greatest(pool: &[Choice]) -> Option<Probability> {
     pool.iter().map(|choice| choice.chance).reduce(|best, next| if next.share > best.share { next } else { best })
@@ -187,19 +204,21 @@ fn alike_by(pool: &[Choice], least: f64) -> f64 {
     greatest(pool).map_or(least, |best| least.max(2.0 * best.stderr))
 }
 
-/// `pool` with the chosen design first: those alike the best by effort, then the others by chance.
-fn ranked(mut pool: Vec<Choice>, alike: f64) -> Vec<Choice> {
+/// `pool` with the chosen design first: those alike the best by effort, then the others by what they are ranked by.
+fn ranked(pool: Vec<Choice>, alike: f64) -> Vec<Choice> {
     let alike = alike_by(&pool, alike);
-    let best = greatest(&pool).map_or(0.0, |best| best.share);
-    let lost = |choice: &Choice| (best - alike - choice.chance.share).max(0.0);
-    pool.sort_by(|a, b| {
-        lost(a)
-            .total_cmp(&lost(b))
+    let merits = merits(&pool);
+    let best = merits.iter().copied().fold(0.0, f64::max);
+    let mut ranked: Vec<(f64, Choice)> =
+        merits.into_iter().map(|merit| (best - alike - merit).max(0.0)).zip(pool).collect();
+    ranked.sort_by(|(a_lost, a), (b_lost, b)| {
+        a_lost
+            .total_cmp(b_lost)
             .then(a.effort.total_cmp(&b.effort))
             .then(a.candidate.misfit.max.total_cmp(&b.candidate.misfit.max))
             .then(key(&a.candidate.design).cmp(&key(&b.candidate.design)))
     });
-    pool
+    ranked.into_iter().map(|(_, choice)| choice).collect()
 }
 
 type Shares = [f64; MOST_DIMENSIONS];
@@ -267,13 +286,13 @@ impl<'a> Shell<'a> {
     /// The designs whose surroundings are looked at.
     fn leaders(&self) -> Vec<Pattern> {
         let pool: Vec<Choice> = self.pool.values().flatten().cloned().collect();
-        let mut by_chance: Vec<&Choice> = pool.iter().collect();
-        // Stable: of equal chances in the order of the designs.
-        by_chance.sort_by(|a, b| b.chance.share.total_cmp(&a.chance.share));
-        let by_chance: Vec<Pattern> = by_chance.iter().take(REFINED).map(|choice| choice.candidate.design).collect();
+        let mut by_merit: Vec<(f64, &Choice)> = merits(&pool).into_iter().zip(&pool).collect();
+        // Stable: of equal ones in the order of the designs.
+        by_merit.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        let by_merit: Vec<Pattern> = by_merit.iter().take(REFINED).map(|(_, choice)| choice.candidate.design).collect();
         let mut leaders: Vec<Pattern> =
             ranked(pool, self.options.alike).iter().take(REFINED).map(|choice| choice.candidate.design).collect();
-        for design in by_chance {
+        for design in by_merit {
             if !leaders.contains(&design) {
                 leaders.push(design);
             }
@@ -372,7 +391,8 @@ impl<'a> Shell<'a> {
             .into_par_iter()
             .map(|candidate| {
                 let effort = merits.effort(&candidate.design)?;
-                Ok(Choice { chance: merits.chance(&candidate)?, effort, candidate })
+                let (chance, counts) = merits.chance(&candidate)?;
+                Ok(Choice { chance, counts, effort, candidate })
             })
             .collect();
         for choice in choices {

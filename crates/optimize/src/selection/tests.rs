@@ -52,10 +52,10 @@ impl Made {
 }
 
 impl Merits for Made {
-    fn chance(&self, candidate: &Candidate) -> Result<Probability, ModelFailure> {
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let model = |design: &Pattern, _: &[f64]| Ok(value(design));
         let about = Linearization::new(&model, &candidate.design, &self.uncertainty)?;
-        Ok(self.draws.probability(&about, |values| target().misfit(values).is_met()))
+        Ok((self.draws.probability(&about, |values| target().misfit(values).is_met()), 1.0))
     }
 
     fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
@@ -90,7 +90,7 @@ fn the_chosen_design_is_as_likely_as_any_and_takes_the_least_effort_of_those() {
             if (40.0..=1000.0).contains(&s) {
                 let design = Pattern::new(Planform::Groove, w * 1e-6, s * 1e-6, d * 1e-6).unwrap();
                 let candidate = Candidate::new(&target(), &bursts_of_none(), design, respond(&design).unwrap());
-                tried.push((made.chance(&candidate).unwrap().share, made.effort(&design).unwrap()));
+                tried.push((made.chance(&candidate).unwrap().0.share, made.effort(&design).unwrap()));
             }
         }
     }

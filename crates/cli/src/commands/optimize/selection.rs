@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
 use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
-    Candidate, CommonDraws, Merits, ModelFailure, Probability, SearchError, SearchOutcome, Selection, SelectionOptions,
-    Status, select, select_guided,
+    Candidate, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome, Selection,
+    SelectionOptions, Status, select, select_guided,
 };
 use slipgrid_pattern::Pattern;
 
@@ -42,7 +42,7 @@ pub struct SelectionReport {
     pub on_target: usize,
     /// The chance of the chosen design about the steady model, before it was confirmed.
     pub chance: f64,
-    /// The greatest of all.
+    /// Of the design that comes first where effort does not count.
     pub greatest_chance: f64,
     /// Chances that differ by less count as alike.
     pub alike: f64,
@@ -106,18 +106,23 @@ struct ByChance<'a> {
 }
 
 impl Merits for ByChance<'_> {
-    fn chance(&self, candidate: &Candidate) -> Result<Probability, ModelFailure> {
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let values = &candidate.response.value;
         let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
         let about = About { design: &candidate.design, values, numerical: &numerical, corrected: false };
         let linear = self.chances.linearize(&about)?;
         let all = self.chances.share(&self.draws, &linear, &|_| true);
         if candidate.misfit.max <= self.safe_misfit {
-            return Ok(all);
+            return Ok((all, 1.0));
         }
+        // How the ratio changes with the blocks, the confirming run has in common with the steady model.
         let places = self.chances.numerical();
-        let confirmed = self.chances.share(&self.draws, &linear, &|place| places.contains(&place)).share;
-        Ok(Probability { share: all.share * confirmed, stderr: all.stderr * confirmed })
+        let mut slopes = vec![vec![0.0; values.len()]; places.end];
+        for (load, std) in self.numerical.iter().enumerate() {
+            slopes[places.start + load][load] = *std;
+        }
+        let run = Linearization::of_slopes(candidate.design, values.clone(), slopes);
+        Ok((all, self.chances.share(&self.draws, &run, &|place| places.contains(&place)).share))
     }
 
     fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {

@@ -189,7 +189,7 @@ pub fn report(
     let order = found.front.clone();
     if let (Some(place), Some(pool)) = (chance_at, &pool) {
         for known in found.front.iter_mut().chain(&mut found.dominated) {
-            known.goals[place] = pool.get(&known.design).map_or(0.0, |choice| choice.chance.share);
+            known.goals[place] = pool.place(&known.design).map_or(0.0, |own| pool.choices[own].chance.share);
         }
     }
     let found = found;
@@ -268,23 +268,26 @@ fn nothing(
 
 /// The designs on target, with their chances.
 struct Pool<'a> {
-    chosen: &'a Chosen,
-    /// Chances from here on are alike.
+    choices: &'a [Choice],
+    /// What each is ranked by.
+    merits: Vec<f64>,
+    /// Those from here on are alike.
     alike_from: f64,
 }
 
 impl<'a> Pool<'a> {
     fn new(chosen: &'a Chosen) -> Self {
-        let greatest = chosen.selection.pool.iter().map(|choice| choice.chance.share).fold(0.0, f64::max);
-        Self { chosen, alike_from: greatest - chosen.selection.alike }
+        let merits = chosen.selection.merits();
+        let alike_from = merits.iter().copied().fold(0.0, f64::max) - chosen.selection.alike;
+        Self { choices: &chosen.selection.pool, merits, alike_from }
     }
 
     fn designs(&self) -> Vec<Pattern> {
-        self.chosen.selection.pool.iter().map(|choice| choice.candidate.design).collect()
+        self.choices.iter().map(|choice| choice.candidate.design).collect()
     }
 
-    fn get(&self, design: &Pattern) -> Option<&Choice> {
-        self.chosen.selection.pool.iter().find(|choice| choice.candidate.design == *design)
+    fn place(&self, design: &Pattern) -> Option<usize> {
+        self.choices.iter().position(|choice| choice.candidate.design == *design)
     }
 }
 
@@ -316,8 +319,8 @@ impl By<'_> {
             .map(|goal| match goal {
                 TradeOffGoal::Chance => {
                     let pool = self.pool.ok_or_else(|| trial("there are no chances"))?;
-                    let choice = pool.get(at).ok_or_else(|| trial("its chance is not known"))?;
-                    Ok((pool.alike_from - choice.chance.share).max(0.0))
+                    let place = pool.place(at).ok_or_else(|| trial("its chance is not known"))?;
+                    Ok((pool.alike_from - pool.merits[place]).max(0.0))
                 }
                 TradeOffGoal::Misfit => Ok(self.design.target.misfit(&response.value).max),
                 TradeOffGoal::LaserTime => Effort::LaserTime.of(self.design, at),
