@@ -97,6 +97,21 @@ pub enum ExportError {
         /// What would be accepted.
         expected: &'static str,
     },
+    /// A depth between those that whole passes or bursts give.
+    #[error(
+        "the depth of {} um is no whole number of {of} of {} um: expected for instance {} um",
+        tidy(*depth_um), tidy(*step_um), tidy(*nearest_um)
+    )]
+    NoWholeSteps {
+        /// The depth, in um.
+        depth_um: f64,
+        /// `passes` or `bursts`.
+        of: &'static str,
+        /// Depth that one of them gives, in um.
+        step_um: f64,
+        /// The nearest depth that can be cut, in um.
+        nearest_um: f64,
+    },
     /// The process sheet could not be written as TOML.
     #[error("the process sheet cannot be written as TOML: {reason}")]
     Unwritable {

@@ -62,6 +62,9 @@ pub struct Laser {
 /// Walls that lean more than this meet before they have depth worth the name.
 const MOST_TAPER_DEG: f64 = 80.0;
 
+/// Share of a pass or a burst by which a depth may miss a whole number of them: files keep four digits of a micrometre.
+const STEP_TOLERANCE: f64 = 1e-3;
+
 impl Laser {
     /// Checks each number by itself, and lines and pulses against the spot.
     ///
@@ -130,11 +133,54 @@ impl Laser {
         Ok(())
     }
 
-    /// Bursts for a depth of `depth_m`, at least one; `None` without a depth per burst.
+    /// Bursts that reach a point in one pass over the lines of a hatch, on average; `None` for a mask, and where spot, speed
+    /// or repetition rate are not given: cavities are then made spot by spot.
+    #[must_use]
+    pub fn bursts_per_pass(&self) -> Option<f64> {
+        let spot_um = self.spot_um.filter(|_| self.exposure != Some(Exposure::Mask))?;
+        // n = (pi / 4) s^2 / (p h)
+        Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
+    }
+
+    /// Depth that the least exposure gives, in um: one pass over the lines where they are hatched, otherwise one burst. Every
+    /// depth that can be cut is a whole number of these. `None` without a depth per burst.
+    #[must_use]
+    pub fn depth_step_um(&self) -> Option<f64> {
+        Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
+    }
+
+    /// Refuses a depth that no whole number of passes or bursts gives.
+    ///
+    /// # Errors
+    /// [`ExportError::NoWholeSteps`].
+    pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
+        let Some(step_um) = self.depth_step_um() else { return Ok(()) };
+        let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
+        if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE * step_um {
+            return Ok(());
+        }
+        let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };
+        Err(ExportError::NoWholeSteps { depth_um, of, step_um, nearest_um: steps * step_um })
+    }
+
+    /// Bursts on each spot for a depth of `depth_m`, at least one; `None` without a depth per burst, and where passes over
+    /// lines give the depth.
     #[must_use]
     pub fn bursts(&self, depth_m: f64) -> Option<u32> {
+        if self.bursts_per_pass().is_some() {
+            return None;
+        }
         let depth_per_burst_m = self.depth_per_burst_um.map(|depth_um| depth_um * 1e-6);
         ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
+    }
+
+    /// Passes over every line for a depth of `depth_m`, at least one; `None` where spot, speed, repetition rate or depth per
+    /// burst are not given.
+    #[must_use]
+    pub fn passes(&self, depth_m: f64) -> Option<u32> {
+        let step_um = self.depth_step_um().filter(|_| self.bursts_per_pass().is_some())?;
+        // At most a billion: the cast cannot overflow.
+        Some((depth_m * 1e6 / step_um).round().clamp(1.0, 1e9) as u32)
     }
 
     /// Distance of pulses along a line, in um.

@@ -86,7 +86,7 @@ pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, Proces
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
 pub use svg::svg;
-pub use work::{WorkSheet, laser_time_s, passes};
+pub use work::{WorkSheet, laser_time_s};
 
 /// What drawings say about themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -83,7 +83,7 @@ fn programs_read_back_to_the_lines_of_every_pass() {
     let laser = laser();
     let marking = Marking::new(&laser).unwrap();
     for layout in layouts() {
-        let passes = passes(&laser, layout.pattern().depth_m()).unwrap();
+        let passes = laser.passes(layout.pattern().depth_m()).unwrap();
         // 13 bursts, of which a pass gives (pi/4) 23^2/(10 20) = 2.08.
         assert_eq!(passes, 6);
         let program = text(|to| gcode(&layout, &GcodePlan::new(&laser, passes).unwrap(), &HEADING, to));
@@ -308,4 +308,33 @@ fn a_hundred_thousand_cavities_are_handed_on_piece_by_piece() {
         assert!(meter.bytes > if name == "png" { 1_000 } else { 1_000_000 }, "{name}: {}", meter.bytes);
         assert!(meter.largest < 1 << 17, "{name}: {}", meter.largest);
     }
+}
+
+/// A floor of 2 um in passes of 3.142 um cannot be cut, whatever bursts would give.
+#[test]
+fn depths_are_whole_passes_or_whole_bursts() {
+    // 20 um spots every 2 um on lines 10 um apart: (pi / 4) 20^2 / (2 x 10) = 15.7 bursts of 0.2 um.
+    let hatched = Laser {
+        spot_um: Some(20.0),
+        repetition_hz: Some(50e3),
+        speed_mm_s: Some(100.0),
+        hatch_um: Some(10.0),
+        depth_per_burst_um: Some(0.2),
+        ..Laser::default()
+    };
+    let step_um = hatched.depth_step_um().unwrap();
+    assert!((step_um - std::f64::consts::PI).abs() < 1e-12);
+    let refused = hatched.check_depth(2e-6).unwrap_err().to_string();
+    assert!(refused.contains("whole number of passes of 3.14159") && refused.contains("instance 3.14159"), "{refused}");
+    assert_eq!((hatched.check_depth(2e-6 * step_um), hatched.passes(2e-6 * step_um)), (Ok(()), Some(2)));
+    assert_eq!(hatched.bursts(2e-6 * step_um), None, "bursts on a spot do not give the depth");
+    // A mask opens on the whole cavity, and a spot that does not move stays for whole bursts.
+    let mask = Laser { exposure: Some(Exposure::Mask), ..hatched };
+    let still = Laser { speed_mm_s: None, ..hatched };
+    for laser in [mask, still] {
+        assert_eq!((laser.depth_step_um(), laser.passes(2e-6), laser.bursts(2e-6)), (Some(0.2), None, Some(10)));
+        assert_eq!(laser.check_depth(2e-6), Ok(()));
+        assert!(laser.check_depth(2.1e-6).unwrap_err().to_string().contains("whole number of bursts of 0.2 um"));
+    }
+    assert_eq!(Laser::default().check_depth(2.1e-6), Ok(()));
 }

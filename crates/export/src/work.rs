@@ -24,7 +24,8 @@ const BURSTS_FORMULA: &str =
 pub struct WorkSheet {
     /// `hatch` or `mask`.
     pub exposure: Exposure,
-    /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole.
+    /// Bursts per cavity (on each of its spots): depth over depth per burst, to the nearest whole; absent where passes over
+    /// lines give the depth.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
     /// Depth that those bursts give, in um.
@@ -92,26 +93,11 @@ pub struct WorkSheet {
     pub estimated_time_assumptions: String,
 }
 
-/// Passes over every line for a depth of `depth_m`, at least one; `None` where spot, speed, repetition rate or
-/// depth per burst are not given.
-#[must_use]
-pub fn passes(laser: &Laser, depth_m: f64) -> Option<u32> {
-    let bursts = depth_m * 1e6 / laser.depth_per_burst_um?;
-    // At most a billion: the cast cannot overflow.
-    Some((bursts / bursts_per_pass(laser)?).round().clamp(1.0, 1e9) as u32)
-}
-
 /// Time under the laser for all cavities of `layout`, in seconds, as the process sheet estimates it; `None` where the
 /// laser is not known well enough.
 #[must_use]
 pub fn laser_time_s(layout: &Layout, laser: &Laser) -> Option<f64> {
     WorkSheet::new(layout, laser).estimated_time_s
-}
-
-fn bursts_per_pass(laser: &Laser) -> Option<f64> {
-    let spot_um = laser.spot_um?;
-    // n = (pi / 4) s^2 / (p h)
-    Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (laser.pulse_distance_um()? * laser.line_distance_um()?))
 }
 
 impl WorkSheet {
@@ -179,13 +165,12 @@ impl WorkSheet {
         self.line_overlap = overlap(laser.line_distance_um());
         self.pulse_distance_um = laser.pulse_distance_um().map(rounded);
         self.pulse_overlap = overlap(laser.pulse_distance_um());
-        self.bursts_per_pass = bursts_per_pass(laser).map(rounded);
+        self.bursts_per_pass = laser.bursts_per_pass().map(rounded);
         self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
-        self.passes = passes(laser, layout.pattern().depth_m());
-        let each_um = laser.depth_per_burst_um.zip(bursts_per_pass(laser)).map(|(depth_um, bursts)| depth_um * bursts);
+        self.passes = laser.passes(layout.pattern().depth_m());
         self.depth_of_passes_um = self
             .passes
-            .zip(each_um)
+            .zip(laser.depth_step_um())
             .map(|(passes, each_um)| round_decimals(f64::from(passes) * each_um, MICROMETRE_DECIMALS));
     }
 

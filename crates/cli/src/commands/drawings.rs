@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use slipgrid_export::{
     ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
-    ProcessSheet, check_stl, corners_csv, csv, dxf, gcode, hatch_csv, height_map, hpgl, passes, stl, svg,
+    ProcessSheet, check_stl, corners_csv, csv, dxf, gcode, hatch_csv, height_map, hpgl, stl, svg,
 };
 use slipgrid_pattern::Pattern;
 
@@ -53,6 +53,7 @@ pub fn draw_with(
     let layout = input.outline.layout(input.pattern)?;
     let laser = input.laser;
     laser.validate()?;
+    laser.check_depth(input.pattern.depth_m())?;
     let drawing = Arc::new(Drawing::new(input, layout));
     let depth_m = input.pattern.depth_m();
     for format in formats {
@@ -78,7 +79,7 @@ pub fn draw_with(
                 });
             }
             ExportFormat::Gcode => {
-                let plan = GcodePlan::new(&laser, passes(&laser, depth_m).unwrap_or(1))?;
+                let plan = GcodePlan::new(&laser, laser.passes(depth_m).unwrap_or(1))?;
                 outputs.add_stream("pattern.gcode", move |to| {
                     drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
                 });

@@ -427,6 +427,11 @@ fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2]
 /// Width, spacing and depth bounds, in metres.
 type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
 
+/// What depths are whole numbers of.
+fn depth_steps(laser: &Laser) -> &'static str {
+    if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
+}
+
 fn read_limits(
     document: &Document,
     file: &DesignFile,
@@ -436,8 +441,8 @@ fn read_limits(
     let limits = ManufacturingLimits {
         min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
         spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
-        // Given, or fitted against fluence.
-        depth_per_burst_m: laser.depth_per_burst_um.map(|depth_um| LENGTH_UM.to_si(depth_um)),
+        // By bursts, given or fitted against fluence, or by passes over the lines of a hatch.
+        depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
     };
     let bounds = file.bounds.get_ref();
     if let Some(min_land_m) = limits.min_land_m
@@ -475,7 +480,7 @@ fn read_limits(
         let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
         if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
             return Err(document
-                .refuse(bounds.depth_um.span(), "holds no whole number of bursts")
+                .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
                 .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
         }
     }

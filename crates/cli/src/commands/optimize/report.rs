@@ -47,6 +47,8 @@ pub struct DesignReport {
     pub design: PatternReport,
     /// Bursts per cavity; null where the design file gives no depth per burst.
     pub bursts: Option<u32>,
+    /// Passes over the lines of a hatch; null where the laser's settings do not give them.
+    pub passes: Option<u32>,
     /// Dimensions of the model.
     pub dimensions: u8,
     /// The vertical plane took a section of a planform that needs three dimensions.
@@ -185,7 +187,7 @@ impl DesignReport {
             design.spacing_um,
             design.depth_um,
             design.texture_words(),
-            self.bursts.map_or_else(String::new, |bursts| format!(" (bursts: {bursts})")),
+            self.exposure_words(),
             100.0 * design.areal_density,
         );
         if let Some(selection) = &self.selection {
@@ -309,6 +311,15 @@ impl DesignReport {
     /// What ran out, in words.
     fn spent(&self) -> &'static str {
         if self.out_of_time { "the seconds allowed were spent" } else { "the evaluations allowed were spent" }
+    }
+
+    /// How often the laser goes over a cavity; empty where nothing says so.
+    fn exposure_words(&self) -> String {
+        match (self.bursts, self.passes) {
+            (Some(bursts), _) => format!(" (bursts: {bursts})"),
+            (None, Some(passes)) => format!(" (passes: {passes})"),
+            (None, None) => String::new(),
+        }
     }
 
     fn in_space(&self) -> &'static str {
