@@ -6,7 +6,8 @@ use std::ops::Range;
 use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, log_covariance, moved, with_scale};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
-    CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, Uncertainty,
+    CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
+    Uncertainty, propagate,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
@@ -296,6 +297,70 @@ impl Chances {
             (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(slope(at(0.0)?, below, step_m)),
             (Err(failure), _) | (_, Err(failure)) => Err(failure),
         }
+    }
+}
+
+/// The steady model itself at every draw, about values that are known, with some of the inputs off.
+pub struct Sampled<'a> {
+    chances: &'a Chances,
+    about: About<'a>,
+    /// Ratios of the design by the steady model.
+    still: Vec<f64>,
+    of: &'a (dyn Fn(usize) -> bool + Sync),
+}
+
+impl Chances {
+    /// Share of `draws` of the steady model in which every value is accepted; a draw that cannot be computed is one that is not.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design or every draw cannot be computed.
+    pub fn sampled(
+        &self,
+        about: &About<'_>,
+        draws: usize,
+        seed: u64,
+        of: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<Probability, ModelFailure> {
+        let still = self.still.steady(about.design)?.ratio;
+        let model = Sampled { chances: self, about: *about, still, of };
+        let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
+        Ok(drawn.probability(|values| self.target.accepts(values)))
+    }
+}
+
+impl UncertainModel for Sampled<'_> {
+    fn respond_at(&self, made: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let (chances, about) = (self.chances, &self.about);
+        let off = |place: usize| if (self.of)(place) { deviations[place - DIMENSIONS] } else { 0.0 };
+        let length = |axis: usize, made_m: f64, own_m: f64| if (self.of)(axis) { made_m } else { own_m };
+        let own = about.design;
+        let made = Pattern::new(
+            *own.texture(),
+            length(0, made.width_m(), own.width_m()),
+            length(1, made.spacing_m(), own.spacing_m()),
+            length(2, made.depth_m(), own.depth_m()),
+        );
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let made = made.map_err(|error| trial(error.to_string()))?;
+        let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
+        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, load)).collect();
+        let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
+        let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, log_scale, law));
+        let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
+        let value = |load: usize| {
+            let by = chances.scale[load] * (ratio[load] - self.still[load]);
+            let physics = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
+            let corrected = match &chances.discrepancy {
+                Some(all) if chances.aims || about.corrected => {
+                    let own = if about.corrected { all[load].factor } else { 1.0 };
+                    let log = off(chances.first_discrepancy + load) - all[load].modulus_sensitivity * log_scale;
+                    physics * own * log.exp()
+                }
+                _ => physics,
+            };
+            corrected + about.numerical[load] * off(chances.first_numerical + load)
+        };
+        Ok((0..self.still.len()).map(value).collect())
     }
 }
 
