@@ -173,11 +173,14 @@ fn numerical(design: &Design, chances: &Chances, predicted: &Simulation, errors:
     ((0..chances.scale().len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
 }
 
+/// Which inputs are off.
+type Off<'a> = dyn Fn(usize) -> bool + Sync + 'a;
+
 /// What the chance would be without each part, the greatest first.
 fn parts(
     chances: &Chances,
     numerical: &[f64],
-    share: &dyn Fn(&(dyn Fn(usize) -> bool + Sync)) -> Result<f64, CliError>,
+    share: &dyn Fn(&Off<'_>) -> Result<f64, CliError>,
 ) -> Result<Vec<PartReport>, CliError> {
     let mut parts: Vec<PartReport> = Vec::new();
     for input in chances.inputs() {
