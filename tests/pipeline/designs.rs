@@ -82,10 +82,9 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
     assert!((flat - 0.278).abs() < 0.003, "{flat}");
     assert_eq!(result["material"]["synthetic_surface"], true);
 
-    // The scene runs as it is; steady sliding of its cell lies near what was confirmed.
+    // The scene runs as it is; steady sliding of its specimen lies near what was confirmed.
     let scene = folder.path().join("design.toml");
-    let (code, out, _) =
-        slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--extent", "cell", "--json"]);
+    let (code, out, _) = slipgrid(&["simulate", scene.to_str().unwrap(), "--fidelity", "steady", "--json"]);
     assert_eq!(code, 0);
     let steady: Value = serde_json::from_str(&out).unwrap();
     for (steady, confirmed) in steady["results"].as_array().unwrap().iter().zip(confirmed) {
@@ -119,7 +118,7 @@ fn a_target_of_dynamic_friction_is_met() {
 fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
     let (_folder, result) = optimize("ldpe-lowest");
     assert_eq!((&result["violations"], &result["goal"]["goal"]), (&Value::Array(Vec::new()), &Value::from("lowest")));
-    let density = result["design"]["areal_density"].as_f64().unwrap();
+    let density = result["specimen_areal_density"].as_f64().unwrap();
     assert!((density - 0.4).abs() < 1e-6, "{density}");
     let confirmed = result["confirmed"].as_array().unwrap();
     let mu = confirmed.iter().map(|load| load["mu_dynamic"].as_f64().unwrap()).sum::<f64>() / 2.0;

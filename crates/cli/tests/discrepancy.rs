@@ -126,16 +126,21 @@ fn aiming_at_half_is_aiming_at_the_whole_without_the_factor() {
 fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
     let place = Place::with(&[("a.toml", &design("value = 0.88\ntolerance = 0.02", ""))]);
     let told = place.succeed(&["optimize", "a.toml"]);
-    assert!(told.contains("+-: one standard deviation of time average, local coefficients drawn;"), "{told}");
+    assert!(
+        told.contains("+-: one standard deviation of time average, local coefficients drawn, layout on the specimen;"),
+        "{told}"
+    );
     assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
     let found = result(&place, "out/a");
     let at = &found["errors"]["by_pressure"][0];
     assert_eq!((&at["predicted"]["std"], &found["discrepancy"]), (&Value::Null, &Value::Null));
     let own = number(&found["confirmed"][0]["ratio_stderr"]).hypot(part(&at["ratio"], "local coefficients drawn"));
+    let own = own.hypot(part(&at["ratio"], "layout on the specimen"));
     assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
     // 5 % over the blocks in contact and of about equal friction; the ratio shares most of it with the flat sample.
     let mu = &at["mu"];
-    let land = 100.0 * (1.0 - number(&found["design"]["areal_density"]));
+    let interface = fs::read_to_string(place.path("out/a/interface.csv")).unwrap();
+    let land = interface.lines().filter(|line| line.contains(",patterned,")).count() as f64;
     let expected = 0.05 * number(&mu["value"]) / land.sqrt();
     let drawn = part(mu, "local coefficients drawn");
     assert!(drawn >= 0.98 * expected && drawn < 1.3 * expected, "{drawn} {expected}");

@@ -12,11 +12,11 @@ use serde_json::Value;
 /// A short sample and one pressure; standard errors as a calibration writes them.
 fn design(more: &str) -> String {
     let text = DESIGN
-        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 4.0")
         .replace("[0.65, 2.6]", "[2.6]")
         .replace("value = 0.9", "value = 0.88")
         .replace("tolerance = 0.01", "tolerance = 0.02")
-        .replace("max_evaluations = 50", "max_evaluations = 600")
+        .replace("max_evaluations = 50", "max_evaluations = 2000")
         .replace("density_g_cm3 = 0.9\n", "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.038\n")
         .replace("dynamic_mean = 0.27\n", "dynamic_mean = 0.27\ndynamic_std_error = 0.0027\n")
         .replace("spot_um = 23.0\n", "spot_um = 23.0\nrepetition_hz = 20000.0\nspeed_mm_s = 200.0\n");

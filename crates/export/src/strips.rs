@@ -37,7 +37,7 @@ impl Layout {
                 let strip = LaidStrip {
                     band,
                     width_m: height_m,
-                    length_m: right_m - left_m,
+                    length_m: rounded(right_m - left_m),
                     cavities_m: self.along(&cavities, y_m, [left_m, right_m]),
                 };
                 match strips.iter_mut().find(|known| self.alike(known, &strip)) {
@@ -65,7 +65,7 @@ impl Layout {
         let strip = |&[left_m, right_m]: &[f64; 2]| LaidStrip {
             band: 0,
             width_m: self.outline().area_m2() / length_m,
-            length_m: right_m - left_m,
+            length_m: rounded(right_m - left_m),
             cavities_m: self.along(&cavities, 0.0, [left_m, right_m]),
         };
         chords.iter().map(strip).collect()
@@ -79,7 +79,7 @@ impl Layout {
                 let half_m = half_width_m(cavity, y_m)?;
                 let from_m = (cavity.centre_x_m - half_m).max(left_m) - left_m;
                 let to_m = (cavity.centre_x_m + half_m).min(right_m) - left_m;
-                (to_m > from_m).then_some([from_m, to_m])
+                (to_m > from_m).then_some([rounded(from_m), rounded(to_m)])
             })
             .collect();
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -92,6 +92,12 @@ impl Layout {
             && a.cavities_m.len() == b.cavities_m.len()
             && a.cavities_m.iter().zip(&b.cavities_m).all(|(a, b)| near(a[0], b[0]) && near(a[1], b[1]))
     }
+}
+
+/// A length to the picometre, in metres: what decimals in files leave behind is gone, so that a pattern read back has the
+/// same strips to the last bit.
+fn rounded(length_m: f64) -> f64 {
+    (length_m * 1e12).round() * 1e-12
 }
 
 /// Half of what a cavity whose sides lie along x and y takes of the line at `y_m`, in metres; `None` where it misses it.

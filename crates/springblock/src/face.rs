@@ -65,7 +65,8 @@ impl Face {
                 reached_m = end_m;
             }
         }
-        Ok(Self { strips, cavity_share })
+        // To twelve digits: what decimals in files leave behind is gone.
+        Ok(Self { strips, cavity_share: (cavity_share * 1e12).round() * 1e-12 })
     }
 
     /// The strips.

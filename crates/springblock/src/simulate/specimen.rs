@@ -147,7 +147,8 @@ impl SteadyFace {
         let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
             strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
         };
-        let depth = pattern.depth_m() / block_m;
+        // To a billionth of a row: what decimals in files leave behind is gone.
+        let depth = (pattern.depth_m() / block_m * 1e9).round() * 1e-9;
         let mut planned: Vec<(usize, f64, f64, Lattice)> = Vec::new();
         let mut count = 0;
         for strip in face.strips() {

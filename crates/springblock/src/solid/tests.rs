@@ -126,9 +126,11 @@ fn hexagonal_discs_look_the_same_every_sixty_degrees() {
         let load = SolidLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
         model(&pattern, 5.0, 50.0).solve(&load).mu_dynamic.unwrap()
     };
-    let turned = |arrangement| (mu(arrangement, 60.0) - mu(arrangement, 0.0)).abs();
-    let (hexagonal, staggered) = (turned(Arrangement::Hexagonal), turned(Arrangement::Staggered));
-    assert!(hexagonal < 2e-4 && hexagonal < 0.5 * staggered, "{hexagonal} {staggered}");
+    // The pattern is the same; the cubic mesh is not.
+    let turned = mu(Arrangement::Hexagonal, 60.0) - mu(Arrangement::Hexagonal, 0.0);
+    assert!(turned.abs() < 5e-5, "{turned}");
+    let denser = mu(Arrangement::Hexagonal, 0.0) - mu(Arrangement::Staggered, 0.0);
+    assert!(denser < -10.0 * turned.abs(), "rows nearer by 13 % lower friction more: {denser} {turned}");
 }
 
 #[test]

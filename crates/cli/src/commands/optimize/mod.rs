@@ -52,6 +52,7 @@ use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json, json_and_timings};
+use crate::units::tidy;
 use crate::{CliError, Console, exit_code};
 use allowance::Allowance;
 use files::DesignScene;
@@ -148,6 +149,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         run: &found.confirming,
     };
     outputs.add("design.toml", scene.to_toml()?);
+    let laid = design.outline.layout(pattern).map_err(|error| design.refuse(error.to_string()))?;
     let drawing = DrawingInput {
         name: &design.name,
         version: VERSION,
@@ -194,6 +196,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         chance,
         selection: found.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
+        specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
         passes: design.laser.passes(pattern.depth_m()),
         dimensions: if is_solid { 3 } else { 2 },

@@ -45,6 +45,8 @@ pub struct DesignReport {
     pub selection: Option<SelectionReport>,
     /// The best design.
     pub design: PatternReport,
+    /// Share of the specimen's face that is cavity, as they are laid out.
+    pub specimen_areal_density: f64,
     /// Bursts per cavity; null where the design file gives no depth per burst.
     pub bursts: Option<u32>,
     /// Passes over the lines of a hatch; null where the laser's settings do not give them.
@@ -181,13 +183,14 @@ impl DesignReport {
             self.verdict()
         );
         text += &format!(
-            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the surface\n\n",
+            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n\n",
             design.planform,
             design.width_um,
             design.spacing_um,
-            design.depth_um,
+            (design.depth_um * 1e4).round() / 1e4,
             design.texture_words(),
             self.exposure_words(),
+            100.0 * self.specimen_areal_density,
             100.0 * design.areal_density,
         );
         if let Some(selection) = &self.selection {

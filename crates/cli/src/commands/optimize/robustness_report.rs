@@ -182,7 +182,7 @@ impl RobustnessReport {
         );
         if let Some(material) = &self.with_material {
             text +=
-                &format!("  with what is not known of the material ({}): {}\n", names(false), material.words("", ""));
+                &format!("  with what is not known of the material ({}), numerical error aside: {}\n", names(false), material.words("", ""));
         }
         if let Some(corrected) = &self.with_discrepancy {
             text += &format!(
