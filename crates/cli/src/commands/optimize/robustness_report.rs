@@ -181,8 +181,11 @@ impl RobustnessReport {
             self.samples.words("of samples", self.how())
         );
         if let Some(material) = &self.with_material {
-            text +=
-                &format!("  with what is not known of the material ({}), numerical error aside: {}\n", names(false), material.words("", ""));
+            text += &format!(
+                "  with what is not known of the material ({}), numerical error aside: {}\n",
+                names(false),
+                material.words("", "")
+            );
         }
         if let Some(corrected) = &self.with_discrepancy {
             text += &format!(
