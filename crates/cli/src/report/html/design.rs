@@ -151,7 +151,10 @@ fn dimensions(page: &mut Page, result: &Value) {
         }
     }
     if let Some(density) = design["areal_density"].as_f64() {
-        rows.push(vec!["share of the surface".to_owned(), format!("{:.2}", 100.0 * density), "%".to_owned()]);
+        rows.push(vec!["share of a period".to_owned(), format!("{:.2}", 100.0 * density), "%".to_owned()]);
+    }
+    if let Some(density) = result["specimen_areal_density"].as_f64() {
+        rows.push(vec!["share of the specimen's face".to_owned(), format!("{:.2}", 100.0 * density), "%".to_owned()]);
     }
     if result["passes"].is_number() {
         rows.push(vec!["passes".to_owned(), plain(&result["passes"]), "over every line".to_owned()]);
