@@ -119,7 +119,8 @@ fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
     let (_folder, result) = optimize("ldpe-lowest");
     assert_eq!((&result["violations"], &result["goal"]["goal"]), (&Value::Array(Vec::new()), &Value::from("lowest")));
     let density = result["specimen_areal_density"].as_f64().unwrap();
-    assert!((density - 0.4).abs() < 1e-6, "{density}");
+    // Numbers of cavities are whole: the face comes as near to the limit as they and steps of 0.1 um let it.
+    assert!(density <= 0.4 && density > 0.399, "{density}");
     let confirmed = result["confirmed"].as_array().unwrap();
     let mu = confirmed.iter().map(|load| load["mu_dynamic"].as_f64().unwrap()).sum::<f64>() / 2.0;
     assert!((result["goal"]["confirmed"].as_f64().unwrap() - mu).abs() < 1e-12);

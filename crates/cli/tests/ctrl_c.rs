@@ -48,6 +48,9 @@ fn told(place: &Place, output: &Output) -> String {
 
 #[test]
 fn every_command_ends_and_writes_nothing() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let fine = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
     let dynamic = SCENE.replace("\"steady\"", "\"dynamic\"").replace("sliding_um = 2.0", "sliding_um = 90.0");
     let solid_dynamic = dynamic.replace("\"groove\"", "\"disc\"");
@@ -108,6 +111,9 @@ fn discs() -> String {
 
 #[test]
 fn every_stage_of_a_design_ends_and_names_what_goes_on() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let place = Place::with(&[("discs.toml", &discs())]);
     let mut stages = Vec::new();
     for after_s in [0.2, 1.0, 3.0, 8.0] {
@@ -124,6 +130,9 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
 
 #[test]
 fn the_command_that_is_named_goes_on() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let place = Place::with(&[("design.toml", DESIGN)]);
     let output = interrupted(&place, &["optimize", "design.toml", "-o", "out"], 0.4);
     let kept = output.map(|output| told(&place, &output)).filter(|message| message.contains("--resume"));
@@ -141,6 +150,9 @@ fn the_command_that_is_named_goes_on() {
 
 #[test]
 fn a_second_one_ends_at_once() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let place = Place::with(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]);
     let run = start(&place, &["simulate", "scene.toml", "-o", "out"]);
     std::thread::sleep(Duration::from_millis(700));
@@ -154,6 +166,9 @@ fn a_second_one_ends_at_once() {
 
 #[test]
 fn files_are_whole_or_absent_whenever_it_is_pressed() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let result = r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0,
         "depth_um": 5.2, "planform": "square", "areal_density": 0.1, "section_density": 0.1}, "laser": {"spot_um": 23.0},
         "specimen": {"shape": "disc", "diameter_mm": 20.0},

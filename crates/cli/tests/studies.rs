@@ -153,6 +153,9 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
 #[test]
 #[cfg(unix)]
 fn a_run_ended_from_the_keyboard_takes_its_lock_along() {
+    if common::ignores_ctrl_c() {
+        return;
+    }
     let place = Place::with(&[("d.toml", DESIGN)]);
     for signal in ["INT", "TERM"] {
         let mut run = begin(&place, &["optimize", "d.toml", "-o", "out/a"]);

@@ -150,3 +150,17 @@ pub fn names(folder: &Path) -> Vec<String> {
     names.sort();
     names
 }
+
+/// Whether the tests themselves were started to ignore Ctrl-C, as shells start what runs in the background: the program then
+/// ignores it, too, and there is nothing to test.
+pub fn ignores_ctrl_c() -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or(0);
+    // Bit 1 is signal 2.
+    let ignores = mask >> 1 & 1 == 1;
+    if ignores {
+        println!("not tested: Ctrl-C is ignored here");
+    }
+    ignores
+}
