@@ -132,8 +132,7 @@ fn ends_error(scene: &Scene, specimen: &Specimen, pattern: &Pattern) -> Result<V
     let groove = pattern.as_groove();
     let run = RunOptions { extent: Extent::Sample, dimensions: Some(2), ..RunOptions::default() };
     let mut plane = Scene { pattern: Some(groove), run, ..scene.clone() };
-    plane.layer.length_m =
-        (specimen.outline.extents_m()[0] / plane.layer.block_m).round().max(1.0) * plane.layer.block_m;
+    plane.layer.length_m = specimen.whole_length_m(plane.layer.block_m);
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
     let strips = simulate_specimen(&plane, &face(&layout, plane.layer.block_m)?, &slipgrid_springblock::Unwatched)?;

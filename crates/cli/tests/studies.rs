@@ -10,20 +10,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{DESIGN, Place};
-
-/// A design that is searched and confirmed in some hundredths of a second.
-fn small() -> String {
-    DESIGN
-        .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
-        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [40.0, 80.0]")
-        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 10.0]")
-        .replace("layer_um = 200.0", "layer_um = 40.0")
-        .replace("block_um = 10.0", "block_um = 20.0")
-        .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
-        .replace("max_evaluations = 50", "max_evaluations = 12")
-        .replace("tolerance = 0.01", "tolerance = 0.2")
-}
+use common::{DESIGN, Place, small};
 
 /// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
 struct Dice(u64);

@@ -390,7 +390,7 @@ pub fn read_layer(
                 )));
         }
         // The nearest whole blocks: strips of the layout keep their own lengths.
-        (None, Some(specimen)) => (specimen.outline.extents_m()[0] / block_m).round().max(1.0) * block_m,
+        (None, Some(specimen)) => specimen.whole_length_m(block_m),
         (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
     let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?, block_m };

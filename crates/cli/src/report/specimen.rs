@@ -24,6 +24,12 @@ impl Specimen {
         if self.is_clipped { Layout::clipped(pattern, self.outline) } else { Layout::new(pattern, self.outline) }
     }
 
+    /// Length along the sliding direction to the nearest whole number of blocks of `block_m`, at least one, in metres.
+    #[must_use]
+    pub fn whole_length_m(&self, block_m: f64) -> f64 {
+        (self.outline.extents_m()[0] / block_m).round().max(1.0) * block_m
+    }
+
     /// Whether it takes `pattern`.
     ///
     /// # Errors

@@ -78,6 +78,19 @@ seed = 1
 max_evaluations = 50
 "#;
 
+/// A design that is searched and confirmed in some hundredths of a second.
+pub fn small() -> String {
+    DESIGN
+        .replace("width_um = [40.0, 400.0]", "width_um = [40.0, 80.0]")
+        .replace("spacing_um = [40.0, 1000.0]", "spacing_um = [40.0, 80.0]")
+        .replace("depth_um = [2.0, 50.0]", "depth_um = [2.0, 10.0]")
+        .replace("layer_um = 200.0", "layer_um = 40.0")
+        .replace("block_um = 10.0", "block_um = 20.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 1.0")
+        .replace("max_evaluations = 50", "max_evaluations = 12")
+        .replace("tolerance = 0.01", "tolerance = 0.2")
+}
+
 /// A calibration beside its table `flat.csv`.
 pub const CALIBRATION: &str = r#"name = "test"
 source = "nowhere"

@@ -13,8 +13,8 @@ pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Travel at which a confirming run gives up waiting for the onset of sliding, in metres.
 const MOST_TRAVEL_M: f64 = 8e-6;
 
-/// `scene` in time on `specimen`, or on one strip without, and how it was run: slender lands shear further before the last block slips, and at
-/// high speeds the travel is over before an average means anything.
+/// `scene` in time on `specimen`, or on one strip without, and how it was run: slender lands shear further before the last
+/// block slips, and at high speeds the travel is over before an average means anything.
 ///
 /// # Errors
 /// [`SpecimenError`] if the scene means nothing or the specimen does not take its pattern.

@@ -1,5 +1,6 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
+use slipgrid_export::ExportError;
 use slipgrid_material::AreaLaw;
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::Pattern;
@@ -146,15 +147,14 @@ impl SteadyCell {
     }
 
     /// Share of the specimen's face that is cavity over that of the endless pattern.
-    fn share(&self, design: &Pattern) -> Result<f64, ModelFailure> {
-        let dimensions = if self.is_solid() { 3 } else { 2 };
-        let share = self.specimen.as_ref().map(|specimen| density_share(specimen, design, dimensions)).transpose();
-        share.map(|share| share.unwrap_or(1.0)).map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+    fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
+        let Some(specimen) = &self.specimen else { return Ok(1.0) };
+        density_share(specimen, design, self.dimensions())
     }
 
     /// What a cell says, with its cavities as `designed` lies on the specimen.
     fn laid(&self, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
-        let share = self.share(designed)?;
+        let share = self.share(designed).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
         Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
     }
 
@@ -178,6 +178,11 @@ impl SteadyCell {
     #[must_use]
     pub const fn is_solid(&self) -> bool {
         matches!(self.solver, Solver::Solid(_))
+    }
+
+    /// Dimensions in which designs are solved.
+    const fn dimensions(&self) -> u8 {
+        if self.is_solid() { 3 } else { 2 }
     }
 
     /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
@@ -212,9 +217,8 @@ impl SteadyCell {
     /// [`SpecimenError`] if the design has no lattice or does not fit on the specimen.
     pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SpecimenError> {
         let mut simulation = simulate(&self.scene(design), &Unwatched)?;
-        if let Some(specimen) = &self.specimen {
-            let dimensions = if self.is_solid() { 3 } else { 2 };
-            onto(&mut simulation, density_share(specimen, design, dimensions)?, &[]);
+        if self.specimen.is_some() {
+            onto(&mut simulation, self.share(design)?, &[]);
         }
         Ok(simulation)
     }
@@ -225,7 +229,7 @@ impl SteadyCell {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let solver = Solver::new(scene, if self.is_solid() { 3 } else { 2 });
+        let solver = Solver::new(scene, self.dimensions());
         Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
     }
 
@@ -281,7 +285,7 @@ impl SteadyCell {
         let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
         let count = asked.loads.len();
         Ok(Self {
-            solver: Solver::new(&asked, if self.is_solid() { 3 } else { 2 }),
+            solver: Solver::new(&asked, self.dimensions()),
             guide: None,
             flat_mu: None,
             aim: vec![1.0; count],
