@@ -132,6 +132,15 @@ impl Pattern {
         std::iter::once([0.0, 0.0]).chain(second)
     }
 
+    /// The same pattern, sliding at `angle_deg` from the specimen's X axis.
+    ///
+    /// # Errors
+    /// [`PatternError::AngleOutOfRange`] beyond 180 degrees either way.
+    pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
+        self.texture = self.texture.with_sliding_angle_deg(angle_deg)?;
+        Ok(self)
+    }
+
     /// Unit vector of the sliding direction in the pattern's own axes.
     #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {

@@ -167,6 +167,24 @@ impl Texture {
         unit_vector(self.sliding_angle_deg)
     }
 
+    /// Whether friction when sliding at `other_deg` from X is that of sliding as this texture does, by symmetry: back and
+    /// forth are alike, as cavities are their own image when turned by 180 degrees; so are directions that are mirrored
+    /// at a texture's axes, and at the diagonal of squares and discs that lie as far apart across as along.
+    #[must_use]
+    pub fn slides_alike(&self, other_deg: f64) -> bool {
+        const SAME_DEG: f64 = 1e-9;
+        let has_square_symmetry = matches!(self.planform, Planform::Square | Planform::Disc)
+            && self.arrangement == Arrangement::Square
+            && self.spacing_across_m.is_none();
+        // The angle between the direction and the nearest x or -x, of 0 to 90 degrees, or to 45.
+        let folded_deg = |angle_deg: f64| {
+            let turned_deg = (angle_deg - self.orientation_deg).rem_euclid(180.0);
+            let acute_deg = turned_deg.min(180.0 - turned_deg);
+            if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
+        };
+        (folded_deg(self.sliding_angle_deg) - folded_deg(other_deg)).abs() < SAME_DEG
+    }
+
     /// Dimensions that a model needs: 2 where every vertical section along the sliding direction is
     /// the same, which is so for grooves across it alone, otherwise 3.
     #[must_use]
@@ -248,6 +266,25 @@ mod tests {
         assert_eq!(turned.sliding_direction(), [0.0, 1.0]);
         assert_eq!(turned.sliding_direction(), slid.sliding_direction());
         assert_eq!((turned.orientation(), slid.orientation()), ([0.0, -1.0], [1.0, 0.0]));
+    }
+
+    #[test]
+    fn directions_alike_by_symmetry() {
+        let at = |texture: Texture, angle_deg: f64| texture.with_sliding_angle_deg(angle_deg).unwrap();
+        let groove = Texture::new(Planform::Groove);
+        for (texture, alike, others) in [
+            (groove, &[180.0, -180.0][..], &[90.0, 1.0][..]),
+            (at(groove, 30.0), &[-30.0, 150.0, -150.0], &[60.0, 0.0]),
+            (at(groove.with_groove_angle_deg(45.0).unwrap(), 90.0), &[0.0, 180.0], &[45.0]),
+            (Texture::new(Planform::Square), &[90.0, -90.0, 180.0], &[45.0]),
+            (at(Texture::new(Planform::Disc), 20.0), &[70.0, 110.0, -160.0], &[45.0]),
+            (Texture::new(Planform::Square).with_spacing_across_m(1e-4).unwrap(), &[180.0], &[90.0]),
+            (Texture::new(Planform::Square).with_arrangement(Arrangement::Staggered).unwrap(), &[180.0], &[90.0]),
+            (Texture::new(Planform::Rectangle).with_length_m(1e-4).unwrap(), &[180.0], &[90.0]),
+        ] {
+            assert!(alike.iter().all(|angle_deg| texture.slides_alike(*angle_deg)), "{texture:?}");
+            assert!(!others.iter().any(|angle_deg| texture.slides_alike(*angle_deg)), "{texture:?}");
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use slipgrid_export::Laser;
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target};
-use slipgrid_pattern::{Arrangement, ManufacturingLimits};
+use slipgrid_pattern::{Arrangement, ManufacturingLimits, Texture};
 use slipgrid_springblock::{Layer, SceneError};
 use toml::Spanned;
 
@@ -17,7 +17,7 @@ use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specime
 use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::{MaterialFile, existing};
 use super::material_uncertainty::{MaterialUncertainty, read_known};
-use super::pattern::{TextureFile, read_texture, require_section};
+use super::pattern::{FurtherDirections, TextureFile, read_directions, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
@@ -101,6 +101,8 @@ pub struct Design {
     pub condition: Option<Condition>,
     /// Further conditions at which the target must hold: known at the same time.
     pub also_at: Vec<Condition>,
+    /// Sliding directions beside the texture's own at which the target must hold, too.
+    pub directions: FurtherDirections,
     /// The wanted friction.
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
@@ -184,10 +186,16 @@ impl Design {
                 .expected(format!("depths below {layer_um} um")));
         }
         let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        let directions = read_directions(&document, file.pattern.get_ref(), &texture)?;
         let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
+        let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
+        let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
         if dimensions == Some(2) {
-            require_section(&document, file.pattern.get_ref(), &texture)?;
+            each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
         }
+        // One model serves all directions: where one of them needs space, all are solved there.
+        let needed = each.iter().map(Texture::dimensions).max().filter(|_| each.len() > 1);
+        let dimensions = dimensions.or(needed);
         let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
             .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
         let limits = &file.limits;
@@ -225,6 +233,7 @@ impl Design {
             material,
             condition: None,
             also_at: Vec::new(),
+            directions,
             target,
             space,
             discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),

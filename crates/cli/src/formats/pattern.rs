@@ -8,7 +8,7 @@ use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
-use super::values::{Number, number};
+use super::values::{Number, Numbers, list, number};
 use crate::diagnostic::Diagnostic;
 use crate::units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG, tidy};
 
@@ -56,8 +56,8 @@ pub struct TextureFile {
     pub arrangement: Option<Spanned<String>>,
     /// Grooves turned from lying across the specimen's x axis; 0 when absent.
     pub angle_deg: Option<Number>,
-    /// Sliding direction turned from the specimen's x axis; 0 when absent.
-    pub sliding_angle_deg: Option<Number>,
+    /// Sliding direction turned from the specimen's x axis; 0 when absent. A design may name several.
+    pub sliding_angle_deg: Option<Spanned<Numbers>>,
 }
 
 impl PatternFile {
@@ -70,7 +70,10 @@ impl PatternFile {
             spacing_across_um: self.spacing_across_um.clone(),
             arrangement: self.arrangement.clone(),
             angle_deg: self.angle_deg.clone(),
-            sliding_angle_deg: self.sliding_angle_deg.clone(),
+            sliding_angle_deg: self
+                .sliding_angle_deg
+                .as_ref()
+                .map(|angle| Spanned::new(angle.span(), Numbers::One(*angle.get_ref()))),
         }
     }
 }
@@ -116,7 +119,7 @@ pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>, layer: &La
     Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
 }
 
-/// Reads the texture in the table at `table`.
+/// Reads the texture in the table at `table`, sliding along the first direction that it names.
 ///
 /// # Errors
 /// [`Diagnostic`] for unknown names, numbers out of range, and keys that the planform has no use for.
@@ -158,10 +161,43 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     }
     if let Some(angle) = &file.sliding_angle_deg {
         texture = texture
-            .with_sliding_angle_deg(document.number(angle, SLIDING_ANGLE_DEG)?)
+            .with_sliding_angle_deg(list(document, angle, SLIDING_ANGLE_DEG)?[0])
             .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
     }
     Ok(texture)
+}
+
+/// Sliding directions of a texture beside its own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FurtherDirections {
+    /// Those that differ from it and from each other, in degrees.
+    pub different_deg: Vec<f64>,
+    /// Those that are like one of the others by symmetry, in degrees.
+    pub alike_deg: Vec<f64>,
+}
+
+/// The directions that `file` names beside the first, which `texture` has.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_directions(
+    document: &Document,
+    file: &TextureFile,
+    texture: &Texture,
+) -> Result<FurtherDirections, Diagnostic> {
+    let mut found = FurtherDirections::default();
+    let Some(angles) = &file.sliding_angle_deg else { return Ok(found) };
+    let mut known = vec![*texture];
+    for angle_deg in list(document, angles, SLIDING_ANGLE_DEG)?.into_iter().skip(1) {
+        if known.iter().any(|known| known.slides_alike(angle_deg)) {
+            found.alike_deg.push(angle_deg);
+            continue;
+        }
+        let turned = texture.with_sliding_angle_deg(angle_deg);
+        known.push(turned.map_err(|error| document.refuse(angles.span(), error.to_string()))?);
+        found.different_deg.push(angle_deg);
+    }
+    Ok(found)
 }
 
 /// Refuses a texture of which the vertical plane takes no meaningful section: it models grooves across
@@ -188,7 +224,8 @@ pub fn require_section(document: &Document, file: &TextureFile, texture: &Textur
     // Grooves are turned, or the sliding direction is, or both by different angles.
     match (&file.sliding_angle_deg, &file.angle_deg) {
         (Some(sliding), Some(groove)) => refuse(sliding.span(), &format!("that of the grooves, {}", groove.get_ref())),
-        (Some(angle), None) | (None, Some(angle)) => refuse(angle.span(), "0"),
+        (Some(sliding), None) => refuse(sliding.span(), "0"),
+        (None, Some(groove)) => refuse(groove.span(), "0"),
         (None, None) => Ok(()),
     }
 }

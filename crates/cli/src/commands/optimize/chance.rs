@@ -41,6 +41,8 @@ pub struct Chances {
     is_ratio: bool,
     /// What a ratio is multiplied by before it is compared with the target.
     scale: Vec<f64>,
+    /// Loads with inputs of their own: those of one sliding direction, which all have in common.
+    inputs_of_loads: usize,
     tolerances: Tolerances,
     uncertainty: Uncertainty,
     /// The model that dimensions are moved in.
@@ -92,10 +94,14 @@ impl Chances {
         model: &SteadyCell,
         further: &[Further],
     ) -> Result<Self, CliError> {
+        let values = model.asked().loads.len();
+        // The same material in every direction: the loads of the first stand for those of the others.
+        let directions = 1 + design.directions.different_deg.len();
+        let count = values / directions;
+        let loads = &model.asked().loads[..count];
         let conditions: Vec<Option<Condition>> =
-            std::iter::once(design.condition).chain(further.iter().map(|at| Some(at.condition))).collect();
-        let loads = &model.asked().loads;
-        let count = loads.len();
+            std::iter::once(design.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+        let conditions = &conditions[..conditions.len() / directions];
         let of_material = |error: MaterialError| CliError::Other(format!("errors of the material: {error}"));
         let tolerances = design.tolerances.map(|input| input.tolerances).unwrap_or_default();
         let mut parts = Parts { inputs: of_dimensions(&tolerances), blocks: Vec::new(), count: DIMENSIONS };
@@ -145,17 +151,18 @@ impl Chances {
             if design.discrepancy {
                 parts.name("discrepancy", known_to, first..first + count);
             }
-            found.iter().enumerate().flat_map(|(place, found)| DiscrepancyAt::each(found, own(place))).collect()
+            let each: Vec<DiscrepancyAt> =
+                found.iter().enumerate().flat_map(|(place, found)| DiscrepancyAt::each(found, own(place))).collect();
+            each.repeat(directions)
         });
-        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; count]));
+        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values]));
         let covariance = diagonal(&parts.blocks);
         let refused = |error: SearchError| CliError::Other(format!("errors of the material: {error}"));
         let uncertainty = Uncertainty::new(&tolerances, &covariance).map_err(refused)?;
 
         let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
             let Some(first) = first else { return Ok(None) };
-            let step: Vec<f64> =
-                (0..count).map(|place| uncertainty.std(first + if inputs > 1 { place } else { 0 })).collect();
+            let step: Vec<f64> = (0..values).map(|place| uncertainty.std(first + place % inputs)).collect();
             let own = |side: f64| {
                 let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
                 let one = side * step[0];
@@ -166,7 +173,8 @@ impl Chances {
         Ok(Self {
             target: design.target.clone(),
             is_ratio: design.target.quantity() == Quantity::Ratio,
-            scale: (0..count).map(|load| model.scale(load)).collect(),
+            scale: (0..values).map(|load| model.scale(load)).collect(),
+            inputs_of_loads: count,
             tolerances,
             still: model.beside(|scene: &Scene| Ok::<_, CliError>(scene.clone()))?,
             coarse: coarse(model)?,
@@ -254,7 +262,8 @@ impl Chances {
         if let Some(along) = &self.friction {
             for (load, slope) in difference(along)?.into_iter().enumerate() {
                 // mu = r mu_flat (1 + x)
-                slopes[along.first + load][load] = slope + if self.is_ratio { 0.0 } else { values[load] };
+                slopes[along.first + load % self.inputs_of_loads][load] =
+                    slope + if self.is_ratio { 0.0 } else { values[load] };
             }
         }
         let applies = self.discrepancy.as_ref().filter(|_| self.aims || about.corrected);
@@ -269,7 +278,7 @@ impl Chances {
         }
         for load in 0..count {
             if applies.is_some() {
-                slopes[self.first_discrepancy + load][load] = values[load];
+                slopes[self.first_discrepancy + load % self.inputs_of_loads][load] = values[load];
             }
             slopes[self.first_numerical + load][load] = about.numerical[load];
         }
@@ -343,7 +352,8 @@ impl UncertainModel for Sampled<'_> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let made = made.map_err(|error| trial(error.to_string()))?;
         let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
-        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, load)).collect();
+        let input = |load: usize| load % chances.inputs_of_loads;
+        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, input(load))).collect();
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, log_scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
@@ -353,7 +363,7 @@ impl UncertainModel for Sampled<'_> {
             let corrected = match &chances.discrepancy {
                 Some(all) if chances.aims || about.corrected => {
                     let own = if about.corrected { all[load].factor } else { 1.0 };
-                    let log = off(chances.first_discrepancy + load) - all[load].modulus_sensitivity * log_scale;
+                    let log = off(chances.first_discrepancy + input(load)) - all[load].modulus_sensitivity * log_scale;
                     physics * own * log.exp()
                 }
                 _ => physics,

@@ -1,18 +1,11 @@
 //! Which of the conditions that the target must hold at decide, and what is said of them.
 
-use slipgrid_material::Condition;
 use slipgrid_optimize::Target;
 
-use super::further::Further;
+use super::further::{Further, Setting};
 use super::rounds::Rounds;
 use crate::formats::design::Design;
 use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
-
-/// A condition in words.
-pub fn in_words(condition: &Condition) -> String {
-    let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
-    format!("{} mm/s, {} %", tidy(speed), tidy(humidity))
-}
 
 /// The largest misfit of each condition's share of `values`.
 pub fn misfits(target: &Target, values: &[f64]) -> Vec<f64> {
@@ -72,9 +65,26 @@ impl Rounds {
 
     /// What is said of the conditions beside what the confirming run says of itself.
     pub(super) fn condition_statements(&self, design: &Design) -> Vec<String> {
-        let Some(first) = design.condition.as_ref().filter(|_| !self.further.is_empty()) else { return Vec::new() };
-        let count = self.further.len() + 1;
         let mut statements = Vec::new();
+        let alike = &design.directions.alike_deg;
+        if !alike.is_empty() {
+            let named: Vec<String> = alike.iter().map(|angle_deg| tidy(*angle_deg).to_string()).collect();
+            let own_deg = design.space.texture().sliding_angle_deg();
+            statements.push(format!(
+                "sliding at {} deg is by symmetry what sliding at {} is: solved once",
+                named.join(", "),
+                if design.directions.different_deg.is_empty() {
+                    format!("{} deg", tidy(own_deg))
+                } else {
+                    "another direction".to_owned()
+                },
+            ));
+        }
+        if self.further.is_empty() {
+            return statements;
+        }
+        let first = Setting::first(design);
+        let count = self.further.len() + 1;
         if let Some(range) = design.range() {
             let ends = |[lowest, highest]: [f64; 2]| {
                 if lowest < highest {
@@ -89,16 +99,17 @@ impl Rounds {
                  pressures nearest the middle",
                 ends(range.speed_m_s().map(|speed| SPEED_MM_S.from_si(speed))),
                 ends(range.humidity().map(|humidity| HUMIDITY_PCT.from_si(humidity))),
-                in_words(first),
+                Setting { sliding_angle_deg: None, ..first }.in_words(),
             ));
         }
         statements.push(format!(
-            "searched for {count} conditions at once, each with its own coefficients; limits hold at all of them"
+            "searched for {count} conditions{} at once, each with its own coefficients; limits hold at all of them",
+            if design.directions.different_deg.is_empty() { "" } else { " and sliding directions" },
         ));
-        if design.target.quantity() == slipgrid_optimize::Quantity::DynamicFriction {
+        if design.target.quantity() == slipgrid_optimize::Quantity::DynamicFriction && !design.also_at.is_empty() {
             statements.push(format!(
                 "flat friction at further conditions: that of the flat sample in time at {} times the ratio of the coefficients",
-                in_words(first)
+                first.in_words()
             ));
         }
         statements

@@ -1,12 +1,12 @@
 //! What a design does at every condition, as JSON and as text.
 
 use serde::Serialize;
-use slipgrid_material::Condition;
 use slipgrid_optimize::Quantity;
 use slipgrid_springblock::Scene;
 
-use super::conditions::{greatest, in_words, misfits};
+use super::conditions::{greatest, misfits};
 use super::errors::of_condition;
+use super::further::Setting;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
@@ -36,8 +36,12 @@ pub struct ConditionsReport {
 pub struct ConditionReport {
     /// Sliding speed.
     pub speed_mm_s: f64,
-    /// Relative humidity.
-    pub humidity_pct: f64,
+    /// Relative humidity; null where coefficients do not depend on it.
+    pub humidity_pct: Option<f64>,
+    /// Sliding direction, from the specimen's x axis; null where the design names one alone.
+    pub sliding_angle_deg: Option<f64>,
+    /// All this in words.
+    pub words: String,
     /// Run in time; else the steady model about the run at the condition designed for.
     pub in_time: bool,
     /// One per target pressure.
@@ -108,9 +112,7 @@ impl Rounds {
         errors: &ErrorsReport,
         outside: &[bool],
     ) -> Result<Option<ConditionsReport>, CliError> {
-        let (Some(best), Some(first), Some(confirmed)) = (&self.best, &design.condition, &self.confirmed) else {
-            return Ok(None);
-        };
+        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Ok(None) };
         let flat: Option<Vec<f64>> =
             confirmed.loads.iter().map(|load| load.flat.as_ref().and_then(|flat| flat.mu_dynamic)).collect();
         let (Some(values), Some(flat)) = (self.confirmed_values(), flat.filter(|_| !self.further.is_empty())) else {
@@ -123,9 +125,9 @@ impl Rounds {
         let count = design.target.points().len();
         let is_ratio = design.target.quantity() == Quantity::Ratio;
         let misfits = misfits(&design.target, &values);
-        let conditions: Vec<&Condition> =
-            std::iter::once(first).chain(self.further.iter().map(|at| &at.condition)).collect();
-        let report = |(place, condition): (usize, &&Condition)| {
+        let conditions: Vec<Setting> =
+            std::iter::once(Setting::first(design)).chain(self.further.iter().map(|further| further.at)).collect();
+        let report = |(place, setting): (usize, &Setting)| {
             let further = place.checked_sub(1).map(|place| &self.further[place]);
             let run = further.map_or(Some(confirmed), |at| at.confirmed.as_ref());
             let outside = further.map_or(outside, |at| &at.outside);
@@ -157,8 +159,10 @@ impl Rounds {
                 }
             };
             ConditionReport {
-                speed_mm_s: tidy(SPEED_MM_S.from_si(condition.speed_m_s)),
-                humidity_pct: tidy(HUMIDITY_PCT.from_si(condition.humidity)),
+                speed_mm_s: tidy(SPEED_MM_S.from_si(setting.condition.map_or(self.scene.speed_m_s, |at| at.speed_m_s))),
+                humidity_pct: setting.condition.map(|at| tidy(HUMIDITY_PCT.from_si(at.humidity))),
+                sliding_angle_deg: setting.sliding_angle_deg,
+                words: setting.in_words(),
                 in_time: run.is_some(),
                 by_pressure: (0..count).map(at).collect(),
                 misfit: tidy(misfits[place]),
@@ -168,11 +172,19 @@ impl Rounds {
         for (place, (own, condition)) in at.iter_mut().zip(&conditions).enumerate() {
             let further = place.checked_sub(1).map(|place| &self.further[place]);
             let loads = further.map_or(&self.scene.loads, |at| &at.loads).clone();
-            let scene = Scene { pattern: Some(best.design), loads, run: self.confirming, ..self.scene.clone() };
+            let pattern = Some(condition.turned(&best.design));
+            let scene = Scene { pattern, loads, run: self.confirming, ..self.scene.clone() };
             let run = further.map_or(Some(confirmed), |at| at.confirmed.as_ref());
             let ratios: Vec<f64> = own.by_pressure.iter().map(|value| value.ratio / value.factor).collect();
             let mu_flat: Vec<f64> = own.by_pressure.iter().map(|value| value.mu_flat).collect();
-            let found = of_condition(design, material, (&scene, condition), run, (&ratios, &mu_flat), errors)?;
+            let found = of_condition(
+                design,
+                material,
+                (&scene, condition.condition.as_ref()),
+                run,
+                (&ratios, &mu_flat),
+                errors,
+            )?;
             for (value, of) in own.by_pressure.iter_mut().zip(found) {
                 [value.ratio_std, value.mu_std, value.mu_flat_std] =
                     [of.ratio, of.mu, of.mu_flat].map(|std| std.map(tidy));
@@ -190,7 +202,7 @@ impl Rounds {
 
     /// The two conditions, and the pressure, at which values differ most beyond what the target allows, by flat friction
     /// and by the `values` of the best design alike: ratios hardly depend on the coefficients.
-    fn conflict(&self, design: &Design, conditions: &[&Condition], values: &[f64]) -> Option<ConflictReport> {
+    fn conflict(&self, design: &Design, conditions: &[Setting], values: &[f64]) -> Option<ConflictReport> {
         let count = design.target.points().len();
         let mut worst: Option<(f64, ConflictReport)> = None;
         for (pressure, point) in design.target.points().iter().enumerate() {
@@ -210,8 +222,8 @@ impl Rounds {
             let tolerance = middle * (factor - 1.0) / (factor + 1.0);
             let mut report = ConflictReport {
                 pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-                lowest_at: in_words(conditions[low]),
-                highest_at: in_words(conditions[high]),
+                lowest_at: conditions[low].in_words(),
+                highest_at: conditions[high].in_words(),
                 flat_factor: tidy(flat_factor),
                 factor: tidy(factor),
                 accepted: [tidy(lowest), tidy(highest)],
@@ -245,14 +257,6 @@ impl ConflictReport {
     }
 }
 
-impl ConditionReport {
-    /// Speed and humidity in words.
-    #[must_use]
-    pub fn words(&self) -> String {
-        format!("{} mm/s, {} %", self.speed_mm_s, self.humidity_pct)
-    }
-}
-
 impl ConditionsReport {
     /// One line a condition, and the worst of them.
     #[must_use]
@@ -269,7 +273,7 @@ impl ConditionsReport {
             let outside = at.by_pressure.iter().any(|value| value.friction_extrapolated);
             format!(
                 "  {}: ratio {}; mu {}; misfit {}, {}{}{}",
-                at.words(),
+                at.words,
                 each(|value| (value.ratio, value.ratio_std)),
                 each(|value| (value.mu, value.mu_std)),
                 fixed(Some(at.misfit), 2),
@@ -279,7 +283,7 @@ impl ConditionsReport {
             )
         }));
         if let Some(worst) = self.worst.and_then(|place| self.at.get(place)) {
-            lines.push(format!("worst: {}, misfit {}", worst.words(), fixed(Some(worst.misfit), 2)));
+            lines.push(format!("worst: {}, misfit {}", worst.words, fixed(Some(worst.misfit), 2)));
         }
         lines
     }

@@ -3,7 +3,6 @@
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{RunOptions, Scene, Simulation, Status};
 
-use super::conditions::in_words;
 use super::in_time::in_time;
 use super::rounds::{CONFIRMATION, Rounds};
 use super::stages::Timings;
@@ -59,10 +58,11 @@ impl Rounds {
         while !wanted.is_empty() {
             for place in wanted {
                 let at = &self.further[place];
-                let what = format!("confirmation at {}", in_words(&at.condition));
+                let what = format!("confirmation at {}", at.at.in_words());
                 let bar = Progress::until(&what, console.quiet, self.allowance.until());
                 let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
-                let (loads, speed_m_s) = (at.loads.clone(), at.condition.speed_m_s);
+                let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
+                let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
                 let (confirmed, _) =
                     in_time(scene, Some(&design.outline), &bar).map_err(|error| design.refuse(error.to_string()))?;

@@ -95,12 +95,12 @@ pub struct FurtherErrors {
 pub fn of_condition(
     design: &Design,
     material: &MaterialUncertainty,
-    (scene, condition): (&Scene, &Condition),
+    (scene, condition): (&Scene, Option<&Condition>),
     run: Option<&Simulation>,
     (ratios, mu_flat): (&[f64], &[f64]),
     first: &ErrorsReport,
 ) -> Result<Vec<FurtherErrors>, CliError> {
-    let knowledge = knowledge(design, material, scene, Some(condition))?;
+    let knowledge = knowledge(design, material, scene, condition)?;
     let slopes = Slopes::new(scene, &knowledge);
     if let Some(simulation) = run {
         let rows = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes }.errors();

@@ -9,6 +9,7 @@ use slipgrid_springblock::{
     SolidModel, Status, Unwatched, simulate,
 };
 
+use super::further::turned;
 use super::limited::Limited;
 use super::study::{Answer, Study};
 use crate::formats::design::Design;
@@ -32,9 +33,11 @@ const MOST_PLANE_BYTES: f64 = 4.0 * MOST_CELL_BYTES;
 pub struct SteadyCell {
     /// With the loads of the condition designed for.
     scene: Scene,
-    /// With the loads of every condition, those of the condition designed for first: what designs are asked of. They
-    /// differ in the local coefficients alone, so one factorization serves all.
+    /// With the loads of every condition in every direction, those of the condition designed for first: what designs are
+    /// asked of. Conditions differ in the local coefficients alone, so one factorization serves all of a direction.
     asked: Scene,
+    /// Sliding directions beside that of the designs, whose loads come last.
+    directions_deg: Vec<f64>,
     solver: Solver,
     /// The same in larger blocks, where space makes it worth while.
     guide: Option<(Scene, Solver)>,
@@ -52,8 +55,13 @@ pub struct SteadyCell {
     specimen: Option<Specimen>,
 }
 
+/// What solves steady cells at the loads of one sliding direction after the other.
+struct Solver {
+    each: Vec<(Option<f64>, Cell)>,
+}
+
 /// What solves steady cells.
-enum Solver {
+enum Cell {
     /// In the vertical plane along the sliding direction.
     Section(SectionModel),
     /// In space.
@@ -61,6 +69,26 @@ enum Solver {
 }
 
 impl Solver {
+    /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
+    fn new(scene: &Scene, dimensions: u8, directions_deg: &[f64]) -> Self {
+        let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
+        let own = scene.loads.len() / (1 + directions_deg.len());
+        let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
+            (angle_deg, Cell::new(&Scene { loads: loads.to_vec(), ..scene.clone() }, dimensions))
+        };
+        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
+    }
+
+    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
+        let mut outcomes = Vec::new();
+        for (angle_deg, cell) in &self.each {
+            outcomes.append(&mut cell.solve(&turned(design, *angle_deg))?);
+        }
+        Ok(outcomes)
+    }
+}
+
+impl Cell {
     fn new(scene: &Scene, dimensions: u8) -> Self {
         if dimensions == 3 { Self::Solid(SolidModel::new(scene)) } else { Self::Section(SectionModel::new(scene)) }
     }
@@ -85,11 +113,18 @@ impl Solver {
 
 impl SteadyCell {
     /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`, and at the same
-    /// pressures of `further` conditions. With `flat_mu`, the dynamic friction of the flat sample at each load of the
+    /// pressures of `further` conditions, of which the last are those of each of `directions_deg`, as many as of the
+    /// designs' own direction. With `flat_mu`, the dynamic friction of the flat sample at each load of the
     /// scene, it gives dynamic friction, without it the ratio; flat friction elsewhere is that times the ratio of the
     /// coefficients.
     #[must_use]
-    pub fn new(scene: &Scene, further: &[&[Load]], space: &DesignSpace, flat_mu: Option<Vec<f64>>) -> Self {
+    pub fn new(
+        scene: &Scene,
+        further: &[&[Load]],
+        directions_deg: &[f64],
+        space: &DesignSpace,
+        flat_mu: Option<Vec<f64>>,
+    ) -> Self {
         let dimensions = scene.run.dimensions.unwrap_or_else(|| space.texture().dimensions());
         let run = RunOptions {
             fidelity: Fidelity::Steady,
@@ -122,11 +157,12 @@ impl SteadyCell {
             coarse.layer.block_m *= factor as f64;
             // The cell knows no specimen: any whole number of blocks does.
             coarse.layer.length_m = coarse.layer.height_m;
-            let solver = Solver::new(&coarse, dimensions);
+            let solver = Solver::new(&coarse, dimensions, directions_deg);
             (coarse, solver)
         });
         Self {
-            solver: Solver::new(&asked, dimensions),
+            solver: Solver::new(&asked, dimensions, directions_deg),
+            directions_deg: directions_deg.to_vec(),
             guide,
             flat_mu,
             aim: vec![1.0; count],
@@ -177,7 +213,7 @@ impl SteadyCell {
     /// Whether designs are solved in space.
     #[must_use]
     pub const fn is_solid(&self) -> bool {
-        matches!(self.solver, Solver::Solid(_))
+        matches!(self.solver.each.as_slice(), [(_, Cell::Solid(_)), ..])
     }
 
     /// Dimensions in which designs are solved.
@@ -197,7 +233,7 @@ impl SteadyCell {
     /// the vertical plane, whose sample is one draw of many.
     #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
-        let Solver::Solid(model) = &self.solver else { return 1 };
+        let [(_, Cell::Solid(model)), ..] = &self.solver.each[..] else { return 1 };
         let [nx, ny] = model.columns(design);
         // A groove is as long as its period.
         let columns = nx * if design.length_m().is_none() { nx } else { ny };
@@ -229,7 +265,7 @@ impl SteadyCell {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let solver = Solver::new(scene, self.dimensions());
+        let solver = Solver::new(scene, self.dimensions(), &self.directions_deg);
         Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
     }
 
@@ -263,7 +299,8 @@ impl SteadyCell {
         let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
         (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
         Self {
-            solver: Solver::new(&asked, 2),
+            solver: Solver::new(&asked, 2, &self.directions_deg),
+            directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: self.flat_mu.clone(),
             aim: self.aim.clone(),
@@ -285,7 +322,8 @@ impl SteadyCell {
         let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
         let count = asked.loads.len();
         Ok(Self {
-            solver: Solver::new(&asked, self.dimensions()),
+            solver: Solver::new(&asked, self.dimensions(), &self.directions_deg),
+            directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: None,
             aim: vec![1.0; count],
@@ -423,7 +461,7 @@ impl ForwardModel for SteadyCell {
 mod tests {
     use super::*;
     use slipgrid_material::{Elastic, LocalFriction};
-    use slipgrid_pattern::Planform;
+    use slipgrid_pattern::{Planform, Texture};
     use slipgrid_springblock::Layer;
 
     fn scene() -> Scene {
@@ -452,7 +490,7 @@ mod tests {
             let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
             for flat in [None, Some(flat_mu.to_vec())] {
                 let run = RunOptions { dimensions, ..RunOptions::default() };
-                let model = SteadyCell::new(&Scene { run, ..scene() }, &[], &space(planform), flat.clone());
+                let model = SteadyCell::new(&Scene { run, ..scene() }, &[], &[], &space(planform), flat.clone());
                 assert_eq!((model.is_solid(), model.scene(&design).dimensions()), (expected == 3, expected));
                 let response = model.respond(&design).unwrap();
                 let simulation = model.simulate(&design).unwrap();
@@ -472,14 +510,14 @@ mod tests {
             }
         }
         let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
-        let model = SteadyCell::new(&scene(), &[], &space(Planform::Groove), None);
+        let model = SteadyCell::new(&scene(), &[], &[], &space(Planform::Groove), None);
         assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
     }
 
     #[test]
     fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
         let design = Pattern::new(Planform::Square, 130e-6, 170e-6, 20e-6).unwrap();
-        let mut model = SteadyCell::new(&scene(), &[], &space(Planform::Square), None);
+        let mut model = SteadyCell::new(&scene(), &[], &[], &space(Planform::Square), None);
         let own = model.respond(&design).unwrap().value;
         let guided = |model: &SteadyCell| {
             let (guide, block_m) = model.guide().unwrap();
@@ -496,16 +534,16 @@ mod tests {
         model.correct(&own, &confirmed);
         assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < 1e-9));
         // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
-        assert!(SteadyCell::new(&scene(), &[], &space(Planform::Groove), None).guide().is_none());
+        assert!(SteadyCell::new(&scene(), &[], &[], &space(Planform::Groove), None).guide().is_none());
         let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
-        let blocks_m = SteadyCell::new(&scene(), &[], &narrow, None).guide().map(|(_, block_m)| block_m);
+        let blocks_m = SteadyCell::new(&scene(), &[], &[], &narrow, None).guide().map(|(_, block_m)| block_m);
         assert!((blocks_m.unwrap() - 20e-6).abs() < 1e-12);
     }
 
     #[test]
     fn a_corrected_model_gives_what_was_confirmed() {
         let design = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
-        let mut model = SteadyCell::new(&scene(), &[], &space(Planform::Groove), None);
+        let mut model = SteadyCell::new(&scene(), &[], &[], &space(Planform::Groove), None);
         let before = model.respond(&design).unwrap().value;
         let mut confirmed = model.simulate(&design).unwrap();
         for load in &mut confirmed.loads {
@@ -528,10 +566,10 @@ mod tests {
             .collect();
         let design = Pattern::new(Planform::Groove, 130e-6, 170e-6, 20e-6).unwrap();
         let flat_mu = vec![0.28, 0.25];
-        let mut model = SteadyCell::new(&scene, &[&louder], &space(Planform::Groove), Some(flat_mu.clone()));
+        let mut model = SteadyCell::new(&scene, &[&louder], &[], &space(Planform::Groove), Some(flat_mu.clone()));
         model.aim_with(vec![1.0, 1.0, 0.9, 0.8]);
         let there = Scene { loads: louder, ..scene.clone() };
-        let alone = |scene: &Scene| SteadyCell::new(scene, &[], &space(Planform::Groove), None);
+        let alone = |scene: &Scene| SteadyCell::new(scene, &[], &[], &space(Planform::Groove), None);
         let own = [alone(&scene), alone(&there)].map(|model| model.steady(&design).unwrap());
         let both = model.steady(&design).unwrap();
         assert_eq!(both.ratio, [&own[0].ratio[..], &own[1].ratio[..]].concat());
@@ -556,5 +594,36 @@ mod tests {
         model.correct(&value, &all);
         let after = model.respond(&design).unwrap().value;
         assert!(after.iter().zip(&all).all(|(after, wanted)| (after - wanted.unwrap()).abs() < 1e-12));
+    }
+
+    #[test]
+    fn further_directions_are_those_of_the_turned_design_solved_alone() {
+        let scene = scene();
+        let louder: Vec<Load> = scene
+            .loads
+            .iter()
+            .map(|load| Load { friction: LocalFriction::new(0.4, 0.36, 0.05).unwrap(), ..*load })
+            .collect();
+        let texture = Texture::new(Planform::Rectangle).with_length_m(80e-6).unwrap();
+        let space = DesignSpace::new(texture, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap();
+        let design = Pattern::new(texture, 160e-6, 80e-6, 20e-6).unwrap();
+        let coarse = Scene { layer: Layer { block_m: 20e-6, ..scene.layer }, ..scene };
+        // Two conditions in each of two directions.
+        let further = [&louder[..], &coarse.loads[..], &louder[..]];
+        let model = SteadyCell::new(&coarse, &further, &[90.0], &space, None);
+        let found = model.steady(&design).unwrap();
+        let alone = |angle_deg: f64, loads: &[Load]| {
+            let scene = Scene { loads: loads.to_vec(), ..coarse.clone() };
+            SteadyCell::new(&scene, &[], &[], &space, None).steady(&turned(&design, Some(angle_deg))).unwrap()
+        };
+        let each = [(0.0, &coarse.loads), (0.0, &louder), (90.0, &coarse.loads), (90.0, &louder)]
+            .map(|(angle_deg, loads)| alone(angle_deg, loads));
+        let expected: Vec<f64> = each.iter().flat_map(|answer| answer.ratio.clone()).collect();
+        assert!(found.ratio.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+        assert!((expected[1] - expected[5]).abs() > 1e-4, "long cavities slide otherwise across: {expected:?}");
+        let worst = each.iter().map(|answer| answer.peak_pressure_mpa).fold(0.0, f64::max);
+        assert!((found.peak_pressure_mpa / worst - 1.0).abs() < 1e-9);
+        let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
+        assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
     }
 }

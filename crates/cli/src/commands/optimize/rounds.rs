@@ -132,7 +132,8 @@ impl Rounds {
         timings.flat = started.elapsed().as_secs_f64();
         let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
         Ok(Self {
-            model: SteadyCell::new(&scene, &elsewhere, &design.space, flat_mu).on(design.outline),
+            model: SteadyCell::new(&scene, &elsewhere, &design.directions.different_deg, &design.space, flat_mu)
+                .on(design.outline),
             guidance: Guidance::new(),
             confirming,
             scene,
@@ -216,7 +217,8 @@ impl Rounds {
         resume: bool,
         console: &mut Console<'_>,
     ) -> Result<(), CliError> {
-        let depends_on = subject::depends_on(self.model.asked(), design.space.texture());
+        let depends_on =
+            subject::depends_on(self.model.asked(), design.space.texture(), &design.directions.different_deg);
         let study = Study::in_file(path.clone(), depends_on, self.model.asked().loads.len(), resume)?;
         if study.resumed() > 0 {
             console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));

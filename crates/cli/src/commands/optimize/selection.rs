@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::Serialize;
 use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
-    Candidate, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome, Selection,
-    SelectionOptions, Status, select, select_guided,
+    Candidate, Choice, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome,
+    Selection, SelectionOptions, Status, select, select_guided,
 };
 use slipgrid_pattern::Pattern;
 
@@ -42,7 +42,8 @@ pub struct SelectionReport {
     pub on_target: usize,
     /// The chance of the chosen design about the steady model, before it was confirmed.
     pub chance: f64,
-    /// Of the design that comes first where effort does not count.
+    /// Of the design that comes first where effort does not count: chances count in proportion to how likely the run in time
+    /// is to confirm the design.
     pub greatest_chance: f64,
     /// Chances that differ by less count as alike.
     pub alike: f64,
@@ -203,14 +204,17 @@ impl Chosen {
     pub fn report(&self) -> Option<SelectionReport> {
         let pool = &self.selection.pool;
         let chosen = pool.first()?;
-        let greatest =
-            pool.iter().reduce(|best, next| if next.chance.share > best.chance.share { next } else { best })?;
+        // As designs are ranked: a chance counts for less where the run in time is likely to refuse the design.
+        let counted = |choice: &Choice| choice.chance.share * choice.counts;
+        let greatest = pool.iter().reduce(|best, next| if counted(next) > counted(best) { next } else { best })?;
+        let is_weighed = pool.iter().any(|choice| choice.counts < greatest.counts);
         let [effort, unit] = self.effort.words();
         let words = format!(
-            "chosen of {} designs on target by the model: none has a chance greater by more than {:.1} %, and of those alike it \
+            "chosen of {} designs on target by the model: none has a chance greater by more than {:.1} %{}, and of those alike it \
              takes the least {effort}: {} {unit}, where the likeliest takes {} {unit}",
             pool.len(),
             100.0 * self.selection.alike,
+            if is_weighed { " that its run in time is as likely to confirm" } else { "" },
             three(chosen.effort),
             three(greatest.effort),
         );

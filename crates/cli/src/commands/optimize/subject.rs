@@ -8,9 +8,10 @@ use slipgrid_springblock::Scene;
 
 use crate::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
-/// Everything that the steady cells of a search are made of, but for width, spacing and depth.
+/// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
+/// `further_deg` directions, too.
 #[must_use]
-pub fn depends_on(scene: &Scene, texture: &Texture) -> Map<String, Value> {
+pub fn depends_on(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let area_law = scene.area_law.as_ref().map(|law| {
         let pressure_mpa: Vec<f64> =
@@ -33,7 +34,10 @@ pub fn depends_on(scene: &Scene, texture: &Texture) -> Map<String, Value> {
                 "length_um": texture.length_m().map(um),
                 "spacing_across_um": texture.spacing_across_m().map(um),
                 "angle_deg": texture.orientation_deg(),
-                "sliding_angle_deg": texture.sliding_angle_deg(),
+                "sliding_angle_deg": match further_deg {
+                    [] => json!(texture.sliding_angle_deg()),
+                    _ => json!([&[texture.sliding_angle_deg()], further_deg].concat()),
+                },
             }),
         ),
         ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),

@@ -218,7 +218,12 @@ fn csv(design: &Design, patterns: &[Pattern], answers: &[Result<Candidate, Model
         let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
         format!("_{}_mm_s_{}_pct", tidy(speed), tidy(humidity))
     });
-    for condition in std::iter::once(String::new()).chain(elsewhere) {
+    let conditions: Vec<String> = std::iter::once(String::new()).chain(elsewhere).collect();
+    let turned = design.directions.different_deg.iter().map(|angle_deg| format!("_at_{angle_deg}_deg"));
+    let directions = std::iter::once(String::new()).chain(turned);
+    for condition in
+        directions.flat_map(|turned| conditions.iter().map(move |condition| format!("{condition}{turned}")))
+    {
         for point in design.target.points() {
             text += &format!(",{quantity}_at_{}_mpa{condition}", PRESSURE_MPA.from_si(point.pressure_pa));
         }

@@ -1,4 +1,4 @@
-//! What a design does at every speed and humidity that it must hold at.
+//! What a design does at every speed and humidity, and in every direction, that it must hold at.
 
 use serde_json::Value;
 
@@ -17,8 +17,7 @@ pub(super) fn conditions(page: &mut Page, result: &Value) {
         .iter()
         .map(|at| {
             vec![
-                plain(&at["speed_mm_s"]),
-                plain(&at["humidity_pct"]),
+                text(at, "words").to_owned(),
                 listed(at, "ratio", 4),
                 listed(at, "mu", 4),
                 listed(at, "mu_flat", 4),
@@ -40,18 +39,13 @@ pub(super) fn conditions(page: &mut Page, result: &Value) {
             pressures.join(", "),
             text(found, "meaning")
         ),
-        &["speed in mm/s", "humidity in %", "ratio", "mu", "mu flat", "peak in MPa", "misfit", "by"],
+        &["speed, humidity, direction", "ratio", "mu", "mu flat", "peak in MPa", "misfit", "by"],
         &rows,
     );
     if let Some(worst) = found["worst"].as_u64().and_then(|place| at.get(usize::try_from(place).ok()?)) {
         page.paragraph(
             if found["held"] == true { "" } else { "warning" },
-            &format!(
-                "Worst: {} mm/s, {} %, misfit {}.",
-                plain(&worst["speed_mm_s"]),
-                plain(&worst["humidity_pct"]),
-                number(&worst["misfit"], 2)
-            ),
+            &format!("Worst: {}, misfit {}.", text(worst, "words"), number(&worst["misfit"], 2)),
         );
     }
     if let Some(words) = found["conflict"]["words"].as_str() {
