@@ -11,6 +11,7 @@
     reason = "a test that cannot go on fails, and tells what it measured"
 )]
 
+mod outcomes;
 mod properties;
 mod scaling;
 mod scenes;

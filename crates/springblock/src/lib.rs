@@ -57,7 +57,7 @@ mod simulate;
 mod solid;
 mod steady;
 
-pub use dynamics::MOST_STEPS;
+pub use dynamics::{MOST_STEPS, WAVE_DEFICIT};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use monitor::{Monitor, Unwatched};

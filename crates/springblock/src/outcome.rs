@@ -15,8 +15,12 @@ pub enum Status {
     NoFriction,
     /// A dynamic run was not begun: it would take more steps than [`crate::MOST_STEPS`].
     TooManySteps,
-    /// Dynamic mu was averaged over too few periods of the layer's first shear mode to be a mean.
+    /// Dynamic mu had not become stationary when the run ended, or was averaged over too few periods of the layer's first
+    /// shear mode to be a mean.
     ShortWindow,
+    /// Sliding is unstable to waves: blocks that stick while others slide take more than
+    /// [`crate::WAVE_DEFICIT`] of sliding friction away, by an amount that depends on ends, damping and blocks.
+    SlidingWaves,
     /// The wanted standard error was not reached within the run's cap on travel.
     StderrNotReached,
     /// The state stopped being finite.
@@ -37,6 +41,7 @@ impl Status {
             Self::NoFriction => "no_friction",
             Self::TooManySteps => "too_many_steps",
             Self::ShortWindow => "short_window",
+            Self::SlidingWaves => "sliding_waves",
             Self::StderrNotReached => "stderr_not_reached",
             Self::Diverged => "diverged",
             Self::Cancelled => "cancelled",
@@ -87,8 +92,12 @@ pub struct SurfaceOutcome {
     pub status: Status,
     /// Dynamic friction coefficient; absent where the status says why.
     pub mu_dynamic: Option<f64>,
-    /// Its standard error; absent for steady runs, which have none.
+    /// Its standard error: of the time average, and of what waves take away; absent for steady runs, which have none.
     pub mu_dynamic_stderr: Option<f64>,
+    /// Friction over that of the same normal forces with every block sliding, less one, in the mean over the window: above 0
+    /// where blocks that stick hold more than sliding friction, below 0 where waves keep blocks from sliding
+    /// ([`Status::SlidingWaves`]); dynamic runs only.
+    pub stick_slip_excess: Option<f64>,
     /// Mean friction across the sliding direction over the normal force; dynamic runs in three dimensions only.
     pub mu_across: Option<f64>,
     /// Time since the drive started from which mu_dynamic was averaged, up to the end of the run, in
@@ -127,6 +136,7 @@ impl SurfaceOutcome {
             status,
             mu_dynamic: None,
             mu_dynamic_stderr: None,
+            stick_slip_excess: None,
             mu_across: None,
             averaged_from_s: None,
             mu_static: None,

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_material::Provenance;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Simulation};
+use slipgrid_springblock::{LoadOutcome, Simulation, Status};
 use toml::Spanned;
 
 use super::corrected::{CorrectedReport, of_scene};
@@ -402,6 +402,16 @@ impl SimulationReport {
     }
 }
 
+/// Statuses with a warning of their own.
+const EXPLAINED: [Status; 4] = [Status::NoOnset, Status::ShortWindow, Status::SlidingWaves, Status::StderrNotReached];
+
+impl LoadReport {
+    /// Whether the surface, or the flat one beside it, ended so.
+    fn has_status(&self, status: Status) -> bool {
+        self.status == status.name() || self.status_flat == Some(status.name())
+    }
+}
+
 /// What a reader should know before using the numbers.
 #[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
@@ -411,8 +421,28 @@ pub fn warnings(results: &[LoadReport]) -> Vec<String> {
             results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
         (!named.is_empty()).then(|| named.join(", "))
     };
-    let all: [(Test, &str); 5] = [
-        (|load| load.status != "converged", "the run has no result that can be trusted: see its status"),
+    let all: [(Test, &str); 9] = [
+        (
+            |load| load.has_status(Status::NoOnset),
+            "not every contact block slid before the run ended: let it travel farther, or ask for warm_start",
+        ),
+        (
+            |load| load.has_status(Status::ShortWindow),
+            "friction had not become stationary when the run ended, and its mean is not to be trusted: let it travel farther",
+        ),
+        (
+            |load| load.has_status(Status::SlidingWaves),
+            "sliding is unstable to waves: blocks that stick while others slide take more than 1 % of friction away, by an amount \
+             that depends on ends, damping and blocks; slide slower, or press harder",
+        ),
+        (
+            |load| load.has_status(Status::StderrNotReached),
+            "the standard error asked for was not reached within the longest travel",
+        ),
+        (
+            |load| !EXPLAINED.iter().any(|status| load.has_status(*status)) && load.status != "converged",
+            "the run has no result that can be trusted: see its status",
+        ),
         (
             |load| load.cavity_closed,
             "cavities close: their ceiling reaches the counterface, which the model lets through",

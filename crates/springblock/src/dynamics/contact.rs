@@ -36,6 +36,12 @@ impl<'a> LocalLaw<'a> {
         }
     }
 
+    /// The forces on a block of dynamic coefficient `dynamic_mu`.
+    pub fn force(&self, normal: f64, friction: f64, dynamic_mu: f64) -> ContactForce {
+        let pressing = normal.max(0.0);
+        ContactForce { normal, friction, sliding: dynamic_mu * self.piece(pressing).grip(pressing) }
+    }
+
     /// f(p) F_n: friction per unit coefficient. `near` remembers the interval of the law's table.
     fn grip(&self, normal: f64, near: &mut usize) -> f64 {
         match self.area_law {
@@ -81,7 +87,7 @@ pub struct ContactBlock {
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
-    /// Whether it has slipped, or was free to, since the drive began.
+    /// Whether it has slipped along the drive, or was free to, since the drive began.
     pub has_slipped: bool,
     /// Its column.
     pub column: usize,
@@ -123,8 +129,12 @@ impl ContactBlock {
             }
             self.motion = Motion::Slip;
         }
-        self.has_slipped = true;
         Meeting::Sliding { grip }
+    }
+
+    /// Takes note of a slip in `direction`: what load or waves push against the drive does not slide with it.
+    fn slips(&mut self, direction: f64) {
+        self.has_slipped |= direction > 0.0;
     }
 
     /// Velocity after one leapfrog kick by the spring forces `force_x`, `force_y`; `kept` and `kick` as in
@@ -143,6 +153,7 @@ impl ContactBlock {
             Meeting::Held => v,
             Meeting::Sliding { grip } => {
                 let direction = slip_direction(v, force_x);
+                self.slips(direction);
                 let resistance = self.coefficients.dynamic_mu * grip;
                 let slowed = free - direction * kick * resistance;
                 if slowed * direction > 0.0 {
@@ -200,6 +211,8 @@ pub struct ContactForce {
     pub normal: f64,
     /// Friction, positive against the drive.
     pub friction: f64,
+    /// mu_d f(p) F_n: its friction if it slides.
+    pub sliding: f64,
 }
 
 /// The contact row.
@@ -259,7 +272,8 @@ impl<'a> ContactRow<'a> {
     /// Forces on the blocks at the last force evaluation.
     #[must_use]
     pub fn forces(&self) -> Vec<ContactForce> {
-        self.blocks.iter().map(|block| ContactForce { normal: block.normal, friction: block.friction }).collect()
+        let force = |block: &ContactBlock| self.law.force(block.normal, block.friction, block.coefficients.dynamic_mu);
+        self.blocks.iter().map(force).collect()
     }
 
     /// One leapfrog kick of the contact row.
@@ -295,7 +309,9 @@ impl<'a> ContactRow<'a> {
             let i = block.column;
             if let Meeting::Sliding { grip } = block.meet(force_x[i], force_y[i], |normal, near| law.grip(normal, near))
             {
-                block.friction = slip_direction(velocity[i], force_x[i]) * block.coefficients.dynamic_mu * grip;
+                let direction = slip_direction(velocity[i], force_x[i]);
+                block.slips(direction);
+                block.friction = direction * block.coefficients.dynamic_mu * grip;
             }
             sums.add_block(block);
         }
@@ -344,7 +360,9 @@ mod tests {
         assert_eq!((v, sums.friction, sums.normal), (0.0, 0.29, 1.0));
         let (v, sums) = kick(&mut row, 0.0, [-0.31, -1.0]);
         assert!((v + 0.1 * 0.04).abs() < 1e-15 && (sums.friction + 0.27).abs() < 1e-15);
-        assert!(row.all_have_slipped());
+        assert!(!row.all_have_slipped(), "a slip against the drive is no onset");
+        let (v, sums) = kick(&mut row, 0.004, [0.31, -1.0]);
+        assert!(v > 0.0 && (sums.friction - 0.27).abs() < 1e-15 && row.all_have_slipped());
     }
 
     #[test]

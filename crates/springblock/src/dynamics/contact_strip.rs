@@ -66,11 +66,9 @@ impl<'a> ContactStrip<'a> {
     pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
-            if self.is_settled(i) {
-                ContactForce { normal: self.normal[i], friction: self.friction[i] }
-            } else {
-                ContactForce { normal: block.normal, friction: block.friction }
-            }
+            let [normal, friction] =
+                if self.is_settled(i) { [self.normal[i], self.friction[i]] } else { [block.normal, block.friction] };
+            self.law.force(normal, friction, block.coefficients.dynamic_mu)
         })
     }
 

@@ -61,8 +61,8 @@ struct StripBoard {
     friction: Number,
     normal: Number,
     all_have_slipped: AtomicU64,
-    /// Normal force and friction of every contact block.
-    forces: Vec<[Number; 2]>,
+    /// Normal force, friction and sliding friction of every contact block.
+    forces: Vec<[Number; 3]>,
 }
 
 #[derive(Debug)]
@@ -90,7 +90,7 @@ impl Board {
                 friction: Number::default(),
                 normal: Number::default(),
                 all_have_slipped: AtomicU64::new(0),
-                forces: strip.contact().forces().map(|_| [Number::default(), Number::default()]).collect(),
+                forces: strip.contact().forces().map(|_| [(); 3].map(|()| Number::default())).collect(),
             })
             .collect();
         Self {
@@ -144,9 +144,10 @@ impl Board {
     }
 
     fn post_forces(&self, number: usize, strip: &Strip) {
-        for ([normal, friction], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
+        for ([normal, friction, sliding], force) in self.strips[number].forces.iter().zip(strip.contact().forces()) {
             normal.post(force.normal);
             friction.post(force.friction);
+            sliding.post(force.sliding);
         }
     }
 
@@ -245,7 +246,12 @@ impl<'scope, 'a: 'scope> Crew<'scope, 'a> {
     pub fn contact_forces(&mut self) -> Vec<ContactForce> {
         self.call(Turn::PostForces);
         let forces = self.board.strips.iter().flat_map(|strip| &strip.forces);
-        forces.map(|[normal, friction]| ContactForce { normal: normal.read(), friction: friction.read() }).collect()
+        let read = |[normal, friction, sliding]: &[Number; 3]| ContactForce {
+            normal: normal.read(),
+            friction: friction.read(),
+            sliding: sliding.read(),
+        };
+        forces.map(read).collect()
     }
 
     /// Ends the threads; all strips are the leader's again.

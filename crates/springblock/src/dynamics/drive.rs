@@ -3,7 +3,7 @@
 use super::contact::ContactForce;
 use super::engine::Engine;
 use super::protocol::{RAMP_S, REST_S};
-use super::recorder::{Recorder, WINDOW_START, WindowMean};
+use super::recorder::{Recorder, WindowMean};
 use super::scales::Scales;
 use crate::monitor::Monitor;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
@@ -13,9 +13,15 @@ use crate::scene::Scene;
 const BINS: u64 = 2000;
 /// Steps between two looks at the monitor.
 const STEPS_PER_LOOK: u64 = 256;
-/// A run that is extended until its standard error is small enough gives up after this many times the
-/// planned travel.
-const MOST_EXTENSION: u64 = 20;
+/// Share of the planned travel after which the interface is sampled.
+const INTERFACE_FROM: f64 = 0.6;
+/// A run whose mu is not stationary goes on, up to so many times the planned travel.
+const MOST_EXTENSION: u64 = 4;
+/// The same of a run that goes on until its standard error is small enough.
+const MOST_EXTENSION_FOR_STDERR: u64 = 20;
+/// Share of sliding friction beyond which what waves take away is no error any more, but makes a run
+/// [`Status::SlidingWaves`].
+pub const WAVE_DEFICIT: f64 = 0.01;
 /// Time after the rest that a run without motion is watched, in seconds.
 const WATCH_AT_REST_S: f64 = 20e-6;
 /// Most time steps of one run: a whole sample of 20,000 blocks takes about an hour for them, the paper's
@@ -80,6 +86,8 @@ pub struct Driven {
     pub recorder: Recorder,
     /// Mean of mu over the window, if there is one.
     pub mean: Option<WindowMean>,
+    /// Share of the friction of blocks that all slide which the run has beside it, or, below 0, lacks.
+    pub excess: Option<f64>,
     /// What it cost.
     pub cost: DynamicCost,
     /// Forces on the contact blocks at the last instant.
@@ -91,12 +99,14 @@ impl Drive<'_> {
     pub fn run(&self, engine: &mut impl Engine, monitor: &dyn Monitor) -> Driven {
         let Plan { preparation, travel: planned } = Plan::new(self.scene, self.step_s);
         let steps_per_bin = planned.div_ceil(BINS).max(1);
-        let window_bin = (WINDOW_START * planned as f64 / steps_per_bin as f64).ceil() as usize;
-        let mut recorder = Recorder::new(engine.contacts(), steps_per_bin, engine.time_step());
-        let most =
-            if self.stderr_share.is_some() { planned.saturating_mul(MOST_EXTENSION).min(MOST_STEPS) } else { planned };
+        let interface_from = (INTERFACE_FROM * planned as f64 / steps_per_bin as f64).ceil() as usize;
+        let least_time = LEAST_PERIODS * self.shear_period;
+        let mut recorder =
+            Recorder::new(engine.contacts(), steps_per_bin, engine.time_step(), least_time, interface_from);
+        let extension = if self.stderr_share.is_some() { MOST_EXTENSION_FOR_STDERR } else { MOST_EXTENSION };
+        let most = planned.saturating_mul(extension).min(MOST_STEPS.max(planned));
 
-        let mut status = Status::Converged;
+        let mut status;
         let mut steps: u64 = 0;
         let share_per_step = self.share / (preparation + planned) as f64;
         loop {
@@ -111,16 +121,16 @@ impl Drive<'_> {
             }
             if steps >= preparation + planned {
                 let driven = steps - preparation;
-                let Some(wanted) = self.stderr_share else { break };
                 // A longer run is judged anew after every tenth of the planned travel.
-                if driven.is_multiple_of((planned / 10).max(1))
-                    && recorder.window_mean(window_bin).is_some_and(|mean| mean.stderr <= wanted * mean.mu.abs())
-                {
-                    break;
-                }
-                if driven >= most {
-                    status = Status::StderrNotReached;
-                    break;
+                if driven == planned || driven.is_multiple_of((planned / 10).max(1)) {
+                    let said = self.judge(recorder.window_mean().as_ref());
+                    if said == Status::Converged || driven >= most || self.is_at_rest() {
+                        status = said;
+                        break;
+                    }
+                    if said != Status::StderrNotReached {
+                        recorder.forget_interface();
+                    }
                 }
             }
             if steps == preparation && !self.scene.run.warm_start {
@@ -133,7 +143,7 @@ impl Drive<'_> {
                 break;
             }
             if steps > preparation {
-                recorder.record(sums, engine, window_bin);
+                recorder.record(sums, engine);
             }
         }
         let cost = DynamicCost {
@@ -142,19 +152,34 @@ impl Drive<'_> {
             site_updates: steps * engine.evaluations_per_step() * self.blocks,
             wall_s: monitor.seconds() - self.started_s,
         };
-        let mean = recorder.window_mean(window_bin);
+        let (mean, excess) = (recorder.window_mean(), recorder.excess());
         if status == Status::Converged {
-            let window = |mean: &WindowMean| (steps - preparation) as f64 * engine.time_step() - mean.from;
             status = match &mean {
-                None => Status::NoOnset,
-                Some(mean) if window(mean) < LEAST_PERIODS * self.shear_period => Status::ShortWindow,
                 // Sums of nothing but zeros.
                 Some(mean) if mean.mu == 0.0 && mean.stderr == 0.0 => Status::NoFriction,
-                Some(_) => Status::Converged,
+                Some(_) if excess.is_some_and(|excess| excess < -WAVE_DEFICIT) => Status::SlidingWaves,
+                _ => Status::Converged,
             };
         }
         let last = engine.contact_forces();
-        Driven { status, recorder, mean, cost, last }
+        Driven { status, recorder, mean, excess, cost, last }
+    }
+
+    /// What a run with `mean` is: converged, or why it goes on.
+    fn judge(&self, mean: Option<&WindowMean>) -> Status {
+        match mean {
+            None => Status::NoOnset,
+            Some(mean) if !mean.is_stationary => Status::ShortWindow,
+            Some(mean) if self.stderr_share.is_some_and(|wanted| mean.stderr > wanted * mean.mu.abs()) => {
+                Status::StderrNotReached
+            }
+            Some(_) => Status::Converged,
+        }
+    }
+
+    /// Whether the bulk never moves: watching it longer changes nothing.
+    fn is_at_rest(&self) -> bool {
+        self.scene.speed_m_s == 0.0
     }
 }
 
@@ -168,7 +193,7 @@ impl Driven {
         centres_m: impl Iterator<Item = [f64; 2]>,
         cavity_closed: bool,
     ) -> SurfaceOutcome {
-        let Self { status, recorder, mean, cost, last } = self;
+        let Self { status, recorder, mean, excess, cost, last } = self;
         // Forces of a state that is no longer finite mean nothing.
         let unit_pa = if *status == Status::Diverged { 0.0 } else { scales.pressure_pa };
         let in_pa = |force: f64| if unit_pa == 0.0 { 0.0 } else { force * unit_pa };
@@ -182,11 +207,14 @@ impl Driven {
             })
             .collect();
         let reached = mean.filter(|_| *status != Status::Diverged && *status != Status::Cancelled);
+        // What waves take away depends on more than a scene says: all of it is an error.
+        let waves = |mean: WindowMean| mean.mu * excess.map_or(0.0, |excess| (-excess).max(0.0));
         let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
         SurfaceOutcome {
             status: *status,
             mu_dynamic: reached.map(|mean| mean.mu),
-            mu_dynamic_stderr: reached.map(|mean| mean.stderr),
+            mu_dynamic_stderr: reached.map(|mean| mean.stderr.hypot(waves(mean))),
+            stick_slip_excess: excess.filter(|_| reached.is_some()),
             mu_across: reached.map(|mean| mean.mu_across).filter(|_| scene.dimensions() == 3),
             averaged_from_s: reached.map(|mean| mean.from * scales.time_s),
             mu_static: if scene.run.warm_start { None } else { recorder.peak_mu() },

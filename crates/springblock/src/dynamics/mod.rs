@@ -16,6 +16,7 @@
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | the largest eigenfrequency |
 //! | `recorder` | history and averages |
+//! | `stationary` | where a record becomes stationary |
 //! | `drive` | an integrator from start to end |
 //! | `run` | one run in the vertical plane |
 //! | `solid` | the three-dimensional cell |
@@ -37,12 +38,13 @@ mod runge_kutta;
 mod scales;
 mod solid;
 mod stability;
+mod stationary;
 mod stencil;
 mod strip;
 mod strip_leapfrog;
 mod sweep;
 
-pub use drive::{MOST_STEPS, Plan};
+pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT};
 pub use run::{DynamicRun, Scheme, usual_step_s};
 pub use solid::{SolidRun, SolidScheme};
 

@@ -1,15 +1,14 @@
-//! Recorded history of a dynamic run: mu in time, its mean over the sliding window with a standard
+//! Recorded history of a dynamic run: mu in time, its mean over the stationary part of sliding with a standard
 //! error from batch means, the static peak, the mean interface.
 
 use super::contact::{ContactForce, ContactSums};
 use super::engine::Engine;
+use super::stationary::stationary_from;
 use crate::outcome::TracePoint;
 
 /// Batches of the window. Fewer make the error estimate noisy, more make batches short against the
 /// correlation time of the friction force (two microseconds, the period of the layer's shear mode).
 const BATCHES: usize = 20;
-/// Share of the run after which the averaging window may begin.
-pub const WINDOW_START: f64 = 0.6;
 /// The interface is sampled once in this many steps.
 const INTERFACE_EVERY: u64 = 64;
 
@@ -38,6 +37,8 @@ pub struct WindowMean {
     pub mu_across: f64,
     /// Time since the drive started at which the first batch begins, in units of sqrt(m/k).
     pub from: f64,
+    /// Whether what was left out, since the drive started, is at most half of the record.
+    pub is_stationary: bool,
 }
 
 /// Records a run from the moment the bulk starts to move.
@@ -48,6 +49,8 @@ pub struct Recorder {
     bins: Vec<Bin>,
     open: Bin,
     steps: u64,
+    /// Time that an average holds at least, in units of sqrt(m/k).
+    least_time: f64,
     /// Bin in which the last contact block slipped for the first time.
     onset_bin: Option<usize>,
     peak_mu: f64,
@@ -57,25 +60,33 @@ pub struct Recorder {
 }
 
 impl Recorder {
-    /// A record of `contacts` blocks with `steps_per_bin` steps an interval.
+    /// A record of `contacts` blocks with `steps_per_bin` steps an interval, whose averages hold at least `least_time`, in
+    /// units of sqrt(m/k). The interface is sampled from interval `interface_from_bin` on.
     #[must_use]
-    pub fn new(contacts: usize, steps_per_bin: u64, time_step: f64) -> Self {
+    pub fn new(
+        contacts: usize,
+        steps_per_bin: u64,
+        time_step: f64,
+        least_time: f64,
+        interface_from_bin: usize,
+    ) -> Self {
         Self {
             steps_per_bin,
             time_step,
             bins: Vec::new(),
             open: Bin::default(),
             steps: 0,
+            least_time,
             onset_bin: None,
             peak_mu: f64::NEG_INFINITY,
             interface: vec![ContactForce::default(); contacts],
             interface_samples: 0,
-            interface_from_bin: 0,
+            interface_from_bin,
         }
     }
 
-    /// Takes note of one step. `window_bin`: first bin that the averaging window may hold.
-    pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine, window_bin: usize) {
+    /// Takes note of one step.
+    pub fn record(&mut self, sums: ContactSums, engine: &mut impl Engine) {
         self.open.friction += sums.friction;
         self.open.across += sums.across;
         self.open.normal += sums.normal;
@@ -86,36 +97,41 @@ impl Recorder {
             }
             if engine.all_have_slipped() {
                 self.onset_bin = Some(self.bins.len());
+                self.interface_from_bin = self.interface_from_bin.max(self.bins.len() + 1);
             }
         }
         if self.steps.is_multiple_of(INTERFACE_EVERY) {
-            self.sample_interface(engine, window_bin);
+            self.sample_interface(engine);
         }
         if self.steps.is_multiple_of(self.steps_per_bin) {
             self.bins.push(std::mem::take(&mut self.open));
         }
     }
 
-    fn sample_interface(&mut self, engine: &mut impl Engine, window_bin: usize) {
-        let from = self.window_start(window_bin).unwrap_or(window_bin);
-        if from != self.interface_from_bin {
-            // The window begins later than thought: forget what was sampled before.
-            self.interface.fill(ContactForce::default());
-            self.interface_samples = 0;
-            self.interface_from_bin = from;
-        }
-        if self.bins.len() >= from {
+    fn sample_interface(&mut self, engine: &mut impl Engine) {
+        if self.onset_bin.is_some() && self.bins.len() >= self.interface_from_bin {
             self.interface_samples += 1;
             for (mean, force) in self.interface.iter_mut().zip(engine.contact_forces()) {
                 mean.normal += force.normal;
                 mean.friction += force.friction;
+                mean.sliding += force.sliding;
             }
         }
     }
 
-    /// First bin of the averaging window: after the onset and not before `window_bin`.
-    fn window_start(&self, window_bin: usize) -> Option<usize> {
-        self.onset_bin.map(|onset| window_bin.max(onset + 1))
+    /// Begins the mean interface anew: what was sampled so far was not stationary.
+    pub fn forget_interface(&mut self) {
+        self.interface.fill(ContactForce::default());
+        self.interface_samples = 0;
+        self.interface_from_bin = self.bins.len();
+    }
+
+    /// Friction over that of the same normal forces with every block sliding, less one, by the samples of the interface.
+    #[must_use]
+    pub fn excess(&self) -> Option<f64> {
+        let [friction, sliding] =
+            self.interface.iter().fold([0.0; 2], |[f, s], force| [f + force.friction, s + force.sliding]);
+        (sliding > 0.0).then(|| friction / sliding - 1.0)
     }
 
     /// Whether every contact block has slipped.
@@ -130,14 +146,21 @@ impl Recorder {
         (self.has_onset() && self.peak_mu.is_finite()).then_some(self.peak_mu)
     }
 
-    /// Mean of mu from the later of the onset and `window_bin`, with its standard error from batch
-    /// means; `None` before the window holds two bins a batch.
+    /// Mean of mu from where it is stationary, after the onset, with its standard error from batch means; `None` before
+    /// two bins a batch follow the onset. A record that is stationary too late for that is averaged over its end.
     #[must_use]
-    pub fn window_mean(&self, window_bin: usize) -> Option<WindowMean> {
-        let per_batch = self.bins.get(self.window_start(window_bin)?..)?.len() / BATCHES;
-        if per_batch < 2 {
+    pub fn window_mean(&self) -> Option<WindowMean> {
+        let sliding = self.bins.get(self.onset_bin? + 1..)?;
+        if sliding.len() < 2 * BATCHES {
             return None;
         }
+        let mu: Vec<f64> = sliding.iter().map(|bin| bin.mu().unwrap_or(0.0)).collect();
+        let least = (self.least_time / self.bin_time()).ceil() as usize;
+        let left_out = stationary_from(&mu, least);
+        let start = left_out.unwrap_or(0).min(sliding.len() - 2 * BATCHES);
+        let before = self.bins.len() - sliding.len() + start;
+        let is_stationary = left_out == Some(start) && 2 * before <= self.bins.len();
+        let per_batch = (sliding.len() - start) / BATCHES;
         // What does not divide into batches is left out at the beginning.
         let first = self.bins.len() - per_batch * BATCHES;
         let batch_mu: Vec<f64> = self.bins[first..]
@@ -155,7 +178,7 @@ impl Recorder {
         let (across, normal) =
             self.bins[first..].iter().fold((0.0, 0.0), |(a, n), bin| (a + bin.across, n + bin.normal));
         let stderr = (variance / n).sqrt();
-        mu.is_finite().then_some(WindowMean { mu, stderr, mu_across: across / normal, from })
+        mu.is_finite().then_some(WindowMean { mu, stderr, mu_across: across / normal, from, is_stationary })
     }
 
     /// Mean forces on every contact block over the window; the last instant's where it was not sampled.
@@ -167,7 +190,11 @@ impl Recorder {
         }
         self.interface
             .iter()
-            .map(|sum| ContactForce { normal: sum.normal / samples, friction: sum.friction / samples })
+            .map(|sum| ContactForce {
+                normal: sum.normal / samples,
+                friction: sum.friction / samples,
+                sliding: sum.sliding / samples,
+            })
             .collect()
     }
 
@@ -220,35 +247,34 @@ mod tests {
     #[test]
     fn standard_error_of_independent_samples_is_that_of_their_mean() {
         let mut contact = OneBlock(true);
-        let mut recorder = Recorder::new(1, 1, 1.0);
+        let mut recorder = Recorder::new(1, 1, 1.0, 0.0, 0);
         let mut bits: u64 = 1;
         let n = 20_000;
         for _ in 0..n {
             bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             let noise = (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5;
-            recorder.record(
-                ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() },
-                &mut contact,
-                0,
-            );
+            let sums = ContactSums { friction: 0.3 + noise, normal: 1.0, ..ContactSums::default() };
+            recorder.record(sums, &mut contact);
         }
-        let mean = recorder.window_mean(0).unwrap();
+        let mean = recorder.window_mean().unwrap();
+        assert!(mean.is_stationary);
         let expected = (1.0_f64 / 12.0 / f64::from(n)).sqrt();
         assert!((mean.stderr / expected - 1.0).abs() < 0.4, "{} {expected}", mean.stderr);
         assert!((mean.mu - 0.3).abs() < 4.0 * expected);
     }
 
     #[test]
-    fn the_mean_of_a_straight_line_is_that_of_its_window() {
+    fn a_straight_line_is_not_stationary_and_its_mean_is_that_of_its_end() {
         let mut contact = OneBlock(true);
         let (steps_per_bin, time_step) = (3, 0.5);
-        let mut recorder = Recorder::new(1, steps_per_bin, time_step);
-        // mu = t, 107 intervals of 1.5: from interval 50 on, 57 make 20 batches of 2 and leave 17 out.
+        let mut recorder = Recorder::new(1, steps_per_bin, time_step, 0.0, 50);
+        // mu = t, 107 intervals of 1.5: the last 40 make 20 batches of 2.
         for step in 0..107 * steps_per_bin {
             let mu = (step as f64 + 0.5) * time_step;
-            recorder.record(ContactSums { friction: mu, normal: 1.0, ..ContactSums::default() }, &mut contact, 50);
+            recorder.record(ContactSums { friction: mu, normal: 1.0, ..ContactSums::default() }, &mut contact);
         }
-        let mean = recorder.window_mean(50).unwrap();
+        let mean = recorder.window_mean().unwrap();
+        assert!(!mean.is_stationary);
         let end = 107.0 * 1.5;
         assert_eq!(mean.from, (107.0 - 40.0) * 1.5);
         assert!((mean.mu - (mean.from + end) / 2.0).abs() < 1e-9, "{mean:?}");
@@ -259,10 +285,10 @@ mod tests {
     #[test]
     fn no_mean_before_every_block_has_slipped() {
         let mut contact = OneBlock(false);
-        let mut recorder = Recorder::new(1, 1, 1.0);
+        let mut recorder = Recorder::new(1, 1, 1.0, 0.0, 10);
         for _ in 0..1000 {
-            recorder.record(ContactSums { friction: 0.3, normal: 1.0, ..ContactSums::default() }, &mut contact, 10);
+            recorder.record(ContactSums { friction: 0.3, normal: 1.0, ..ContactSums::default() }, &mut contact);
         }
-        assert_eq!((recorder.window_mean(10), recorder.peak_mu()), (None, None));
+        assert_eq!((recorder.window_mean(), recorder.peak_mu()), (None, None));
     }
 }

@@ -3,14 +3,15 @@
 use crate::outcome::{DynamicCost, InterfacePoint, LoadOutcome, Status, SurfaceOutcome, TracePoint};
 
 /// From what says most to what says least against a number.
-const SEVERITY: [Status; 10] = [
+const SEVERITY: [Status; 11] = [
     Status::Diverged,
     Status::Cancelled,
     Status::TooManySteps,
     Status::NotConverged,
     Status::NoOnset,
-    Status::StderrNotReached,
     Status::ShortWindow,
+    Status::SlidingWaves,
+    Status::StderrNotReached,
     Status::NoLoad,
     Status::NoFriction,
     Status::Converged,
@@ -69,6 +70,7 @@ fn surface(draws: &[&SurfaceOutcome]) -> SurfaceOutcome {
         status: worst.unwrap_or(Status::Converged),
         mu_dynamic: mu.as_deref().map(average),
         mu_dynamic_stderr: standard_error(mu.as_deref(), stderr.as_deref()),
+        stick_slip_excess: mean_of(|draw| draw.stick_slip_excess),
         mu_across: mean_of(|draw| draw.mu_across),
         averaged_from_s: each(|draw| draw.averaged_from_s).map(|from| from.into_iter().fold(0.0, f64::max)),
         mu_static: mean_of(|draw| draw.mu_static),

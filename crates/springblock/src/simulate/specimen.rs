@@ -44,7 +44,7 @@ const MOST_TIMED_COLUMNS: f64 = 1200.0;
 const LEAST_END_BLOCKS: f64 = 2.0;
 /// Share of what time adds to steady sliding on one strip that is left open for the others: that of strips of other lengths
 /// and cavities departs from it by no more (`strips_follow_the_longest_in_time`).
-const TIME_SHARE: f64 = 0.3;
+const TIME_SHARE: f64 = 0.5;
 
 /// Solves `scene`, whose pattern lies on `face` as its strips say, beside the flat face. Loads and strips run in parallel on
 /// rayon's current pool; the result does not depend on the number of threads.

@@ -246,6 +246,7 @@ fn observe(
         },
         mu_dynamic: mu,
         mu_dynamic_stderr: None,
+        stick_slip_excess: None,
         mu_across: None,
         averaged_from_s: None,
         mu_static: None,

@@ -1,20 +1,31 @@
 //! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
 
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{RunOptions, Scene, Simulation, Status};
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
 
-use super::in_time::in_time;
 use super::rounds::{CONFIRMATION, Rounds};
 use super::stages::Timings;
 use crate::formats::design::Design;
 use crate::interruption::heed;
-use crate::on_specimen::SpecimenError;
+use crate::on_specimen::{SpecimenError, simulate_on};
 use crate::progress::Progress;
 use crate::{CliError, Console};
 
 /// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
 pub(super) const LEAST_CONTACTS: f64 = 400.0;
+
+/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
+/// run goes on until its mean is stationary and its standard error small enough.
+pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
+
+/// Whether both surfaces of `load` slid to a mean that means something.
+#[must_use]
+pub(super) fn trusted(load: &LoadOutcome) -> bool {
+    let surfaces = std::iter::once(&load.surface).chain(&load.flat);
+    let is_mean = |status: Status| matches!(status, Status::Converged | Status::NoFriction | Status::StderrNotReached);
+    surfaces.into_iter().all(|surface| is_mean(surface.status))
+}
 
 impl Rounds {
     /// Runs `pattern` in time at the condition designed for.
@@ -28,14 +39,12 @@ impl Rounds {
         let refuse = |error: SpecimenError| design.refuse(error.to_string());
         let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
         let predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.confirming.sliding_m = self.scene.run.sliding_m;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
-        let (confirmed, run) = in_time(scene, Some(&design.outline), &bar).map_err(refuse)?;
+        let confirmed = simulate_on(&scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
         heed()?;
         self.note_cut(&confirmed, CONFIRMATION);
-        self.confirming = run;
         self.predicted = Some(predicted);
         self.confirmed = Some(confirmed);
         for further in &mut self.further {
@@ -60,12 +69,12 @@ impl Rounds {
                 let at = &self.further[place];
                 let what = format!("confirmation at {}", at.at.in_words());
                 let bar = Progress::until(&what, console.quiet, self.allowance.until());
-                let run = RunOptions { sliding_m: self.scene.run.sliding_m, ..self.confirming };
+                let run = self.confirming;
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
-                let (confirmed, _) =
-                    in_time(scene, Some(&design.outline), &bar).map_err(|error| design.refuse(error.to_string()))?;
+                let confirmed = simulate_on(&scene, Some(&design.outline), &bar)
+                    .map_err(|error| design.refuse(error.to_string()))?;
                 timings.confirm_further += bar.finish();
                 heed()?;
                 self.note_cut(&confirmed, "confirmation at further conditions");

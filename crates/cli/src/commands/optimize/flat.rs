@@ -1,15 +1,14 @@
 //! The flat sample beside the designs.
 
-use slipgrid_springblock::{Extent, RunOptions, Scene};
+use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
 use super::allowance::Allowance;
-use super::in_time::{WARM_TRAVEL_M, in_time};
-
+use super::confirmation::{WARM_TRAVEL_M, trusted};
 use crate::Console;
-use crate::on_specimen::SpecimenError;
+use crate::on_specimen::{SpecimenError, simulate_on};
 use crate::progress::Progress;
 
-/// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide.
+/// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide, or only in waves.
 pub(super) fn flat_friction(
     scene: &Scene,
     allowance: Allowance,
@@ -24,7 +23,8 @@ pub(super) fn flat_friction(
         dimensions: None,
         ..scene.run
     };
-    let simulation = in_time(Scene { pattern: None, run, ..scene.clone() }, None, &bar);
+    let simulation = simulate_on(&Scene { pattern: None, run, ..scene.clone() }, None, &bar);
     bar.finish();
-    Ok(simulation?.0.loads.iter().map(|load| load.surface.mu_dynamic).collect())
+    let mu = |load: &LoadOutcome| load.surface.mu_dynamic.filter(|_| trusted(load));
+    Ok(simulation?.loads.iter().map(mu).collect())
 }

@@ -13,7 +13,6 @@ mod explanation;
 mod files;
 mod flat;
 mod further;
-mod in_time;
 mod limited;
 mod material;
 mod model;

@@ -9,6 +9,7 @@ use slipgrid_springblock::{
     SolidModel, Status, Unwatched, simulate,
 };
 
+use super::confirmation::trusted;
 use super::further::turned;
 use super::limited::Limited;
 use super::study::{Answer, Study};
@@ -370,10 +371,13 @@ impl SteadyCell {
     }
 
     /// The target's quantity by a confirming run at the condition of place `condition` as it is compared with the target,
-    /// absent where it gave none.
+    /// absent where it gave none that can be trusted.
     #[must_use]
     pub fn confirmed(&self, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
-        let value = |load: &LoadOutcome| if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
+        let value = |load: &LoadOutcome| {
+            let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
+            value.filter(|_| trusted(load))
+        };
         let aim = &self.aim[condition * self.scene.loads.len()..];
         simulation.loads.iter().zip(aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
     }

@@ -15,9 +15,9 @@ use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation
 
 use super::allowance::{Allowance, SEARCH_SHARE};
 use super::chance::Chances;
+use super::confirmation::WARM_TRAVEL_M;
 use super::flat::flat_friction;
 use super::further::Further;
-use super::in_time::WARM_TRAVEL_M;
 use super::limited::Limited;
 use super::model::SteadyCell;
 use super::robust_search::{self, RobustChoice};

@@ -102,7 +102,9 @@ impl<'a> ContactLayer<'a> {
     /// Normal force and friction against the drive of every block.
     pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
         let [x, y] = self.direction;
-        self.vectors().map(move |(normal, [fx, fy])| ContactForce { normal, friction: x * fx + y * fy })
+        self.vectors().zip(&self.blocks).map(move |((normal, [fx, fy]), block)| {
+            self.law.force(normal, x * fx + y * fy, block.coefficients.dynamic_mu)
+        })
     }
 
     /// Horizontal displacements of the last step, x and y.
@@ -138,7 +140,7 @@ impl<'a> ContactLayer<'a> {
         let Some(block) = blocks.get_mut(self.number[place]) else { return };
         let had_slipped = block.has_slipped;
         let mut piece = columns.piece(place);
-        let push = Push { kept, kick: columns.kick[place], force };
+        let push = Push { kept, kick: columns.kick[place], force, drive: self.direction };
         let v = block.kick([self.velocity[0][place], self.velocity[1][place]], push, |normal| {
             if !(piece.from <= normal && normal < piece.to) {
                 piece = law.piece(normal);

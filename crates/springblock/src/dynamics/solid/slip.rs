@@ -22,7 +22,7 @@ pub struct SlipBlock {
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
-    /// Whether it has slipped, or was free to, since the drive began.
+    /// Whether it has slipped along the drive, or was free to, since the drive began.
     pub has_slipped: bool,
     /// Its place in arrays over the contact layer.
     pub place: usize,
@@ -41,6 +41,8 @@ pub struct Push {
     pub kick: f64,
     /// Spring forces.
     pub force: [f64; 3],
+    /// Direction of the drive.
+    pub drive: [f64; 2],
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -66,7 +68,7 @@ impl SlipBlock {
     /// Velocity times the step after one leapfrog kick. `piece_at` gives the interval of the law around a normal force
     /// above zero.
     pub fn kick(&mut self, v: [f64; 2], push: Push, piece_at: impl FnOnce(f64) -> GripPiece) -> [f64; 2] {
-        let Push { kept, kick, force: [fx, fy, fz] } = push;
+        let Push { kept, kick, force: [fx, fy, fz], drive } = push;
         let force = [fx, fy];
         let free = [kept * v[0] + kick * fx, kept * v[1] + kick * fy];
         // F_n = -(force of the springs)_z
@@ -87,9 +89,9 @@ impl SlipBlock {
             }
             self.motion = Motion::Slip;
         }
-        self.has_slipped = true;
         let resistance = self.coefficients.dynamic_mu * grip;
         let along = [free[0] + v[0], free[1] + v[1]];
+        self.has_slipped |= dot(along, drive) > 0.0;
         let per_length = resistance / dot(along, along).sqrt();
         let friction = [per_length * along[0], per_length * along[1]];
         let slowed = [free[0] - kick * friction[0], free[1] - kick * friction[1]];
@@ -118,7 +120,7 @@ mod tests {
     }
 
     fn kick(block: &mut SlipBlock, v: [f64; 2], force: [f64; 3]) -> [f64; 2] {
-        block.kick(v, Push { kept: 1.0, kick: 0.1, force }, |_| UNIT)
+        block.kick(v, Push { kept: 1.0, kick: 0.1, force, drive: [1.0, 0.0] }, |_| UNIT)
     }
 
     /// Angles in a fixed sequence.
@@ -136,7 +138,8 @@ mod tests {
             let v = kick(&mut own, [0.0; 2], [0.31 * cos, 0.31 * sin, -1.0]);
             // kick (F - mu_d N) along the force
             assert!((v[0] - 0.004 * cos).abs() < 1e-15 && (v[1] - 0.004 * sin).abs() < 1e-15, "{angle} {v:?}");
-            assert!((own.friction[0].hypot(own.friction[1]) - 0.27).abs() < 1e-15 && own.has_slipped);
+            assert!((own.friction[0].hypot(own.friction[1]) - 0.27).abs() < 1e-15);
+            assert_eq!(own.has_slipped, cos > 0.0, "along the drive, which is x");
         }
     }
 
@@ -153,7 +156,7 @@ mod tests {
             let mut steps = 0;
             while v != [0.0; 2] {
                 // Velocities lie half a step before forces: the first step starts there.
-                v = own.kick(v, Push { kept: 1.0, kick, force: [0.0, 0.0, -1.0] }, |_| UNIT);
+                v = own.kick(v, Push { kept: 1.0, kick, force: [0.0, 0.0, -1.0], drive: [1.0, 0.0] }, |_| UNIT);
                 at = [at[0] + v[0], at[1] + v[1]];
                 assert!((at[0] * sin - at[1] * cos).abs() < 1e-12, "leaves its line");
                 steps += 1;

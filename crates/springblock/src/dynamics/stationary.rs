@@ -1,0 +1,89 @@
+//! Where a record becomes stationary: the marginal standard error rule.
+//!
+//! Of a record y_1 ... y_n of group means, so many first ones are left out that the standard error of the mean of
+//! the others is least,
+//!
+//! ```text
+//! d* = arg min_d  1/(n - d)^2  sum_{i > d} (y_i - mean_{i > d})^2,
+//! ```
+//!
+//! and the record is stationary if that is at most half of them (White, Simulation 69, 1997, with groups of five:
+//! MSER-5).
+
+/// Values of a group.
+const GROUP: usize = 5;
+/// Groups that stay at least, and half of those that are needed to tell.
+const LEAST_GROUPS: usize = 8;
+/// Changes below this share of the mean are noise: a record that only creeps on by rounding is stationary.
+const RESOLVED: f64 = 1e-4;
+
+/// The number of first values of `record` to leave out; `None` of a record too short to tell. At least `least` values stay:
+/// about the turning point of an oscillation a few would hardly differ.
+#[must_use]
+pub fn stationary_from(record: &[f64], least: usize) -> Option<usize> {
+    let groups: Vec<f64> = record.chunks_exact(GROUP).map(|group| group.iter().sum::<f64>() / GROUP as f64).collect();
+    let least = least.div_ceil(GROUP).max(LEAST_GROUPS);
+    if groups.len() < least.max(2 * LEAST_GROUPS) {
+        return None;
+    }
+    // From the end: mean and sum of squares about it (Welford).
+    let (mut mean, mut squares) = (0.0, 0.0);
+    let mut best: Option<(f64, usize)> = None;
+    for (kept, (first, value)) in (1..).zip(groups.iter().enumerate().rev()) {
+        let n = f64::from(kept);
+        let step = value - mean;
+        mean += step / n;
+        squares += step * (value - mean);
+        let noise = RESOLVED * mean;
+        let marginal = (squares + n * noise * noise) / (n * n);
+        // Of equals the one that keeps most.
+        if kept as usize >= least && best.is_none_or(|(least, _)| marginal <= least) {
+            best = Some((marginal, first));
+        }
+    }
+    best.map(|(_, first)| first * GROUP)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(count: usize) -> Vec<f64> {
+        let mut bits: u64 = 5;
+        (0..count)
+            .map(|_| {
+                bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_constant_and_noise_are_stationary_from_about_their_beginning() {
+        assert_eq!(stationary_from(&[0.3; 200], 0), Some(0));
+        let noisy: Vec<f64> = noise(2000).iter().map(|noise| 0.3 + 0.01 * noise).collect();
+        assert!(stationary_from(&noisy, 0).unwrap() < 200);
+        assert_eq!(stationary_from(&[0.3; 79], 0), None);
+        let swinging: Vec<f64> = (0..2000).map(|i| 0.3 + 0.1 * (0.02 * f64::from(i)).sin()).collect();
+        // Ten periods.
+        assert_eq!(stationary_from(&swinging[..1000], 3142), None);
+        assert!(stationary_from(&swinging.repeat(2), 3142).unwrap() < 900);
+    }
+
+    #[test]
+    fn what_decays_is_left_out_and_what_does_not_end_is_not_stationary() {
+        let decaying = |time: f64| -> Vec<f64> {
+            noise(2000)
+                .iter()
+                .enumerate()
+                .map(|(i, noise)| 0.3 - 0.2 * (-(i as f64) / time).exp() + 0.01 * noise)
+                .collect()
+        };
+        let from = stationary_from(&decaying(50.0), 0).unwrap();
+        // 0.2 exp(-t/50) falls below the noise of a mean at about 250.
+        assert!((150..500).contains(&from), "{from}");
+        assert!(stationary_from(&decaying(1000.0), 0).unwrap() > 1000);
+        let ramp: Vec<f64> = (0..2000).map(|i| 1e-4 * f64::from(i)).collect();
+        assert!(stationary_from(&ramp, 0).unwrap() > 1900);
+    }
+}
