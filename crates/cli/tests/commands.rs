@@ -356,8 +356,8 @@ fn a_dynamic_run_says_from_when_it_averaged() {
     let load = &json(&place.succeed(&["simulate", "scene.toml", "--json", "-o", "out"]))["results"][0];
     let travel_s = 3e-6 / 20e-3;
     let from_s = load["averaged_from_s"].as_f64().unwrap();
-    // 60 % of the run, and what does not divide into batches.
-    assert!(0.6 * travel_s <= from_s && from_s < 0.62 * travel_s, "{from_s}");
+    // Stationary within the first half of the run.
+    assert!(0.0 < from_s && from_s <= 0.5 * travel_s, "{from_s}");
     assert!(load["averaged_from_s_flat"].is_number());
 
     // The mean over the trace from there on is the reported one: every interval is as long.
