@@ -7,6 +7,7 @@
     reason = "a test that cannot go on fails, and tells what it measured"
 )]
 
+mod blocks;
 mod calibrated_flat;
 mod dynamic_against_reference;
 mod excess;

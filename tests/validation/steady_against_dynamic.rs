@@ -1,6 +1,7 @@
 //! Steady sliding, which has no time, against time integration of the same draw.
 
-use slipgrid_springblock::{Extent, Fidelity, Layer, Scene, Simulation, Unwatched, simulate};
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_springblock::{Extent, Fidelity, Layer, LoadOutcome, Scene, Simulation, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published_groove};
 
 fn both(mut scene: Scene) -> [Simulation; 2] {
@@ -66,4 +67,38 @@ fn a_warm_start_reaches_the_same_sliding_as_a_start_from_rest() {
     let (warm, warm_error) = mu(&scene);
     println!("cold {cold} +- {cold_error}, warm {warm} +- {warm_error}");
     assert!((cold - warm).abs() < 5e-4 * cold + 3.0 * cold_error.hypot(warm_error));
+}
+
+/// What time adds to ratios, by pattern and load, in per cent of them: the same draws of the local coefficients in both.
+#[test]
+#[ignore = "five minutes: prints the table of tests/README.md"]
+fn what_time_adds_to_ratios() {
+    let loads_mpa = [0.65, 1.3, 2.6];
+    println!("| groove | 0.65 MPa | 1.3 MPa | 2.6 MPa |\n|---|---|---|---|");
+    let mut most: f64 = 0.0;
+    for [width_um, spacing_um, depth_um] in [
+        [130.0, 370.0, 20.0],
+        [360.0, 740.0, 30.0],
+        [400.0, 100.0, 20.0],
+        [200.0, 100.0, 20.0],
+        [100.0, 200.0, 20.0],
+        [100.0, 100.0, 10.0],
+        [60.0, 60.0, 20.0],
+        [40.0, 40.0, 10.0],
+    ] {
+        let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
+        let mut scene = polymer_scene(Some(pattern), &loads_mpa, Fidelity::Steady, Extent::Sample).unwrap();
+        scene.layer = Layer { length_m: 5000e-6, ..scene.layer };
+        scene.run.warm_start = true;
+        scene.run.sliding_m = 1e-6;
+        let [steady, dynamic] = both(scene);
+        let added = |(steady, dynamic): (&LoadOutcome, &LoadOutcome)| {
+            let (before, after) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
+            most = most.max((after / before - 1.0).abs());
+            format!("{:+.2} +- {:.2} %", 100.0 * (after / before - 1.0), 100.0 * dynamic.ratio_stderr.unwrap() / before)
+        };
+        let cells: Vec<String> = steady.loads.iter().zip(&dynamic.loads).map(added).collect();
+        println!("| {width_um} / {spacing_um} / {depth_um} um | {} |", cells.join(" | "));
+    }
+    assert!(most < 0.02, "{most}");
 }

@@ -167,7 +167,8 @@ pub struct LoadOutcome {
     pub ratio: Option<f64>,
     /// Standard error of the ratio; `None` for steady runs.
     pub ratio_stderr: Option<f64>,
-    /// Estimated change of the ratio from this block size to vanishing blocks; `None` for a flat scene.
+    /// Estimated distance of the ratio from that of vanishing blocks, which it hardly exceeds: the largest over all loads;
+    /// `None` for a flat scene, and where no other size of blocks can be had.
     pub ratio_discretization_error: Option<f64>,
     /// Standard error of the ratio from what stands for the specimen's layout: strips that sample its face, one strip for
     /// all in time, a cell for its middle; `None` where nothing does.

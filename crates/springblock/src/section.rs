@@ -10,7 +10,7 @@ use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
-use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, factor_bytes};
+use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, band_products, factor_bytes};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -58,6 +58,18 @@ impl SectionModel {
         // The cast saturates: what is beyond 2^64 columns is beyond every limit.
         let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
         factor_bytes(columns, self.layer.rows(), true)
+    }
+
+    /// Multiplications that [`Self::solve`] takes, roughly and at most.
+    #[must_use]
+    pub fn products(&self, pattern: &Pattern) -> f64 {
+        let blocks = |length_m: f64| (length_m / self.layer.block_m).ceil();
+        let (columns, covered, depth) =
+            (blocks(pattern.pitch_m()), blocks(pattern.width_m()), blocks(pattern.depth_m()));
+        // The ceiling's blocks, twice where it is there in part, and the walls'.
+        let (n, m) = (5.0 * (covered + 2.0) + 4.0 * depth, columns);
+        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
+        band_products(columns as usize, self.layer.rows()).min(n * n * n / 3.0 + n * n * m + n * m * m)
     }
 
     /// Steady sliding on `pattern`, one answer per load: by the few forces about the cavity where that is possible and

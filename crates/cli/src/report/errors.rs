@@ -16,6 +16,8 @@ const TIME_AND_DRAWS: &str = "time average and local coefficients drawn";
 const DRAWS: &str = "local coefficients drawn";
 /// Part of a run: what stands for the specimen as it is laid out.
 const LAYOUT: &str = "layout on the specimen";
+/// Part of a ratio: how far it is from that of vanishing blocks.
+const BLOCKS: &str = "size of blocks";
 /// Part of a static peak, which follows them at most one to one.
 const STATIC: &str = "static coefficient";
 /// What is open where slopes could not be computed.
@@ -146,8 +148,12 @@ impl Solved<'_> {
         let layout = load.ratio_layout_error.map(|std| std * factor);
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         let of_layout = |std: Option<f64>| std.map(|std| PartsReport { input: LAYOUT.to_owned(), std });
+        // What errors hardly exceed, as two standard deviations.
+        let blocks = load.ratio_discretization_error.map(|error| 0.5 * error * factor);
+        let of_blocks = |std: Option<f64>| std.map(|std| PartsReport { input: BLOCKS.to_owned(), std });
         let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
         own_mu.extend(of_layout(layout.zip(flat_mu).map(|(std, mu)| std * mu)));
+        own_mu.extend(of_blocks(blocks.zip(flat_mu).map(|(std, mu)| std * mu)));
         let material_mu = material.as_ref().map(|material| &material.mu);
         let flat = load.flat.as_ref();
         PressureErrors {
@@ -157,6 +163,7 @@ impl Solved<'_> {
                 let ratio = load.ratio.map(|ratio| ratio * factor);
                 let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), drawn.ratio);
                 own.extend(of_layout(layout));
+                own.extend(of_blocks(blocks));
                 ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
             }),
             mu: ErrorReport::new(mu, own_mu, material_mu),

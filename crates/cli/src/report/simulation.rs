@@ -359,7 +359,7 @@ impl SimulationReport {
         let each = self.results.iter().filter_map(|load| load.ratio_discretization_error);
         let largest = each.reduce(f64::max)?;
         Some(format!(
-            "blocks: towards vanishing ones the ratio changes by {largest:.4} at most, by the change from twice their size"
+            "blocks: towards vanishing ones the ratio changes by {largest:.4} at most, as blocks of other sizes say"
         ))
     }
 

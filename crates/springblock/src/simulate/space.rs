@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::{
-    MOST_FACTOR_BYTES, coarse_ratios, collect, describe_draws, describe_law, seed_of, stderr_share, why_solid,
+    MOST_FACTOR_BYTES, collect, describe_draws, describe_law, seed_of, solid_discretization_error, stderr_share,
+    why_solid,
 };
 use crate::dynamics::{MOST_STEPS, Plan, SolidRun, SolidScheme};
 use crate::error::SceneError;
@@ -43,8 +44,8 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     SolidScheme::choose(scene, &SolidLattice::flat([FLAT_COLUMNS; 2], rows))?;
 
     let model = SolidModel::new(scene);
-    let (steady, coarse) =
-        rayon::join(|| model.ratios(pattern), || coarse_ratios(scene, SolidModel::new, |model| model.ratios(pattern)));
+    let steady = model.ratios(pattern);
+    let error = solid_discretization_error(scene, pattern, &steady);
     let is_whole = exact == whole;
     let corrections =
         if is_whole { vec![0.0; scene.loads.len()] } else { corrections(scene, pattern, &whole, &steady) };
@@ -79,8 +80,8 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         })
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
-    for ((load, steady), coarse) in loads.iter_mut().zip(&steady).zip(&coarse) {
-        load.ratio_discretization_error = steady.zip(*coarse).map(|(own, coarse)| (own - coarse).abs());
+    for load in &mut loads {
+        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some());
     }
     let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { model, loads })

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::{
     MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol, describe_scheme,
-    discretization_errors, integrate, seed_of,
+    discretization_error, integrate, seed_of,
 };
 use crate::columns;
 use crate::draws;
@@ -71,8 +71,9 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
     let cells = SectionModel::new(scene).ratios(pattern);
-    for (load, error) in loads.iter_mut().zip(discretization_errors(scene, pattern, &cells)) {
-        load.ratio_discretization_error = error.map(|error| error * share);
+    let error = discretization_error(scene, pattern, &cells);
+    for load in &mut loads {
+        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);
     }
     model.extend(describe(scene, face, pattern, &steady));
     describe_draws(scene, &mut model);

@@ -47,8 +47,8 @@ pub struct Chances {
     uncertainty: Uncertainty,
     /// The model that dimensions are moved in.
     still: SteadyCell,
-    /// The same in the next larger blocks that divide the layer, in the vertical plane.
-    coarse: Option<SteadyCell>,
+    /// The same in blocks half as large, in the vertical plane.
+    fine: Option<SteadyCell>,
     /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
     friction: Option<Along>,
     law_scale: Option<Along>,
@@ -177,7 +177,7 @@ impl Chances {
             inputs_of_loads: count,
             tolerances,
             still: model.beside(|scene: &Scene| Ok::<_, CliError>(scene.clone()))?,
-            coarse: coarse(model)?,
+            fine: fine(model)?,
             friction: along(friction_at, count, true, 0.0, 0.0)?,
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
             law: along(law_at, 1, false, 0.0, 1.0)?,
@@ -216,15 +216,17 @@ impl Chances {
     }
 
     /// Standard deviations of the values of `design` by how exactly they are computed: `others`, and in the vertical plane how
-    /// they change with the size of the blocks.
+    /// far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed in either.
     pub fn numerical_of(&self, design: &Pattern, others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let Some(coarse) = &self.coarse else { return Ok(others.to_vec()) };
-        let (own, coarse) = (self.still.steady(design)?.ratio, coarse.steady(design)?.ratio);
-        let each = own.iter().zip(&coarse).zip(self.scale.iter().zip(others));
-        Ok(each.map(|((own, coarse), (scale, other))| (scale * (own - coarse)).hypot(*other)).collect())
+        let Some(fine) = &self.fine else { return Ok(others.to_vec()) };
+        let (own, fine) = (self.still.steady(design)?.ratio, fine.steady(design)?.ratio);
+        let most = own.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
+        // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
+        let std = 0.5 * most * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
+        Ok(self.scale.iter().zip(others).map(|(scale, other)| (scale * std).hypot(*other)).collect())
     }
 
     /// Seeded draws of everything.
@@ -374,19 +376,14 @@ impl UncertainModel for Sampled<'_> {
     }
 }
 
-/// `model` in the next larger blocks that divide its layer; `None` in space, and where none do.
-fn coarse(model: &SteadyCell) -> Result<Option<SteadyCell>, CliError> {
-    let rows = model.asked().layer.rows();
-    let factor = [2, 3, 5].into_iter().find(|&factor| rows.is_multiple_of(factor) && rows > factor);
-    let Some(factor) = factor.filter(|_| !model.is_solid()) else { return Ok(None) };
+/// `model` in blocks half as large; `None` in space, where they are dear.
+fn fine(model: &SteadyCell) -> Result<Option<SteadyCell>, CliError> {
     let change = |scene: &Scene| {
-        let mut coarse = scene.clone();
-        coarse.layer.block_m *= factor as f64;
-        // The cell knows no specimen: any whole number of blocks does.
-        coarse.layer.length_m = coarse.layer.height_m;
-        Ok::<_, CliError>(coarse)
+        let mut fine = scene.clone();
+        fine.layer.block_m *= 0.5;
+        Ok::<_, CliError>(fine)
     };
-    model.beside(change).map(Some)
+    if model.is_solid() { Ok(None) } else { model.beside(change).map(Some) }
 }
 
 /// Covariances under construction.

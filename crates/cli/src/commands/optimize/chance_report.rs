@@ -167,7 +167,8 @@ fn numerical(design: &Design, chances: &Chances, predicted: &Simulation, errors:
     };
     let std = |place: usize| {
         let row = place % count;
-        let of_blocks = chances.scale()[place] * discretization(row).unwrap_or(0.0);
+        // What errors hardly exceed, as two standard deviations.
+        let of_blocks = 0.5 * chances.scale()[place] * discretization(row).unwrap_or(0.0);
         run(row).unwrap_or(0.0).hypot(of_blocks)
     };
     ((0..chances.scale().len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
