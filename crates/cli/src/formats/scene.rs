@@ -65,7 +65,7 @@ pub struct SampleFile {
 }
 
 /// The paper's specimen: 996 x 20 blocks of 10 um.
-pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
+pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
 
 /// The layer of a file that has no `[sample]`.
 #[must_use]
@@ -393,7 +393,7 @@ pub fn read_layer(
         (None, Some(specimen)) => specimen.whole_length_m(block_m),
         (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
-    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?, block_m };
+    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?, block_m, thickness_m: None };
     let block_um = LENGTH_UM.from_si(layer.block_m);
     for (name, value, length_m) in
         [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]
