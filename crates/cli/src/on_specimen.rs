@@ -120,6 +120,8 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
         let scaled = |error: Option<f64>| error.map(|error| error * share);
         load.ratio_stderr = scaled(load.ratio_stderr);
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
+        load.ratio_layer_difference = scaled(load.ratio_layer_difference);
+        load.ratio_layer_error = scaled(load.ratio_layer_error);
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         load.surface.mu_dynamic = load.ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
         load.ratio_layout_error = layout_error.get(place).copied().flatten();

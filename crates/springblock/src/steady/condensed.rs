@@ -54,7 +54,8 @@ pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     // The ceiling's blocks, twice where it is there in part, and the walls'.
     let n = 5.0 * (covered + 2.0) + 4.0 * depth;
     let (blocks, width) = ((covered + 2.0) * (depth + 2.0), n + m);
-    let products = n * n * n / 3.0 + n * n * m + n * m * m + 32.0 * blocks * width + fields * fields / 2.0 * half * half;
+    let products =
+        n * n * n / 3.0 + n * n * m + n * m * m + 32.0 * blocks * width + fields * fields / 2.0 * half * half;
     (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
 }
 
