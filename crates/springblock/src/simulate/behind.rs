@@ -111,7 +111,7 @@ impl Behind {
 
     fn statement(&self, is_added: bool, loads: &[LoadOutcome]) -> String {
         let Layer { height_m, thickness_m, .. } = self.layer;
-        let (layer_um, thick_mm) = (height_m * 1e6, thickness_m.unwrap_or(height_m) * 1e3);
+        let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
         let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
         let widest = known().fold(0.0, |widest: f64, own| if own.abs() > widest.abs() { own } else { widest });
         if known().count() < loads.iter().filter(|load| load.ratio.is_some()).count() {

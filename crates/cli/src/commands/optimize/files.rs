@@ -205,7 +205,7 @@ mod tests {
             },
         };
         let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
-        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.9e-3) };
+        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.5e-3) };
         let specimen = Specimen { outline: Outline::Disc { diameter_m: 8e-3 }, is_clipped: true };
         let run = RunOptions { seed: 7, ..RunOptions::default() };
         let scene = DesignScene {
