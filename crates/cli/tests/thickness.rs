@@ -100,6 +100,7 @@ fn thicknesses_that_mean_nothing_are_refused_where_they_stand() {
     let place = Place::with(&[
         ("thin.toml", &wide("layer_um = 200.0\nthickness_mm = 0.1\n")),
         ("negative.toml", &wide("thickness_mm = -7\n")),
+        ("endless.toml", &wide("thickness_mm = 9000\n")),
         ("film.toml", &wide("thickness_mm = 0.1\n")),
     ]);
     let refused = |name: &str| place.run(&["simulate", name]);
@@ -107,6 +108,8 @@ fn thicknesses_that_mean_nothing_are_refused_where_they_stand() {
     assert_eq!(thin.status.code(), Some(2));
     let said = String::from_utf8_lossy(&thin.stderr).into_owned();
     assert!(said.contains("thin.toml:19: sample.thickness_mm: 0.1 mm is thinner than the layer of 200 um"), "{said}");
+    let endless = String::from_utf8_lossy(&refused("endless.toml").stderr).into_owned();
+    assert!(endless.contains("makes more than 1e5 rows of blocks of a specimen 9000 mm thick"), "{endless}");
     assert_eq!(refused("negative.toml").status.code(), Some(2));
     // A film of ten rows is its own layer.
     assert_eq!(refused("film.toml").status.code(), Some(0));

@@ -62,7 +62,7 @@ pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
-pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
 pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
 pub use solid::{

@@ -211,8 +211,8 @@ fn whole(ratio: f64) -> usize {
 
 /// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
 const MOST_BLOCKS: f64 = 4e7;
-/// Most rows of blocks over the thickness of a specimen.
-const MOST_ROWS: f64 = 1e6;
+/// Most rows of blocks over the thickness of a specimen: rounding of what shears them all grows with their square.
+pub const MOST_ROWS: f64 = 1e5;
 /// Most surfaces of one scene: its standard error falls with the root of their number.
 pub const MOST_DRAWS: u64 = 64;
 /// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
@@ -277,7 +277,7 @@ impl Scene {
                 return Err(SceneError::OutOfRange {
                     quantity: "thickness_m",
                     value: thickness_m,
-                    expected: "at least the height of the layer and at most 1e6 blocks",
+                    expected: "at least the height of the layer and at most 1e5 blocks",
                 });
             }
         }

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Friction, Material, MaterialError};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, SceneError, Springs};
+use slipgrid_springblock::{
+    Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, SceneError, Springs,
+};
 use toml::Spanned;
 
 use super::document::Document;
@@ -417,6 +419,13 @@ pub fn read_layer(
         return Err(document
             .refuse(thickness.span(), format!("mm is thinner than the layer of {layer_um} um, which is part of it"))
             .expected(format!("at least {}, or a lower layer_um", LENGTH_MM.from_si(layer.height_m))));
+    }
+    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MOST_ROWS * block_m) {
+        let given = sample.thickness_mm.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+        let thick_mm = LENGTH_MM.from_si(thickness_m);
+        return Err(document
+            .refuse(given, format!("makes more than {MOST_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
+            .expected("larger blocks, a thinner specimen, or a layer_um alone"));
     }
     let block_um = LENGTH_UM.from_si(layer.block_m);
     for (name, value, length_m) in

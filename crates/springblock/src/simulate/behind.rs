@@ -120,22 +120,23 @@ impl Behind {
                  steady cell has no equilibrium"
             );
         }
+        let widest = if widest.abs() < 5e-5 { "less than 0.0001".to_owned() } else { format!("{widest:+.4} at most") };
         if self.is_solved {
             return format!(
-                "specimen {thick_mm} mm thick, all of it elastic: the ratio is off by {widest:+.4} at most from that of its lowest \
-                 {layer_um:.0} um alone"
+                "specimen {thick_mm} mm thick, all of it elastic: that changes the ratio of its lowest {layer_um:.0} um alone by \
+                 {widest}"
             );
         }
         if is_added {
             return format!(
                 "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio what it adds \
-                 to the steady cell, {widest:+.4} at most, known to {:.4}; mu_static and the interface are those of the layer alone",
+                 to the steady cell, {widest}, known to {:.4}; mu_static and the interface are those of the layer alone",
                 self.open
             );
         }
         format!(
             "layer of {layer_um:.0} um under a rigid bulk, as asked for: a specimen much thicker than the pattern is wide would \
-             change the ratio by {widest:+.4} at most"
+             change the ratio by {widest}"
         )
     }
 }
