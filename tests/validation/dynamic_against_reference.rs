@@ -31,7 +31,7 @@ fn compare(mut scene: Scene) -> [u64; 2] {
 #[test]
 fn a_thin_flat_strip_slides_alike() {
     let mut scene = polymer_scene(None, &[1.3], Fidelity::Dynamic, Extent::Sample).unwrap();
-    scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6 };
+    scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None };
     scene.run.sliding_m = 0.3e-6;
     let [fast, slow] = compare(scene);
     // Force evaluations alone: 4 ns with one a step against 1 ns with four.

@@ -36,7 +36,7 @@
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
 //!     area_law: None,
 //!     area_law_scale: None,
-//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
 //!     measurements: vec![Measurement {
 //!         pressure_pa: 2.546e6,
 //!         speed_m_s: 2e-3,

@@ -120,6 +120,8 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
         let scaled = |error: Option<f64>| error.map(|error| error * share);
         load.ratio_stderr = scaled(load.ratio_stderr);
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
+        load.ratio_layer_difference = scaled(load.ratio_layer_difference);
+        load.ratio_layer_error = scaled(load.ratio_layer_error);
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
         load.surface.mu_dynamic = load.ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
         load.ratio_layout_error = layout_error.get(place).copied().flatten();
@@ -160,7 +162,7 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
             pattern: Some(pattern),
-            layer: Layer { length_m: 10e-3, height_m: 200e-6, block_m: 10e-6 },
+            layer: Layer { length_m: 10e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
             loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions { extent: Extent::Sample, ..RunOptions::default() },

@@ -33,7 +33,7 @@
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
 //!     area_law: None, // Amontons-Coulomb: no pattern changes friction
 //!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
-//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
 //!     loads: vec![Load { pressure_pa: 2.6e6, friction: LocalFriction::new(0.30, 0.27, 0.05)? }],
 //!     speed_m_s: 2e-3,
 //!     run: RunOptions::default(),
@@ -62,7 +62,7 @@ pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
-pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, Springs};
+pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
 pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
 pub use solid::{

@@ -173,6 +173,12 @@ pub struct LoadOutcome {
     /// Standard error of the ratio from what stands for the specimen's layout: strips that sample its face, one strip for
     /// all in time, a cell for its middle; `None` where nothing does.
     pub ratio_layout_error: Option<f64>,
+    /// Ratio of the steady cell over the specimen's thickness less that of the layer alone. It is in `ratio` where the scene
+    /// says how thick the specimen is; otherwise it is what a thick one would add. `None` for a flat scene, and where a cell
+    /// has no ratio.
+    pub ratio_layer_difference: Option<f64>,
+    /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where nothing was.
+    pub ratio_layer_error: Option<f64>,
 }
 
 /// Results of a scene.

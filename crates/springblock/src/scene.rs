@@ -82,10 +82,14 @@ impl Springs {
 pub struct Layer {
     /// Length of the specimen along the sliding direction.
     pub length_m: f64,
-    /// Height of the elastic layer between the counterface and the rigid bulk.
+    /// Height of the elastic layer whose blocks are modelled one by one: where ends and time need them.
     pub height_m: f64,
     /// Distance between neighbouring blocks, the lattice spacing l.
     pub block_m: f64,
+    /// Thickness of the specimen between the counterface and the rigid bulk, of which the layer is the lowest part. Steady
+    /// cells are solved over all of it; to strips with ends and to runs in time it adds what it adds to the steady cell.
+    /// `None`: the bulk is rigid right above the layer.
+    pub thickness_m: Option<f64>,
 }
 
 /// One load: the nominal pressure and the local coefficients that hold there.
@@ -174,6 +178,24 @@ impl Layer {
         whole(self.height_m / self.block_m)
     }
 
+    /// Rows of blocks over the whole thickness: those of the layer where nothing is behind it.
+    #[must_use]
+    pub fn thick_rows(&self) -> usize {
+        self.thickness_m.map_or(0, |thickness_m| whole(thickness_m / self.block_m)).max(self.rows())
+    }
+
+    /// Whether there is more of the specimen behind the layer.
+    #[must_use]
+    pub fn is_backed(&self) -> bool {
+        self.thick_rows() > self.rows()
+    }
+
+    /// The layer with nothing behind it but the rigid bulk.
+    #[must_use]
+    pub const fn alone(self) -> Self {
+        Self { thickness_m: None, ..self }
+    }
+
     /// Columns of blocks over the whole specimen.
     #[must_use]
     pub fn columns(&self) -> usize {
@@ -189,6 +211,8 @@ fn whole(ratio: f64) -> usize {
 
 /// Largest number of columns or rows accepted: memory for a whole lattice stays within 24 GiB.
 const MOST_BLOCKS: f64 = 4e7;
+/// Most rows of blocks over the thickness of a specimen: rounding of what shears them all grows with their square.
+pub const MOST_ROWS: f64 = 1e5;
 /// Most surfaces of one scene: its standard error falls with the root of their number.
 pub const MOST_DRAWS: u64 = 64;
 /// Shortest pitch over the block: springs between columns nearer than l/sqrt(3) would push where they should
@@ -245,6 +269,16 @@ impl Scene {
                 || (blocks - blocks.round()).abs() > WHOLE_BLOCKS_TOLERANCE * blocks.max(1.0)
             {
                 return Err(SceneError::NotWholeBlocks { quantity, length_m, block_m: self.layer.block_m });
+            }
+        }
+        if let Some(thickness_m) = self.layer.thickness_m {
+            positive("thickness_m", thickness_m)?;
+            if thickness_m < self.layer.height_m || thickness_m > MOST_ROWS * self.layer.block_m {
+                return Err(SceneError::OutOfRange {
+                    quantity: "thickness_m",
+                    value: thickness_m,
+                    expected: "at least the height of the layer and at most 1e5 blocks",
+                });
             }
         }
         let blocks = (self.layer.length_m / self.layer.block_m) * (self.layer.height_m / self.layer.block_m);

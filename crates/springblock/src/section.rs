@@ -10,7 +10,7 @@ use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
-use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, band_products, factor_bytes};
+use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -18,7 +18,8 @@ const WHOLE: f64 = 1e-9;
 /// Steady sliding of one periodic cell with mean coefficients, for any pattern.
 ///
 /// The flat surface needs no solve: a uniform layer carries the nominal pressure P everywhere and
-/// slides at mu_d f(P), so that ratio = mu / (mu_d f(P)).
+/// slides at mu_d f(P), so that ratio = mu / (mu_d f(P)). Cells are as thick as the specimen where the scene says how thick
+/// that is, at the cost of the layer alone.
 #[derive(Clone, Debug)]
 pub struct SectionModel {
     elastic: Elastic,
@@ -52,9 +53,12 @@ impl SectionModel {
         }
     }
 
-    /// Memory that [`Self::solve_all_blocks`] takes, in bytes.
+    /// Memory that [`Self::solve`] takes, in bytes, at most.
     #[must_use]
     pub fn bytes(&self, pattern: &Pattern) -> f64 {
+        if self.layer.is_backed() {
+            return condensing_cell(pattern, self.layer.block_m).1;
+        }
         // The cast saturates: what is beyond 2^64 columns is beyond every limit.
         let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
         factor_bytes(columns, self.layer.rows(), true)
@@ -63,13 +67,13 @@ impl SectionModel {
     /// Multiplications that [`Self::solve`] takes, roughly and at most.
     #[must_use]
     pub fn products(&self, pattern: &Pattern) -> f64 {
-        let blocks = |length_m: f64| (length_m / self.layer.block_m).ceil();
-        let (columns, covered, depth) =
-            (blocks(pattern.pitch_m()), blocks(pattern.width_m()), blocks(pattern.depth_m()));
-        // The ceiling's blocks, twice where it is there in part, and the walls'.
-        let (n, m) = (5.0 * (covered + 2.0) + 4.0 * depth, columns);
+        let (condensed, _) = condensing_cell(pattern, self.layer.block_m);
+        if self.layer.is_backed() {
+            return condensed;
+        }
         // The cast saturates: what is beyond 2^64 columns is beyond every limit.
-        band_products(columns as usize, self.layer.rows()).min(n * n * n / 3.0 + n * n * m + n * m * m)
+        let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
+        band_products(columns, self.layer.rows()).min(condensed)
     }
 
     /// Steady sliding on `pattern`, one answer per load: by the few forces about the cavity where that is possible and
@@ -78,6 +82,11 @@ impl SectionModel {
     pub fn solve(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
+        if self.layer.is_backed() {
+            let columns = lattice.nx();
+            let model = ThickModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
+            return self.answers(columns, |load| model.solve(load));
+        }
         let condensed = CondensedModel::new(&lattice, self.layer.block_m, stiffness, self.liftoff);
         let all_blocks = OnceCell::new();
         self.answers(lattice.nx(), |load| {
@@ -97,7 +106,7 @@ impl SectionModel {
     }
 
     fn lattice(&self, pattern: &Pattern) -> Lattice {
-        Lattice::new(columns::cell(pattern, self.layer.block_m), self.layer.rows(), true)
+        Lattice::new(columns::cell(pattern, self.layer.block_m), self.layer.thick_rows(), true)
     }
 
     fn steady_model(&self, lattice: Lattice) -> SteadyModel {
@@ -159,6 +168,12 @@ impl SectionModel {
     }
 }
 
+/// Multiplications and additions, and bytes, that the cell of `pattern` of a thick specimen takes in blocks of `block_m`.
+pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
+    let blocks = |length_m: f64| (length_m / block_m).ceil();
+    condensing(blocks(pattern.pitch_m()), blocks(pattern.width_m()), blocks(pattern.depth_m()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -171,7 +186,7 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
             pattern: None,
-            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 },
+            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
             loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions::default(),
@@ -193,6 +208,34 @@ mod tests {
         assert!(
             one.iter().flat_map(|(_, ratios)| ratios).all(|ratio| ratio.is_some_and(|r| r > 0.5 && r < 1.0 + 1e-9))
         );
+    }
+
+    #[test]
+    fn a_thick_specimen_is_solved_as_all_of_its_blocks_say_lifted_ones_too() {
+        let mut model = model();
+        model.layer.thickness_m = Some(600e-6);
+        let close = |a: f64, b: f64, scale: f64| (a - b).abs() < 1e-9 * scale;
+        for ([width, spacing, depth], liftoff) in [
+            ([130.0, 370.0, 20.0], false),
+            ([133.3, 171.9, 14.0], true),
+            // A land that tips.
+            ([100.0, 40.0, 120.0], true),
+        ] {
+            model.liftoff = liftoff;
+            for load in &mut model.loads {
+                load.friction = LocalFriction::new(0.66, 0.6, 0.05).unwrap();
+            }
+            let pattern = Pattern::new(Planform::Groove, width * 1e-6, spacing * 1e-6, depth * 1e-6).unwrap();
+            for (found, expected) in model.solve(&pattern).iter().zip(model.solve_all_blocks(&pattern)) {
+                let (own, all) = (&found.surface, &expected.surface);
+                assert_eq!((own.status, own.tension_blocks), (all.status, all.tension_blocks), "{width}");
+                assert!(close(found.ratio.unwrap(), expected.ratio.unwrap(), 1.0), "{width}");
+                assert!(close(own.peak_pressure_pa, all.peak_pressure_pa, all.peak_pressure_pa), "{width}");
+                assert!(close(own.clearance_m.unwrap(), all.clearance_m.unwrap(), 1e-3), "{width}");
+                let off = |outcome: &SurfaceOutcome| outcome.interface.iter().filter(|p| p.pressure_pa == 0.0).count();
+                assert_eq!((off(own), off(own) > 0), (off(all), depth > 100.0));
+            }
+        }
     }
 
     #[test]

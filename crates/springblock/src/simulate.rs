@@ -1,6 +1,7 @@
 //! From a scene to its results: which lattices are needed, what runs on them, what is compared.
 
 mod averaging;
+mod behind;
 mod blocks;
 mod expense;
 mod space;
@@ -19,10 +20,11 @@ use crate::lattice::Lattice;
 use crate::monitor::Monitor;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
-use crate::section::SectionModel;
+use crate::section::{SectionModel, condensing_cell};
 use crate::solid::SolidModel;
-use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
+use crate::steady::{SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
+use behind::Behind;
 pub use expense::{Expense, bounded, expense};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
@@ -45,15 +47,25 @@ const UNIFORM_COLUMNS: usize = 3;
 pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     scene.validate()?;
     bounded(scene)?;
+    let mut simulation = over_layer(scene, monitor)?;
+    if let Some(pattern) = &scene.pattern {
+        Behind::new(scene, pattern).tell(1.0, &mut simulation.loads, &mut simulation.model);
+    }
+    Ok(simulation)
+}
+
+/// The same without what is behind the layer where blocks stand for the layer alone.
+fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let solved = &behind::solved(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
         return match scene.run.fidelity {
-            Fidelity::Steady => solid(scene, pattern, monitor),
-            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(scene, pattern, monitor),
+            Fidelity::Steady => solid(solved, pattern, monitor),
+            Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, pattern, monitor),
         };
     }
     let mut simulation = match scene.run.fidelity {
-        Fidelity::Steady => steady(scene, monitor)?,
-        Fidelity::Dynamic | Fidelity::Reference => dynamic(scene, monitor)?,
+        Fidelity::Steady => steady(solved, monitor)?,
+        Fidelity::Dynamic | Fidelity::Reference => dynamic(solved, monitor)?,
     };
     // An estimate that does not fit in memory is left out.
     let estimated = scene
@@ -107,20 +119,63 @@ fn affordable(scene: &Scene, columns: usize, periodic: bool) -> Result<(), Scene
     if bytes > most_bytes { Err(SceneError::TooLarge { bytes, most_bytes }) } else { Ok(()) }
 }
 
+/// Steady sliding of one surface.
+enum Steady {
+    /// By the equations of all blocks.
+    Blocks(SteadyModel),
+    /// Of a cell of a thick specimen.
+    Thick(ThickModel),
+}
+
+impl Steady {
+    fn new(scene: &Scene, lattice: Lattice) -> Self {
+        let (block_m, stiffness, liftoff) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
+        if lattice.ny() > scene.layer.rows() {
+            Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
+        } else {
+            Self::Blocks(SteadyModel::new(lattice, block_m, stiffness, liftoff))
+        }
+    }
+
+    const fn lattice(&self) -> &Lattice {
+        match self {
+            Self::Blocks(model) => model.lattice(),
+            Self::Thick(model) => model.lattice(),
+        }
+    }
+
+    fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
+        match self {
+            Self::Blocks(model) => model.solve(load),
+            Self::Thick(model) => model.solve(load),
+        }
+    }
+}
+
 fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let (own, flat) = surfaces(scene, scene.pattern.as_ref());
-    affordable(scene, own.len(), scene.run.extent == Extent::Cell)?;
-    let model = |columns: Vec<Column>| {
-        let (block_m, stiffness) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa());
-        SteadyModel::new(lattice(scene, columns), block_m, stiffness, scene.run.liftoff)
+    // A flat layer is uniform however thick it is.
+    let cell = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Cell && scene.layer.is_backed());
+    let own = match cell {
+        None => {
+            affordable(scene, own.len(), scene.run.extent == Extent::Cell)?;
+            lattice(scene, own)
+        }
+        Some(pattern) => {
+            let (bytes, most_bytes) = (condensing_cell(pattern, scene.layer.block_m).1, MOST_FACTOR_BYTES);
+            if bytes > most_bytes {
+                return Err(SceneError::TooLarge { bytes, most_bytes });
+            }
+            Lattice::new(own, scene.layer.thick_rows(), true)
+        }
     };
-    let (own, flat) = rayon::join(|| model(own), || flat.map(model));
+    let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
     let share = 1.0 / scene.loads.len() as f64;
     let loads = scene
         .loads
         .par_iter()
         .map(|load| {
-            let solve = |model: &SteadyModel| {
+            let solve = |model: &Steady| {
                 let dynamic_mu = steady_coefficients(scene, load, model.lattice().nx());
                 let area_law = scene.area_law.as_ref();
                 model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
@@ -447,6 +502,8 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_stderr,
         ratio_discretization_error: None,
         ratio_layout_error: None,
+        ratio_layer_difference: None,
+        ratio_layer_error: None,
     }
 }
 
@@ -511,7 +568,7 @@ mod tests {
                 elastic: Elastic::new(0.38e9, 900.0).unwrap(),
                 area_law: None,
                 pattern: Some(Pattern::new(Planform::Groove, 100e-6, 300e-6, 20e-6).unwrap()),
-                layer: Layer { length_m, height_m: 50e-6, block_m: 10e-6 },
+                layer: Layer { length_m, height_m: 50e-6, block_m: 10e-6, thickness_m: None },
                 loads: vec![Load { pressure_pa: 1e6, friction }],
                 speed_m_s: 2e-3,
                 run: RunOptions { extent, ..RunOptions::default() },

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::{Condition, Friction, Material, MaterialError};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, MOST_DRAWS, RunOptions, Scene, SceneError, Springs};
+use slipgrid_springblock::{
+    Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, SceneError, Springs,
+};
 use toml::Spanned;
 
 use super::document::Document;
@@ -56,16 +58,25 @@ pub struct SampleFile {
     /// absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<Number>,
-    /// Height of the elastic layer; 200 when absent.
+    /// Height of the layer that strips and runs in time hold block by block; alone it is all that is elastic. 200 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer_um: Option<Number>,
+    /// Thickness of the specimen, all of it elastic; 7 when neither this nor the layer is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<Number>,
     /// Lattice spacing; 10 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub block_um: Option<Number>,
 }
 
-/// The paper's specimen: 996 x 20 blocks of 10 um.
-pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6 };
+/// The paper's specimens are as thick, in metres.
+pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
+
+/// The paper's layer: 996 x 20 blocks of 10 um, under a rigid bulk.
+pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
+
+/// The same layer as the lowest part of a specimen as thick as the paper's: that of files that do not say more.
+pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
 
 /// The layer of a file that has no `[sample]`.
 #[must_use]
@@ -393,7 +404,29 @@ pub fn read_layer(
         (None, Some(specimen)) => specimen.whole_length_m(block_m),
         (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
     };
-    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), DEFAULT_LAYER.height_m)?, block_m };
+    let thickness_m = document.optional(sample.thickness_mm.as_ref(), LENGTH_MM)?;
+    let thickness_m = match &sample.layer_um {
+        // The layer alone is what it says.
+        Some(_) => thickness_m,
+        None => thickness_m.or(DEFAULT_SPECIMEN.thickness_m),
+    };
+    let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
+    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
+    if let (Some(thickness), Some(thickness_m)) = (&sample.thickness_mm, thickness_m)
+        && thickness_m < layer.height_m
+    {
+        let layer_um = LENGTH_UM.from_si(layer.height_m);
+        return Err(document
+            .refuse(thickness.span(), format!("mm is thinner than the layer of {layer_um} um, which is part of it"))
+            .expected(format!("at least {}, or a lower layer_um", LENGTH_MM.from_si(layer.height_m))));
+    }
+    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MOST_ROWS * block_m) {
+        let given = sample.thickness_mm.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+        let thick_mm = LENGTH_MM.from_si(thickness_m);
+        return Err(document
+            .refuse(given, format!("makes more than {MOST_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
+            .expected("larger blocks, a thinner specimen, or a layer_um alone"));
+    }
     let block_um = LENGTH_UM.from_si(layer.block_m);
     for (name, value, length_m) in
         [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]

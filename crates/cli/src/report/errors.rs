@@ -18,6 +18,8 @@ const DRAWS: &str = "local coefficients drawn";
 const LAYOUT: &str = "layout on the specimen";
 /// Part of a ratio: how far it is from that of vanishing blocks.
 const BLOCKS: &str = "size of blocks";
+/// Part of a run: what is behind the layer that it holds, added by the steady cell.
+const BEHIND: &str = "specimen behind the layer";
 /// Part of a static peak, which follows them at most one to one.
 const STATIC: &str = "static coefficient";
 /// What is open where slopes could not be computed.
@@ -114,7 +116,7 @@ impl ErrorReport {
         let own = self
             .parts
             .iter()
-            .filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT].contains(&part.input.as_str()));
+            .filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND].contains(&part.input.as_str()));
         own.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
     }
 }
@@ -145,15 +147,19 @@ impl Solved<'_> {
         let drawn = self.drawn(place, load);
         let surface = &load.surface;
         let mu = surface.mu_dynamic.map(|mu| mu * factor);
-        let layout = load.ratio_layout_error.map(|std| std * factor);
         let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
-        let of_layout = |std: Option<f64>| std.map(|std| PartsReport { input: LAYOUT.to_owned(), std });
-        // What errors hardly exceed, as two standard deviations.
-        let blocks = load.ratio_discretization_error.map(|error| 0.5 * error * factor);
-        let of_blocks = |std: Option<f64>| std.map(|std| PartsReport { input: BLOCKS.to_owned(), std });
+        // Of the ratio; of friction times that of the flat surface.
+        let of_specimen = |times: Option<f64>| {
+            // What errors of blocks hardly exceed, as two standard deviations.
+            let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
+            let each = [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (BLOCKS, blocks)];
+            let part = move |(input, std): (&str, Option<f64>)| {
+                Some(PartsReport { input: input.to_owned(), std: std? * factor * times? })
+            };
+            each.into_iter().filter_map(part)
+        };
         let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
-        own_mu.extend(of_layout(layout.zip(flat_mu).map(|(std, mu)| std * mu)));
-        own_mu.extend(of_blocks(blocks.zip(flat_mu).map(|(std, mu)| std * mu)));
+        own_mu.extend(of_specimen(flat_mu));
         let material_mu = material.as_ref().map(|material| &material.mu);
         let flat = load.flat.as_ref();
         PressureErrors {
@@ -162,8 +168,7 @@ impl Solved<'_> {
             ratio: flat.map(|_| {
                 let ratio = load.ratio.map(|ratio| ratio * factor);
                 let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), drawn.ratio);
-                own.extend(of_layout(layout));
-                own.extend(of_blocks(blocks));
+                own.extend(of_specimen(Some(1.0)));
                 ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
             }),
             mu: ErrorReport::new(mu, own_mu, material_mu),

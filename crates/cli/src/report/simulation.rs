@@ -179,6 +179,13 @@ pub struct LoadReport {
     pub ratio_stderr: Option<f64>,
     /// Estimated change of the ratio from this block size to vanishing blocks.
     pub ratio_discretization_error: Option<f64>,
+    /// What the specimen behind the layer adds to the ratio by the steady cell: in it where the scene says how thick the
+    /// specimen is, otherwise what a thick one would add.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_layer_difference: Option<f64>,
+    /// Standard error of the ratio where that was added to a strip or to a run in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio_layer_error: Option<f64>,
     /// Section models: strips between rows of cavities counted as flat.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_strip_estimate: Option<f64>,
@@ -233,6 +240,8 @@ impl LoadReport {
             ratio: load.ratio,
             ratio_stderr: load.ratio_stderr,
             ratio_discretization_error: load.ratio_discretization_error,
+            ratio_layer_difference: load.ratio_layer_difference,
+            ratio_layer_error: load.ratio_layer_error,
             ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,

@@ -36,6 +36,8 @@ pub fn mean(mut draws: Vec<LoadOutcome>) -> Option<LoadOutcome> {
         ratio_stderr: standard_error(ratio.as_deref(), ratio_stderr.as_deref()),
         ratio_discretization_error: first.ratio_discretization_error,
         ratio_layout_error: first.ratio_layout_error,
+        ratio_layer_difference: first.ratio_layer_difference,
+        ratio_layer_error: first.ratio_layer_error,
     })
 }
 
@@ -143,6 +145,8 @@ mod tests {
             ratio_stderr: Some(1e-4),
             ratio_discretization_error: None,
             ratio_layout_error: None,
+            ratio_layer_difference: None,
+            ratio_layer_error: None,
         }
     }
 

@@ -8,6 +8,7 @@ use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
 use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
+use crate::section::condensing_cell;
 use crate::solid::{SolidLattice, SolidModel};
 use crate::steady::{band_products, factor_bytes};
 
@@ -88,6 +89,10 @@ fn surfaces(scene: &Scene) -> [Option<usize>; 2] {
 fn plane(scene: &Scene, threads: f64) -> Expense {
     let (rows, is_cell, loads) = (scene.layer.rows(), scene.run.extent == Extent::Cell, scene.loads.len() as f64);
     let (mut core_s, mut bytes) = (0.0, 0.0);
+    if let Some(pattern) = scene.pattern.as_ref().filter(|_| is_cell && scene.layer.is_backed()) {
+        let (products, bytes) = condensing_cell(pattern, scene.layer.block_m);
+        return Expense { core_s: products * PRODUCT_S, wall_s: products * PRODUCT_S, bytes };
+    }
     for columns in surfaces(scene).into_iter().flatten() {
         let own = factor_bytes(columns, rows, is_cell);
         bytes += own;
@@ -169,7 +174,7 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: None,
             pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()),
-            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m },
+            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m, thickness_m: None },
             loads: vec![Load { pressure_pa: 1e6, friction }; 2],
             speed_m_s: 2e-3,
             run: RunOptions { fidelity, extent, ..RunOptions::default() },

@@ -206,7 +206,7 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(law()),
             pattern: Some(pattern),
-            layer: Layer { length_m: 960e-6, height_m: 60e-6, block_m: 10e-6 },
+            layer: Layer { length_m: 960e-6, height_m: 60e-6, block_m: 10e-6, thickness_m: None },
             loads: vec![Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,
             run: RunOptions {

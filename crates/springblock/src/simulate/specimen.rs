@@ -20,8 +20,8 @@
 use rayon::prelude::*;
 
 use super::{
-    MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol, describe_scheme,
-    discretization_error, integrate, seed_of,
+    Behind, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol,
+    describe_scheme, discretization_error, integrate, seed_of,
 };
 use crate::columns;
 use crate::draws;
@@ -30,7 +30,7 @@ use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
 use crate::monitor::Monitor;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
-use crate::scene::{Fidelity, Load, Scene};
+use crate::scene::{Extent, Fidelity, Load, RunOptions, Scene};
 use crate::section::SectionModel;
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 use slipgrid_pattern::Pattern;
@@ -59,14 +59,16 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
             instead: "give a pattern, or simulate the flat sample",
         });
     };
-    let steady = SteadyFace::new(scene, pattern, face)?;
+    // Blocks stand for the layer alone.
+    let layer = &Scene { layer: scene.layer.alone(), ..scene.clone() };
+    let steady = SteadyFace::new(layer, pattern, face)?;
     let mut model = Vec::new();
     let mut loads = match scene.run.fidelity {
         Fidelity::Steady => {
             model.push("steady: equilibrium with every contact block sliding, linear elasticity; no time".to_owned());
             steady.loads.clone()
         }
-        Fidelity::Dynamic | Fidelity::Reference => in_time(scene, face, pattern, &steady, &mut model, monitor)?,
+        Fidelity::Dynamic | Fidelity::Reference => in_time(layer, face, pattern, &steady, &mut model, monitor)?,
     };
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
@@ -76,6 +78,8 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
         load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);
     }
     model.extend(describe(scene, face, pattern, &steady));
+    Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern)
+        .tell(share, &mut loads, &mut model);
     describe_draws(scene, &mut model);
     describe_law(scene, &mut model);
     Ok(Simulation { model, loads })

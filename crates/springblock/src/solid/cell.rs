@@ -16,7 +16,8 @@ const BYTES_PER_BLOCK: f64 = 1200.0;
 
 /// Steady sliding of one three-dimensional periodic cell with mean coefficients, for any pattern.
 ///
-/// As for [`crate::SectionModel`] the flat surface needs no solve: ratio = mu / (mu_d f(P)).
+/// As for [`crate::SectionModel`] the flat surface needs no solve, ratio = mu / (mu_d f(P)), and cells are as thick as the
+/// specimen where the scene says how thick that is.
 #[derive(Clone, Debug)]
 pub struct SolidModel {
     elastic: Elastic,
@@ -61,7 +62,7 @@ impl SolidModel {
     /// Steady sliding on `pattern`, one answer per load: the cell is condensed once, and loads help each other.
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
-        let lattice = SolidLattice::cell(pattern, self.layer.block_m, self.layer.rows());
+        let lattice = SolidLattice::cell(pattern, self.layer.block_m, self.layer.thick_rows());
         let stiffness = self.elastic.youngs_modulus_pa();
         let model = SolidSteadyModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
         let loads: Vec<SolidLoad<'_>> = self

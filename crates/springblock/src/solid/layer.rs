@@ -26,6 +26,9 @@ use rustfft::{Fft, FftPlanner};
 
 use super::springs::{LEVEL, springs};
 
+/// Change of S_k^-1 from row to row, relative to itself, at which it is that of a half-space: a few roundings.
+const SETTLED: f64 = 1e-15;
+
 /// Symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 type Symmetric = [f64; 6];
 
@@ -132,7 +135,9 @@ impl FlatLayer {
         if q == [0.0; 2] {
             inverse[5] = 1.0 / upward[2];
         }
-        for k in (0..=rows).rev() {
+        let mut k = rows + 1;
+        while k > 0 {
+            k -= 1;
             let mut reduced = inverse;
             if k < rows {
                 let sides = if k == 0 { 1.0 } else { 2.0 };
@@ -146,7 +151,11 @@ impl FlatLayer {
                     reduced[entry] += value;
                 }
                 if k > 0 {
-                    inverse = invert(&reduced);
+                    let above = std::mem::replace(&mut inverse, invert(&reduced));
+                    // A wave does not reach farther up: what follows down to the explicit rows is the same.
+                    if k > self.explicit && settled(&above, &inverse) {
+                        k = self.explicit;
+                    }
                 }
             }
             if k == 0 {
@@ -331,6 +340,12 @@ fn symmetric_times(m: &Symmetric, u: [Complex<f64>; 3]) -> [Complex<f64>; 3] {
         u[0] * m[1] + u[1] * m[3] + u[2] * m[4],
         u[0] * m[2] + u[1] * m[4] + u[2] * m[5],
     ]
+}
+
+/// Whether the inverses of two rows are the same but for rounding.
+fn settled(above: &Symmetric, below: &Symmetric) -> bool {
+    let largest = below[0].abs().max(below[3].abs()).max(below[5].abs());
+    above.iter().zip(below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
 }
 
 /// Inverse by cofactors.

@@ -228,6 +228,46 @@ fn pressures_are_those_of_elimination_on_all_blocks() {
     }
 }
 
+#[test]
+fn a_thick_layer_is_that_of_all_blocks() {
+    let texture = Texture::new(Planform::Rectangle).with_length_m(10e-6).unwrap();
+    let texture = texture.with_spacing_across_m(20e-6).unwrap();
+    let pattern = Pattern::new(texture, 20e-6, 20e-6, 14e-6).unwrap();
+    let lattice = SolidLattice::cell(&pattern, 10e-6, 30);
+    assert_eq!(lattice.columns(), [4, 3]);
+    let expected = directly(&lattice, 0.27, [0.6, 0.8]);
+    let outcome = SolidSteadyModel::new(lattice, 10e-6, E_PA, false)
+        .solve(&SolidLoad { direction: [0.6, 0.8], ..load(1.0, None) });
+    for (point, expected) in outcome.interface.iter().zip(&expected) {
+        assert!((point.pressure_pa / 1e6 - expected).abs() < 1e-9, "{point:?} {expected}");
+    }
+}
+
+#[test]
+fn a_transversal_groove_in_a_specimen_of_seven_millimetres_is_that_of_the_plane() {
+    use crate::columns;
+    use crate::lattice::Lattice;
+    use crate::steady::{CondensedModel, SteadyLoad};
+    let law = law();
+    let law_load = load(2.6, Some(&law));
+    for (width, spacing, depth) in [(400.0, 824.5, 49.4), (130.0, 370.0, 20.0)] {
+        let pattern = pattern(Planform::Groove, width, spacing, depth);
+        let lattice = Lattice::new(columns::cell(&pattern, 10e-6), 700, true);
+        let dynamic_mu = vec![0.27; lattice.nx()];
+        let section = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap();
+        let section = section
+            .solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) })
+            .unwrap()
+            .mu_dynamic
+            .unwrap();
+        let solid = model(&pattern, 10.0, 7000.0).solve(&law_load).mu_dynamic.unwrap();
+        assert!((section - solid).abs() < 1e-9, "{width}: {section} {solid}");
+        // A half-space is no other.
+        let deeper = model(&pattern, 10.0, 1e6).solve(&law_load).mu_dynamic.unwrap();
+        assert!((deeper - solid).abs() < 1e-9, "{width}: {deeper} {solid}");
+    }
+}
+
 /// Pressures by column, x fastest; none where nothing touches.
 fn pressure_map(model: &SolidSteadyModel, load: &SolidLoad) -> Vec<Option<f64>> {
     let [nx, ny] = model.lattice().columns();

@@ -47,6 +47,18 @@ struct Ceiling {
     height: Vec<f64>,
 }
 
+/// Multiplications and additions, and memory in bytes, that condensing a cell of `columns` takes, roughly and at most, whose
+/// cavities take `covered` of them and are `depth` rows deep.
+pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
+    let (half, fields, m) = (columns / 2.0 + 1.0, 2.0 * (depth + 2.0), columns);
+    // The ceiling's blocks, twice where it is there in part, and the walls'.
+    let n = 5.0 * (covered + 2.0) + 4.0 * depth;
+    let (blocks, width) = ((covered + 2.0) * (depth + 2.0), n + m);
+    let products =
+        n * n * n / 3.0 + n * n * m + n * m * m + 32.0 * blocks * width + fields * fields / 2.0 * half * half;
+    (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
+}
+
 /// N = N_0 + A T.
 #[derive(Clone, Debug)]
 struct Condensed {
@@ -82,25 +94,40 @@ impl CondensedModel {
     /// cavities reach the uppermost row, or where the band of all blocks takes fewer operations.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
-        let width = lattice.columns().first()?.width;
-        let explicit = (lattice.cavity_rows() + 1).max(2);
-        if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
-            return None;
-        }
-        let contacts = contacts(lattice, |_| 0);
-        let equations = Equations::new(lattice, explicit, contacts);
+        let equations = Equations::of(lattice, &[])?;
         if equations.products(lattice) > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
-        let layer = FlatLayer::new(lattice.nx(), width, lattice.ny(), explicit);
-        equations.condense(lattice, &layer, width).map(|(response, ceilings, unknowns)| Self {
-            block_m,
-            youngs_modulus_pa,
-            liftoff,
-            response,
-            ceilings,
-            unknowns,
-        })
+        let (response, ceilings, unknowns) = equations.condense(lattice)?;
+        Some(Self { block_m, youngs_modulus_pa, liftoff, response, ceilings, unknowns })
+    }
+
+    /// The same at any number of operations, with the contact blocks of the columns `lifted` off the counterface.
+    pub(super) fn lifted(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, lifted: &[usize]) -> Option<Self> {
+        let (response, ceilings, unknowns) = Equations::of(lattice, lifted)?.condense(lattice)?;
+        Some(Self { block_m, youngs_modulus_pa, liftoff: !lifted.is_empty(), response, ceilings, unknowns })
+    }
+
+    /// The contact blocks, left to right.
+    pub(super) fn contacts(&self) -> &[Contact] {
+        &self.response.contacts
+    }
+
+    /// The fixed point of friction under `load` with the blocks on and off the counterface that are.
+    pub(super) fn iterate(&self, load: &SteadyLoad) -> Equilibrium {
+        iterate(&self.response, load)
+    }
+
+    /// What `state` says.
+    pub(super) fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
+        observe(self.contacts(), self.block_m, load, state, self.clearance(load.pressure_pa, state))
+    }
+
+    /// Height over P l^2 / k of every contact block that is off the counterface, in the order of the contacts.
+    pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
+        let unknowns = self.unknowns(state);
+        let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
+        self.contacts().iter().map(of_lifted).collect()
     }
 
     /// Steady sliding under `load`; `None` where blocks leave the counterface or the solve does not converge, so that
@@ -116,8 +143,13 @@ impl CondensedModel {
         if state.status != Status::Converged || lifts {
             return None;
         }
-        let clearance = self.clearance(load.pressure_pa, &state);
-        Some(observe(contacts, self.block_m, load, &state, clearance))
+        Some(self.observe(load, &state))
+    }
+
+    /// The unknowns of `state`.
+    fn unknowns(&self, state: &Equilibrium) -> Vec<f64> {
+        let count = state.friction.len();
+        self.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], &state.friction) + row[count]).collect()
     }
 
     /// Least height of a ceiling above the counterface, in blocks.
@@ -125,7 +157,7 @@ impl CondensedModel {
         let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
         let friction = &state.friction;
         let affine = |row: &[f64]| dot(&row[..friction.len()], friction) + row[friction.len()];
-        let unknowns: Vec<f64> = self.unknowns.chunks_exact(friction.len() + 1).map(affine).collect();
+        let unknowns = self.unknowns(state);
         let heights = self.ceilings.iter().map(|ceiling| {
             let (by_unknowns, rest) = ceiling.height.split_at(unknowns.len());
             ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit
@@ -166,7 +198,21 @@ struct Equations {
 }
 
 impl Equations {
-    fn new(lattice: &Lattice, explicit: usize, contacts: Vec<Contact>) -> Self {
+    /// Those of a ring of equal columns whose cavities leave a row, with the columns `lifted` off the counterface.
+    fn of(lattice: &Lattice, lifted: &[usize]) -> Option<Self> {
+        let width = lattice.columns().first()?.width;
+        let explicit = (lattice.cavity_rows() + 1).max(2);
+        if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
+            return None;
+        }
+        let mut contacts = contacts(lattice, |_| 0);
+        for contact in &mut contacts {
+            contact.lifted = lifted.contains(&contact.column);
+        }
+        Some(Self::new(lattice, explicit, contacts))
+    }
+
+    fn new(lattice: &Lattice, explicit: usize, mut contacts: Vec<Contact>) -> Self {
         let nx = lattice.nx();
         let mut missing = Vec::new();
         let mut number = vec![NONE; explicit * nx];
@@ -198,12 +244,18 @@ impl Equations {
                 unknown_at[nx + i] = 0;
             }
         }
+        for contact in contacts.iter().filter(|contact| contact.lifted) {
+            unknown_at[nx + contact.column] = 0;
+        }
         let mut unknowns = Vec::new();
         let mut runs: Vec<Run> = Vec::new();
         for (at, unknown) in unknown_at.iter_mut().enumerate().filter(|(_, unknown)| **unknown == 0) {
             *unknown = unknowns.len();
             add_to_runs(&mut runs, at / nx, at % nx, unknowns.len());
             unknowns.push((at / nx, at % nx));
+        }
+        for contact in contacts.iter_mut().filter(|contact| contact.lifted) {
+            contact.dof = unknown_at[nx + contact.column];
         }
         for (contact, place) in contacts.iter().zip(unknowns.len()..) {
             // Friction on a block that lacks springs is an input of its own.
@@ -296,7 +348,9 @@ impl Equations {
     }
 
     /// N_0, A, the ceilings, and the unknowns over T; `None` if the equations are singular.
-    fn condense(self, lattice: &Lattice, layer: &FlatLayer, w: f64) -> Option<(Condensed, Vec<Ceiling>, Vec<f64>)> {
+    fn condense(self, lattice: &Lattice) -> Option<(Condensed, Vec<Ceiling>, Vec<f64>)> {
+        let w = lattice.columns().first()?.width;
+        let layer = &FlatLayer::new(lattice.nx(), w, lattice.ny(), self.explicit);
         let (nx, width) = (self.nx, self.width());
         let (n, m) = (self.unknowns.len(), self.contacts.len());
         let forces = self.missing_forces(lattice, layer);
@@ -311,7 +365,7 @@ impl Equations {
         };
         let mut ties = vec![0.0; nx];
         for contact in &self.contacts {
-            ties[contact.column] = contact.tie.unwrap_or(0.0);
+            ties[contact.column] = contact.tie.filter(|_| !contact.lifted).unwrap_or(0.0);
         }
         // M y = B (T, 1)
         let mut equations = vec![0.0; n * width];
@@ -340,7 +394,8 @@ impl Equations {
         let mut influence = vec![0.0; m * m];
         let mut at_rest = vec![0.0; m];
         let mut row = vec![0.0; width];
-        for (number, contact) in self.contacts.iter().enumerate() {
+        // Off the counterface nothing presses.
+        for (number, contact) in self.contacts.iter().enumerate().filter(|(_, contact)| !contact.lifted) {
             pressed(contact.column, &mut row);
             let (by_unknowns, rest) = row.split_at_mut(n);
             rest.iter_mut().for_each(|entry| *entry = -*entry);

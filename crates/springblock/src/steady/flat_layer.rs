@@ -20,6 +20,9 @@
 use super::dense::subtract_products;
 use crate::lattice::springs;
 
+/// Change of S_k^-1 from row to row, relative to itself, at which it is that of a half-space: twice the rounding.
+const SETTLED: f64 = 4e-16;
+
 /// Symmetric 2 x 2 matrix: xx, xz, zz.
 type Symmetric = [f64; 3];
 /// 2 x 2 matrix by rows.
@@ -141,7 +144,9 @@ impl Elimination {
         let (cx, cz, cxz) = (-2.0 * share * w * w * cos, -vertical - 2.0 * share * cos, 2.0 * share * w * sin);
         // The bulk follows the load where nothing varies, and is rigid otherwise.
         let mut inverse = [0.0, 0.0, if uniform { 1.0 / upward[1] } else { 0.0 }];
-        for k in (0..rows).rev() {
+        let mut k = rows;
+        while k > 0 {
+            k -= 1;
             let [a, b, d] = inverse;
             // C M C^T, C = [[cx, cxz], [-cxz, cz]]
             let (r0, r1) = ([cx * a + cxz * b, cx * b + cxz * d], [cz * b - cxz * a, cz * d - cxz * b]);
@@ -154,7 +159,11 @@ impl Elimination {
                 return;
             }
             let scale = 1.0 / (xx * zz - xz * xz);
-            inverse = [zz * scale, -xz * scale, xx * scale];
+            let above = std::mem::replace(&mut inverse, [zz * scale, -xz * scale, xx * scale]);
+            // A wave does not reach farther up: what follows down to the explicit rows is the same.
+            if k > explicit && settled(above, inverse) {
+                k = explicit;
+            }
             if k < explicit {
                 let [a, b, d] = inverse;
                 self.inverses[k] = inverse;
@@ -199,6 +208,12 @@ impl Elimination {
             }
         }
     }
+}
+
+/// Whether the inverses of two rows are the same but for rounding.
+fn settled(above: Symmetric, below: Symmetric) -> bool {
+    let largest = below[0].abs().max(below[2].abs());
+    above.iter().zip(&below).all(|(a, b)| (a - b).abs() <= SETTLED * largest)
 }
 
 fn product(a: &Square, b: &Square) -> Square {

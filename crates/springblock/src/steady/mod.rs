@@ -28,15 +28,17 @@ mod dense;
 mod flat_layer;
 mod newton;
 mod system;
+mod thick;
 
 use slipgrid_material::AreaLaw;
 
 use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
-pub use condensed::CondensedModel;
+pub use condensed::{CondensedModel, condensing};
 use system::{Contact, System};
 pub use system::{band_products, factor_bytes};
+pub use thick::ThickModel;
 
 /// Change of the friction forces, relative to the load, below which the solve has converged; the
 /// error of mu is about as large. The requirement on mu is 1e-8.

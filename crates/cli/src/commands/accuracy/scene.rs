@@ -71,7 +71,8 @@ pub fn reduced(scene: &Scene) -> Scene {
     let cavity_rows = scene.pattern.map_or(0, |pattern| (pattern.depth_m() / block_m).ceil() as usize);
     let rows = scene.layer.rows().min(REDUCED_ROWS.max(cavity_rows + ROWS_ABOVE_CAVITY));
     let columns = scene.layer.columns().min(REDUCED_COLUMNS);
-    let layer = Layer { length_m: columns as f64 * block_m, height_m: rows as f64 * block_m, block_m };
+    let layer =
+        Layer { length_m: columns as f64 * block_m, height_m: rows as f64 * block_m, block_m, thickness_m: None };
     let onset_m = scene.loads.first().map_or(0.0, |load| onset_travel_m(scene, &layer, load));
     let wanted_m = (TRAVEL_OVER_ONSET * onset_m).max(LEAST_PERIODS * shear_period_s(scene, &layer) * scene.speed_m_s);
     let sliding_m = if wanted_m > 0.0 { wanted_m.min(scene.run.sliding_m) } else { scene.run.sliding_m };

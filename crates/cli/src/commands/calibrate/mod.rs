@@ -28,7 +28,7 @@ use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
 use crate::formats::measurements::Measurement;
-use crate::formats::scene::DEFAULT_LAYER;
+use crate::formats::scene::DEFAULT_SPECIMEN;
 use crate::formats::surface::Surface;
 use crate::formats::{Document, material::MaterialFile};
 use crate::interruption::heed;
@@ -148,7 +148,8 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
         let names = [&FILES[..], &super::traces::FILES].concat();
         check_folder(place, &names, &calibration.inputs)?;
     }
-    let calibrated = calibrate(&args.calibration, &calibration, (DEFAULT_LAYER, DEFAULT_SEED), &calibration, console)?;
+    let calibrated =
+        calibrate(&args.calibration, &calibration, (DEFAULT_SPECIMEN, DEFAULT_SEED), &calibration, console)?;
     if let Some(path) = &args.output {
         write_file(path, calibrated.file.as_bytes())?;
     }

@@ -14,7 +14,7 @@ use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
 use crate::report::specimen::Specimen;
-use crate::units::{DENSITY_G_CM3, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
+use crate::units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
 
 /// What design.toml is made of.
 pub struct DesignScene<'a> {
@@ -57,6 +57,7 @@ impl DesignScene<'_> {
             sample: unplaced(SampleFile {
                 length_um: None,
                 layer_um: Some(micrometres(self.layer.height_m)),
+                thickness_mm: self.layer.thickness_m.map(|thickness_m| number(LENGTH_MM.from_si(thickness_m))),
                 block_um: Some(micrometres(self.layer.block_m)),
             }),
             load: unplaced(LoadFile {
@@ -204,7 +205,7 @@ mod tests {
             },
         };
         let pattern = Pattern::new(Planform::Square, 130.1e-6, 370e-6, 5.2e-6).unwrap();
-        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6 };
+        let layer = Layer { length_m: 8e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: Some(6.5e-3) };
         let specimen = Specimen { outline: Outline::Disc { diameter_m: 8e-3 }, is_clipped: true };
         let run = RunOptions { seed: 7, ..RunOptions::default() };
         let scene = DesignScene {

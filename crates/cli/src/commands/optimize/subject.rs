@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use slipgrid_pattern::Texture;
 use slipgrid_springblock::Scene;
 
-use crate::units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+use crate::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
 /// `further_deg` directions, too.
@@ -21,10 +21,14 @@ pub fn depends_on(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<
     let loads = scene.loads.iter().map(|load| {
         json!({ "pressure_mpa": PRESSURE_MPA.from_si(load.pressure_pa), "dynamic_mean": load.friction.dynamic_mean() })
     });
+    let mut layer = json!({ "layer_um": um(scene.layer.height_m), "block_um": um(scene.layer.block_m) });
+    if let Some(thickness_m) = scene.layer.thickness_m {
+        layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
+    }
     let entries = [
         ("area_law", json!(area_law)),
         ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
-        ("layer", json!({ "layer_um": um(scene.layer.height_m), "block_um": um(scene.layer.block_m) })),
+        ("layer", layer),
         ("loads", loads.collect()),
         (
             "pattern",

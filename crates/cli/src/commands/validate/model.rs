@@ -10,6 +10,7 @@ use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel
 
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
+use crate::formats::scene::DEFAULT_THICKNESS_M;
 use crate::interruption::heed;
 use crate::progress::Progress;
 
@@ -67,6 +68,8 @@ pub struct Prediction {
     pub outcome: SectionOutcome,
     /// What it found of square cavities of the same lengths, in space.
     pub squares: SectionOutcome,
+    /// What a specimen as thick as the source's changes of either ratio; `None` where a cell has none.
+    pub thick: [Option<f64>; 2],
     /// What Young's modulus and measured flat friction leave open of both; `None` where it cannot be computed.
     pub errors: [Option<Deviations>; 2],
 }
@@ -124,10 +127,15 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
     };
     scene.validate().map_err(|error| error.to_string())?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
-    let (grooves, squares) = rayon::join(
-        || SectionModel::new(&scene).solve(&case.pattern),
-        || SolidModel::new(&in_space).solve(&squares(&case.pattern)),
-    );
+    let solved = |scene: &Scene| {
+        rayon::join(
+            || SectionModel::new(scene).solve(&case.pattern),
+            || SolidModel::new(scene).solve(&squares(&case.pattern)),
+        )
+    };
+    let (grooves, squares) = solved(&scene);
+    let layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer };
+    let thick = solved(&Scene { layer, ..scene.clone() });
     let known = knowledge(body.modulus_relative_std, case.law, points);
     let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
     let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
@@ -136,7 +144,9 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
             let error =
                 |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
             let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
-            Prediction { area_law_factor, dynamic_mean, outcome, squares, errors }
+            let beyond = |thick: &[SectionOutcome], own: &SectionOutcome| Some(thick[place].ratio? - own.ratio?);
+            let thick = [beyond(&thick.0, &outcome), beyond(&thick.1, &squares)];
+            Prediction { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
         })
         .collect())
 }
@@ -152,7 +162,7 @@ mod tests {
     use super::*;
 
     /// A short layer, so that the test takes milliseconds.
-    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6 };
+    const LAYER: Layer = Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None };
 
     fn predicted(law: Option<&AreaLaw>, depth_m: f64) -> Vec<Prediction> {
         let pattern = Pattern::new(Planform::Groove, 60e-6, 140e-6, depth_m).unwrap();

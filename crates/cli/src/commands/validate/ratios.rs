@@ -75,6 +75,10 @@ pub struct ModelledRatio {
     pub mu_square_std: Option<f64>,
     /// Strip estimate of the same from the groove's ratio.
     pub ratio_square_estimate: Option<f64>,
+    /// What a specimen as thick as the source's, 7 mm, would change of the groove's ratio.
+    pub ratio_groove_thick_difference: Option<f64>,
+    /// The same of squares.
+    pub ratio_square_thick_difference: Option<f64>,
     /// Largest local pressure, grooves; it grows as blocks shrink.
     pub peak_pressure_mpa: f64,
     /// Largest local pressure, squares.
@@ -174,6 +178,8 @@ impl ModelledRatio {
             ratio_square_std: std(1, |of| &of.ratio),
             mu_square_std: std(1, |of| &of.mu),
             ratio_square_estimate: prediction.outcome.ratio.map(|ratio| as_squares(pattern, ratio)),
+            ratio_groove_thick_difference: prediction.thick[0],
+            ratio_square_thick_difference: prediction.thick[1],
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             peak_pressure_square_mpa: PRESSURE_MPA.from_si(square.peak_pressure_pa),
             tension_blocks: surface.tension_blocks + square.tension_blocks,

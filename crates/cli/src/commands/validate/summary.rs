@@ -122,6 +122,8 @@ mod tests {
             mu_square_std: None,
             ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
             ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
+            ratio_groove_thick_difference: None,
+            ratio_square_thick_difference: None,
             peak_pressure_mpa: 1.0,
             peak_pressure_square_mpa: 1.0,
             tension_blocks: 0,

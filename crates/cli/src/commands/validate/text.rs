@@ -6,8 +6,10 @@ use super::ratios::{ModelledRatio, RatioReport};
 use super::report::ValidationReport;
 use crate::CliError;
 use crate::charts::{self, Estimate, RatioSeries, RatiosChart};
+use crate::formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
 use crate::report::Table;
 use crate::report::table::fixed;
+use crate::units::{LENGTH_MM, LENGTH_UM};
 
 /// The report for people.
 pub fn table(report: &ValidationReport) -> String {
@@ -152,6 +154,7 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
             summary.square_ratio_change_at_measured_depth.map_or_else(|| "-".to_owned(), signed),
         ));
     }
+    said.extend(thickness(report));
     if report.synthetic_surface {
         said.push(
             "The surface behind the area law is synthetic, not measured: these ratios are no test of the model until it is.".to_owned(),
@@ -185,6 +188,23 @@ fn trend(report: &ValidationReport) -> Option<String> {
         percent(Some(1.0 - high.measured.ratio)),
         percent(groove(low)),
         percent(groove(high)),
+    ))
+}
+
+/// What the source's layer leaves out of its specimen.
+fn thickness(report: &ValidationReport) -> Option<String> {
+    let largest = |of: fn(&ModelledRatio) -> Option<f64>| {
+        let each = report.results.iter().filter_map(|row| of(row.at_slope(1.0)?));
+        each.reduce(|largest, own| if own.abs() > largest.abs() { own } else { largest })
+    };
+    let grooves = largest(|modelled| modelled.ratio_groove_thick_difference)?;
+    let squares = largest(|modelled| modelled.ratio_square_thick_difference)?;
+    Some(format!(
+        "Layer: the source's {} um are modelled; all of its specimen's {} mm would change the groove's ratio by {} at most, that of squares by {}.",
+        LENGTH_UM.from_si(DEFAULT_LAYER.height_m),
+        LENGTH_MM.from_si(DEFAULT_THICKNESS_M),
+        signed(grooves),
+        signed(squares),
     ))
 }
 

@@ -163,3 +163,40 @@ fn a_flat_ring_is_uniform() {
         assert!(outcome.interface.iter().all(|point| (point.pressure_pa - 2.6e6).abs() < 1e-4));
     }
 }
+
+#[test]
+fn a_thick_layer_is_that_of_all_blocks() {
+    for (width, spacing, depth, rows) in [
+        (100.0, 140.0, 20.0, 90),
+        (133.3, 171.9, 14.0, 61),
+        (60.0, 50.0, 120.0, 80),
+        (20.0, 10.0, 10.0, 150),
+        (17.0, 18.0, 13.0, 100),
+    ] {
+        let difference = largest_difference(&lattice(width, spacing, depth, rows)).unwrap();
+        assert!(difference < 1e-9, "{width} {spacing} {depth} {rows}: {difference:e}");
+    }
+}
+
+/// Normal forces under even friction by the condensed model of a layer of `rows` rows.
+fn normal_forces(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Vec<f64> {
+    let lattice = lattice(width_um, spacing_um, depth_um, rows);
+    let condensed = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().response;
+    let mut normal = vec![0.0; condensed.contacts.len()];
+    condensed.respond(&vec![0.27; normal.len()], &mut [], &mut normal);
+    normal
+}
+
+#[test]
+fn what_a_layer_adds_decays_with_its_thickness_to_a_half_space() {
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    for (width, spacing, depth) in [(400.0, 824.5, 49.4), (130.0, 370.0, 20.0)] {
+        let pitch_rows = ((width + spacing) / 10.0) as usize;
+        let of = |rows: usize| normal_forces(width, spacing, depth, rows);
+        let half_space = of(1000 * pitch_rows);
+        let off: Vec<f64> = [1, 2, 3].iter().map(|pitches| distance(&of(pitches * pitch_rows), &half_space)).collect();
+        // A wave as long as the period decays by exp(-4 pi) there and back, but for a power of the thickness.
+        assert!(off[0] < 1e-2 && off[1] < 1e-4 * off[0] && off[2] < 1e-9, "{off:?}");
+        assert!(distance(&of(100 * pitch_rows), &half_space) < 1e-9);
+    }
+}

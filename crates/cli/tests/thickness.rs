@@ -1,0 +1,116 @@
+//! How thick the specimen is that is modelled.
+
+mod common;
+
+use std::fs;
+
+use common::{DESIGN, Place, SCENE};
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// Wide grooves, whose ratio depends on it.
+fn wide(sample: &str) -> String {
+    let wide = SCENE.replace("130.0", "400.0").replace("370.0", "824.5").replace("depth_um = 20.0", "depth_um = 49.4");
+    wide.replace("layer_um = 200.0\n", sample).replace("block_um = 10.0", "block_um = 20.0")
+}
+
+fn ratios(result: &Value) -> Vec<f64> {
+    result["results"].as_array().unwrap().iter().map(|load| load["ratio"].as_f64().unwrap()).collect()
+}
+
+fn column(result: &Value, key: &str) -> Vec<Option<f64>> {
+    result["results"].as_array().unwrap().iter().map(|load| load[key].as_f64()).collect()
+}
+
+#[test]
+fn a_scene_without_a_layer_is_the_specimen_as_thick_as_it_is() {
+    let place = Place::with(&[
+        ("none.toml", &wide("")),
+        ("seven.toml", &wide("thickness_mm = 7.0\n")),
+        ("high.toml", &wide("layer_um = 2400.0\n")),
+        ("thin.toml", &wide("layer_um = 200.0\n")),
+    ]);
+    let [none, seven, high, thin] = ["none", "seven", "high", "thin"]
+        .map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
+    assert_eq!(ratios(&none), ratios(&seven));
+    // Two periods are a half-space; block by block they take far longer.
+    for (own, high) in ratios(&none).iter().zip(ratios(&high)) {
+        assert!((own - high).abs() < 1e-6, "{own} {high}");
+    }
+    let differences = column(&thin, "ratio_layer_difference");
+    for ((own, thin), difference) in ratios(&none).iter().zip(ratios(&thin)).zip(differences) {
+        assert!(*own < thin - 0.002 && (own - thin - difference.unwrap()).abs() < 1e-6, "{own} {thin}");
+    }
+    assert_eq!(column(&none, "ratio_layer_error"), [None, None]);
+    assert!(none["model"].to_string().contains("specimen 7 mm thick"));
+    assert!(
+        thin["model"].to_string().contains("a specimen much thicker than the pattern is wide would change the ratio")
+    );
+}
+
+#[test]
+fn what_is_added_to_strips_is_among_the_errors() {
+    let on_disc = |sample: &str| {
+        let text = wide(sample).replace("length_um = 9960.0\n", "").replace("\"cell\"", "\"sample\"");
+        format!("{text}[specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n")
+    };
+    let place = Place::with(&[("thick.toml", &on_disc("")), ("thin.toml", &on_disc("layer_um = 200.0\n"))]);
+    let [thick, thin] =
+        ["thick", "thin"].map(|name| json(&place.succeed(&["simulate", &format!("{name}.toml"), "--json"])));
+    let added = column(&thick, "ratio_layer_difference");
+    for ((own, thin), added) in ratios(&thick).iter().zip(ratios(&thin)).zip(added) {
+        assert!((own - thin - added.unwrap()).abs() < 1e-9 && added.unwrap() < -0.002, "{own} {thin}");
+    }
+    let part = |result: &Value| {
+        let parts = result["errors"]["by_pressure"][1]["ratio"]["parts"].as_array().unwrap();
+        let own = parts.iter().find(|part| part["input"] == "specimen behind the layer");
+        own.map(|part| part["std"].as_f64().unwrap())
+    };
+    assert!((part(&thick).unwrap() - 0.001).abs() < 1e-5 && part(&thin).is_none());
+}
+
+#[test]
+fn designs_are_searched_in_the_specimen_as_thick_as_it_is() {
+    let narrow = DESIGN.replace("[40.0, 400.0]", "[380.0, 400.0]").replace("[40.0, 1000.0]", "[800.0, 840.0]");
+    let narrow = narrow.replace("[2.0, 50.0]", "[40.0, 50.0]").replace("value = 0.9", "value = 0.85");
+    let narrow = narrow.replace("max_evaluations = 50", "max_evaluations = 20");
+    let narrow = narrow.replace("diameter_mm = 10.0", "diameter_mm = 3.0");
+    let place = Place::with(&[("thick.toml", &narrow.replace("layer_um = 200.0\n", ""))]);
+    place.run(&["optimize", "thick.toml", "-o", "out", "--quiet"]);
+    let design = fs::read_to_string(place.path("out").join("design.toml")).unwrap();
+    assert!(design.contains("layer_um = 200.0") && design.contains("thickness_mm = 7.0"), "{design}");
+    let result: Value =
+        serde_json::from_str(&fs::read_to_string(place.path("out").join("result.json")).unwrap()).unwrap();
+    assert!(result["confirmed"][0]["ratio_layer_difference"].as_f64().unwrap() < 0.0);
+    // The written scene gives the confirmed ratio to the last bit.
+    let again = json(&place.succeed(&["simulate", "out/design.toml", "--json"]));
+    for (place, load) in result["confirmed"].as_array().unwrap().iter().enumerate() {
+        assert_eq!(load["ratio"], again["results"][place]["ratio"]);
+    }
+    // A study of thin layers holds other answers.
+    let study = fs::read_to_string(place.path("out.study.jsonl")).unwrap();
+    assert!(study.lines().next().unwrap().contains("\"thickness_mm\":7.0"), "{}", study.lines().next().unwrap());
+}
+
+#[test]
+fn thicknesses_that_mean_nothing_are_refused_where_they_stand() {
+    let place = Place::with(&[
+        ("thin.toml", &wide("layer_um = 200.0\nthickness_mm = 0.1\n")),
+        ("negative.toml", &wide("thickness_mm = -7\n")),
+        ("endless.toml", &wide("thickness_mm = 9000\n")),
+        ("film.toml", &wide("thickness_mm = 0.1\n")),
+    ]);
+    let refused = |name: &str| place.run(&["simulate", name]);
+    let thin = refused("thin.toml");
+    assert_eq!(thin.status.code(), Some(2));
+    let said = String::from_utf8_lossy(&thin.stderr).into_owned();
+    assert!(said.contains("thin.toml:19: sample.thickness_mm: 0.1 mm is thinner than the layer of 200 um"), "{said}");
+    let endless = String::from_utf8_lossy(&refused("endless.toml").stderr).into_owned();
+    assert!(endless.contains("makes more than 1e5 rows of blocks of a specimen 9000 mm thick"), "{endless}");
+    assert_eq!(refused("negative.toml").status.code(), Some(2));
+    // A film of ten rows is its own layer.
+    assert_eq!(refused("film.toml").status.code(), Some(0));
+}

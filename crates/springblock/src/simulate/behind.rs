@@ -1,0 +1,181 @@
+//! What the specimen behind the modelled layer changes.
+//!
+//! Steady cells are solved over the whole thickness. Strips with ends and runs in time hold the blocks of the layer alone,
+//! and what is behind it is added to their ratio as the steady cell of the same pattern has it:
+//!
+//! ```text
+//! r = r_layer + (r_cell,thick - r_cell,layer) D / D_period
+//! ```
+//!
+//! with the shares D of cavities of the face and of a period. A scene that does not say how thick the specimen is gets
+//! nothing added, but is told what a thick one would add.
+
+use slipgrid_pattern::Pattern;
+
+use super::MOST_FACTOR_BYTES;
+use crate::outcome::{LoadOutcome, Status};
+use crate::scene::{Extent, Fidelity, Layer, Scene};
+use crate::section::{SectionModel, SectionOutcome};
+use crate::solid::SolidModel;
+
+/// Standard error of the ratio of a run in time to which the difference of the steady cells is added
+/// (`a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference`), and of a strip with ends as long as
+/// [`KNOWN_LENGTH_M`]; of a shorter one in proportion more (`ends_hardly_change_what_is_behind_the_layer`).
+const OPEN: f64 = 0.001;
+const KNOWN_LENGTH_M: f64 = 10e-3;
+/// The same as a share of what the pattern takes off friction, at most: where it takes nothing, nothing is open.
+const OPEN_SHARE: f64 = 0.1;
+/// Thickness in periods, beside the layer's own, from which more changes nothing: what a period does decays by exp(-4 pi)
+/// over its length.
+const THICK_PERIODS: f64 = 4.0;
+/// Blocks of the shortest period from which cells in space are compared in blocks twice as large.
+const COARSE_PERIOD: f64 = 8.0;
+
+/// Differences of a thick cell from the layer's alone, by load.
+pub struct Behind {
+    layer: Layer,
+    /// Whether the ratios solved for have the specimen behind the layer in them.
+    is_solved: bool,
+    /// What adding to a ratio leaves open.
+    open: f64,
+    each: Vec<Option<Difference>>,
+}
+
+/// Thick less layer alone.
+#[derive(Clone, Copy)]
+struct Difference {
+    ratio: f64,
+    /// Peak pressure over that of the layer alone.
+    peak: f64,
+    clearance_m: f64,
+    is_extrapolated: bool,
+}
+
+/// `scene` as its solver takes it: with nothing behind the layer but for steady cells.
+pub fn solved(scene: &Scene) -> Scene {
+    let layer = if is_cell(scene) { scene.layer } else { scene.layer.alone() };
+    Scene { layer, ..scene.clone() }
+}
+
+/// Steady cells are solved over the whole thickness.
+fn is_cell(scene: &Scene) -> bool {
+    scene.run.fidelity == Fidelity::Steady && scene.run.extent == Extent::Cell
+}
+
+impl Behind {
+    /// What is behind the layer of `scene` under `pattern`.
+    pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
+        let mut thick = scene.clone();
+        let extent_m = pattern.pitch_m().max(if scene.dimensions() == 3 { pattern.cell_m()[1] } else { 0.0 });
+        if !scene.layer.is_backed() {
+            thick.layer.thickness_m = Some(scene.layer.height_m + THICK_PERIODS * extent_m);
+        }
+        // Steady cells in space take their time, and blocks hardly change what is far above them.
+        let rows = scene.layer.rows();
+        let is_coarse = scene.dimensions() == 3
+            && is_cell(scene)
+            && rows.is_multiple_of(2)
+            && rows > 2
+            && pattern.pitch_m() >= COARSE_PERIOD * scene.layer.block_m;
+        if is_coarse {
+            thick.layer.block_m *= 2.0;
+        }
+        let alone = Scene { layer: thick.layer.alone(), ..thick.clone() };
+        let (thick, alone) = rayon::join(|| cells(&thick, pattern), || cells(&alone, pattern));
+        let each = thick.iter().zip(&alone).map(|(thick, alone)| difference(thick, alone)).collect();
+        let in_time = if scene.run.fidelity == Fidelity::Steady { 0.0 } else { OPEN };
+        let by_ends = match scene.run.extent {
+            Extent::Cell => 0.0,
+            Extent::Sample => OPEN * (KNOWN_LENGTH_M / scene.layer.length_m).max(1.0),
+        };
+        let is_solved = is_cell(scene) && scene.layer.is_backed();
+        Self { layer: scene.layer, is_solved, open: in_time.hypot(by_ends), each }
+    }
+
+    /// Adds it to `loads`, whose cavities take `share` of what a period's take, where the scene says how thick the specimen
+    /// is and they do not have it yet; `model` tells of it.
+    pub fn tell(&self, share: f64, loads: &mut [LoadOutcome], model: &mut Vec<String>) {
+        let is_added = self.layer.is_backed() && !self.is_solved;
+        for (load, difference) in loads.iter_mut().zip(&self.each) {
+            let Some(difference) = difference else { continue };
+            let of_ratio = difference.ratio * share;
+            load.ratio_layer_difference = Some(of_ratio);
+            if is_added {
+                add(difference, of_ratio, self.open, load);
+            }
+        }
+        if !self.each.is_empty() && loads.iter().any(|load| load.ratio.is_some()) {
+            model.push(self.statement(is_added, loads));
+        }
+    }
+
+    fn statement(&self, is_added: bool, loads: &[LoadOutcome]) -> String {
+        let Layer { height_m, thickness_m, .. } = self.layer;
+        let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
+        let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
+        let widest = known().fold(0.0, |widest: f64, own| if own.abs() > widest.abs() { own } else { widest });
+        if known().count() < loads.iter().filter(|load| load.ratio.is_some()).count() {
+            return format!(
+                "layer of {layer_um:.0} um under a rigid bulk: what a thicker specimen changes could not be computed, as its \
+                 steady cell has no equilibrium"
+            );
+        }
+        let widest = if widest.abs() < 5e-5 { "less than 0.0001".to_owned() } else { format!("{widest:+.4} at most") };
+        if self.is_solved {
+            return format!(
+                "specimen {thick_mm} mm thick, all of it elastic: that changes the ratio of its lowest {layer_um:.0} um alone by \
+                 {widest}"
+            );
+        }
+        if is_added {
+            return format!(
+                "blocks of the lowest {layer_um:.0} um of the specimen; the rest of its {thick_mm} mm adds to the ratio what it adds \
+                 to the steady cell, {widest}, known to {:.4}; mu_static and the interface are those of the layer alone",
+                self.open
+            );
+        }
+        format!(
+            "layer of {layer_um:.0} um under a rigid bulk, as asked for: a specimen much thicker than the pattern is wide would \
+             change the ratio by {widest}"
+        )
+    }
+}
+
+/// Steady cells of `pattern` by load; none where they do not fit in memory.
+fn cells(scene: &Scene, pattern: &Pattern) -> Vec<SectionOutcome> {
+    if scene.dimensions() == 3 {
+        let model = SolidModel::new(scene);
+        return if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve(pattern) };
+    }
+    let model = SectionModel::new(scene);
+    if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve(pattern) }
+}
+
+fn difference(thick: &SectionOutcome, alone: &SectionOutcome) -> Option<Difference> {
+    let (of_thick, of_alone) = (&thick.surface, &alone.surface);
+    let is_peak = of_alone.peak_pressure_pa > 0.0 && of_thick.status == Status::Converged;
+    Some(Difference {
+        ratio: thick.ratio? - alone.ratio?,
+        peak: if is_peak { of_thick.peak_pressure_pa / of_alone.peak_pressure_pa } else { 1.0 },
+        clearance_m: of_thick.clearance_m.zip(of_alone.clearance_m).map_or(0.0, |(thick, alone)| thick - alone),
+        is_extrapolated: of_thick.area_law_extrapolated,
+    })
+}
+
+/// Adds `difference`, of the ratio `of_ratio` and known to `open`, to `load`.
+fn add(difference: &Difference, of_ratio: f64, open: f64, load: &mut LoadOutcome) {
+    load.ratio = load.ratio.map(|ratio| ratio + of_ratio);
+    load.ratio_layer_error = load.ratio.map(|ratio| open.min(OPEN_SHARE * (1.0 - ratio).abs()));
+    let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+    if let Some((ratio, mu)) = load.ratio.zip(flat_mu) {
+        load.surface.mu_dynamic = Some(ratio * mu);
+    }
+    let surface = &mut load.surface;
+    surface.peak_pressure_pa *= difference.peak;
+    surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);
+    surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
+    surface.area_law_extrapolated |= difference.is_extrapolated;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,84 @@
+//! Steady sliding of a cell of a thick specimen.
+//!
+//! The equations of all blocks would take as many rows as the specimen is thick. Those about the cavities
+//! ([`super::condensed`]) take no notice of the thickness: what is above them is the flat layer's response. So blocks that
+//! leave the counterface, which a thin layer leaves to the equations of all blocks, are unknowns here.
+
+use super::condensed::CondensedModel;
+use super::{Equilibrium, MOST_CONTACT_ROUNDS, SteadyLoad, unloaded};
+use crate::lattice::Lattice;
+use crate::outcome::{Status, SurfaceOutcome};
+
+/// A cell over the whole thickness of the specimen.
+#[derive(Clone, Debug)]
+pub struct ThickModel {
+    lattice: Lattice,
+    block_m: f64,
+    youngs_modulus_pa: f64,
+    liftoff: bool,
+    /// With every contact block on the counterface; absent where the equations are singular.
+    condensed: Option<CondensedModel>,
+}
+
+impl ThickModel {
+    /// The model of `lattice`, a ring of equal columns whose blocks are `block_m` apart.
+    ///
+    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
+    #[must_use]
+    pub fn new(lattice: Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
+        let condensed = CondensedModel::lifted(&lattice, block_m, youngs_modulus_pa, &[]);
+        Self { lattice, block_m, youngs_modulus_pa, liftoff, condensed }
+    }
+
+    /// The lattice, of as many rows as the specimen is thick.
+    #[must_use]
+    pub const fn lattice(&self) -> &Lattice {
+        &self.lattice
+    }
+
+    /// Steady sliding under `load`.
+    #[must_use]
+    pub fn solve(&self, load: &SteadyLoad) -> SurfaceOutcome {
+        let Some(model) = &self.condensed else {
+            return SurfaceOutcome::unsolved(Status::NotConverged, std::iter::empty());
+        };
+        if load.pressure_pa == 0.0 || model.contacts().is_empty() {
+            return unloaded(model.contacts(), self.block_m);
+        }
+        let state = model.iterate(load);
+        if self.liftoff && state.normal.iter().any(|normal| *normal < 0.0) {
+            return self.solve_unilateral(model, state, load);
+        }
+        model.observe(load, &state)
+    }
+
+    /// Lifts blocks under tension and lands those that sink below the counterface until none does, from `state` of `model`
+    /// on, in which all are on it.
+    fn solve_unilateral(&self, model: &CondensedModel, mut state: Equilibrium, load: &SteadyLoad) -> SurfaceOutcome {
+        let mut model = model.clone();
+        let mut lifted: Vec<usize> = Vec::new();
+        for _ in 0..MOST_CONTACT_ROUNDS {
+            let heights = model.heights(&state);
+            let leaves = |normal: f64, height: Option<f64>| height.map_or(normal < 0.0, |height| height >= 0.0);
+            let off = model.contacts().iter().zip(state.normal.iter().zip(&heights));
+            let next: Vec<usize> =
+                off.filter(|(_, (normal, height))| leaves(**normal, **height)).map(|(c, _)| c.column).collect();
+            if next == lifted {
+                return model.observe(load, &state);
+            }
+            if next.len() == model.contacts().len() {
+                break;
+            }
+            let Some(latest) = CondensedModel::lifted(&self.lattice, self.block_m, self.youngs_modulus_pa, &next)
+            else {
+                break;
+            };
+            let iterations = state.iterations;
+            (model, lifted) = (latest, next);
+            state = model.iterate(load);
+            state.iterations += iterations;
+        }
+        state.status = Status::NotConverged;
+        model.observe(load, &state)
+    }
+}
