@@ -19,6 +19,7 @@
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
 //! | [`estimate`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
+//! | [`TrialDomain`] | the patterns that it is used for |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
@@ -63,6 +64,7 @@ mod least_squares;
 mod noise;
 mod problem;
 pub mod trace;
+mod trials;
 pub mod uncertainty;
 
 pub use area_law_scale::AreaLawScale;
@@ -70,3 +72,4 @@ pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, e
 pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
 pub use noise::Noise;
 pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};
+pub use trials::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

@@ -1,12 +1,12 @@
 //! What a material file says of its own errors.
 
-use slipgrid_calibrate::Discrepancy;
 use slipgrid_calibrate::uncertainty::{Covariance, Knowledge, ScaleError, with_scale};
+use slipgrid_calibrate::{Discrepancy, TrialDomain};
 use slipgrid_material::{AreaLaw, Condition, Material, MaterialError, between};
 use slipgrid_springblock::Load;
 use toml::Spanned;
 
-use super::discrepancy::{Discrepancies, read_discrepancies};
+use super::discrepancy::{Discrepancies, read_discrepancies, read_trials};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
@@ -31,6 +31,8 @@ pub struct MaterialUncertainty {
     discrepancies: Option<Discrepancies>,
     /// The patterned samples behind it, in words.
     pub discrepancy_pattern: Option<String>,
+    /// The patterns that it is used for, where the file says what the samples were.
+    pub discrepancy_domain: Option<TrialDomain>,
 }
 
 /// A fitted coefficient.
@@ -84,6 +86,11 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
         law_is_fitted: origin == Some("fit"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancies,
+        discrepancy_domain: file
+            .discrepancy
+            .as_ref()
+            .and_then(|table| read_trials(document, table.get_ref()).transpose())
+            .transpose()?,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
 }

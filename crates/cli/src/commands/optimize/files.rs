@@ -7,7 +7,7 @@ use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
 use toml::Spanned;
 
 use crate::CliError;
-use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile};
+use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, TrialFile};
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
@@ -119,7 +119,9 @@ impl DesignScene<'_> {
     fn discrepancy(&self) -> Option<Spanned<DiscrepancyFile>> {
         let found = self.uncertainty.discrepancy_at(self.condition.map(|condition| condition.humidity))?;
         let pattern = self.uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new() }))
+        let domain = self.uncertainty.discrepancy_domain.as_ref();
+        let trials = domain.iter().flat_map(|domain| domain.trials()).map(TrialFile::from).collect();
+        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new(), trials }))
     }
 
     /// One pair where all loads share it, otherwise one per pressure, with their standard errors.

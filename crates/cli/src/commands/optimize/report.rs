@@ -274,6 +274,11 @@ impl DesignReport {
         for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
             text += &format!("  why: {}\n", conflict.words);
         }
+        let restriction =
+            self.discrepancy.as_ref().filter(|_| self.status != "met").and_then(DiscrepancyReport::restriction);
+        if let Some(reason) = restriction {
+            text += &format!("  why: {reason}\n");
+        }
         for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
             text += &format!("  why: {reason}\n");
         }
