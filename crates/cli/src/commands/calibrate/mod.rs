@@ -92,8 +92,10 @@ pub struct FittedPair {
     pub static_std_error: Option<f64>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: f64,
-    /// Its standard error.
+    /// Its standard error, whatever Young's modulus and the area law are.
     pub dynamic_std_error: Option<f64>,
+    /// The same at the given area law, where the two differ: that of flat friction.
+    pub dynamic_std_error_given_law: Option<f64>,
 }
 
 /// What a fit found.
@@ -103,6 +105,8 @@ pub struct Fit {
     pub pairs: Vec<FittedPair>,
     /// Model minus measurement of dynamic friction on the flat sample, one per measurement.
     pub residuals: Vec<f64>,
+    /// Dynamic over steady friction of the flat sample, one per measurement.
+    pub dynamic_over_steady: Vec<f64>,
     /// How values were obtained, what was assumed.
     pub notes: Vec<String>,
     /// Everything else that was found.
@@ -233,13 +237,14 @@ fn calibrate(
     let progress = Progress::start("calibration", console.quiet);
     let fit = fit::fit(&problem, &progress);
     progress.finish();
-    let fit = fit.map_err(|error| fit::refuse(&error, path, calibration))?;
+    let mut fit = fit.map_err(|error| fit::refuse(&error, path, calibration))?;
     if calibration.area_law_scale_pa.is_some() {
         input.area_law.clone_from(&fit.details.area_law);
         facts.origin = Some("fit");
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
+    fit::marginal(&mut fit, calibration, &input).map_err(|error| CliError::Other(error.to_string()))?;
     let progress = Progress::start("discrepancy", console.quiet);
     let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve);
     progress.finish();

@@ -137,6 +137,9 @@ impl DesignScene<'_> {
         let joint = self.uncertainty.scale_covariance;
         let dynamic_error = relative(&knowledge.flat_friction).filter(|_| joint.is_none());
         let static_error = relative(&knowledge.static_friction);
+        let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
+        let excess = self.uncertainty.excess(&pressures_pa, self.condition);
+        let is_marginal = self.uncertainty.has_marginal_errors;
         let relative_std = loads.first().map(|load| number(load.friction.relative_std()));
         let shared = loads.first().filter(|first| loads.iter().all(|load| load.friction == first.friction));
         if let Some(load) = shared {
@@ -148,7 +151,10 @@ impl DesignScene<'_> {
                 dynamic_mean: one(mean),
                 relative_std,
                 static_std_error: error(static_error, static_mean),
-                dynamic_std_error: error(dynamic_error, mean),
+                dynamic_std_error: error(dynamic_error.clone().filter(|_| !is_marginal), mean),
+                dynamic_std_error_given_law: error(dynamic_error.filter(|_| is_marginal), mean),
+                dynamic_over_steady: excess
+                    .map(|all| unplaced(Numbers::One(tidy(all.iter().sum::<f64>() / all.len() as f64)))),
                 scale_covariance: joint
                     .map(|[[a, b], [c, d]]| unplaced(vec![vec![a * mean * mean, b * mean], vec![c * mean, d]])),
                 ..FrictionFile::default()
@@ -163,7 +169,9 @@ impl DesignScene<'_> {
         FrictionFile {
             pressure_mpa: Some(number_list(loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa)))),
             static_std_error: errors(static_error, &static_mean),
-            dynamic_std_error: errors(dynamic_error, &dynamic_mean),
+            dynamic_std_error: errors(dynamic_error.clone().filter(|_| !is_marginal), &dynamic_mean),
+            dynamic_std_error_given_law: errors(dynamic_error.filter(|_| is_marginal), &dynamic_mean),
+            dynamic_over_steady: excess.and_then(|all| column(all.into_iter().map(tidy).collect())),
             static_mean: column(static_mean),
             dynamic_mean: column(dynamic_mean),
             relative_std,

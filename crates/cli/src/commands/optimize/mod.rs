@@ -104,6 +104,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
     found.chances = Some(chance::Chances::new(&design, &uncertainty, &found.model, &found.further)?);
+    let conditions = std::iter::once(design.condition).chain(found.further.iter().map(|further| further.at.condition));
+    let excess = conditions.map(|condition| uncertainty.excess(&design.pressures_pa(), condition.as_ref()));
+    found.excess = excess.collect();
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.announce(&design, with_table, console)?;
     found.run(&design, console, &mut timings)?;

@@ -68,6 +68,9 @@ pub(super) struct Rounds {
     pub(super) chances: Option<Chances>,
     /// Largest change of the model by the last confirming run; 0 before.
     pub(super) missed: f64,
+    /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
+    /// further one; absent where the material does not say it.
+    pub(super) excess: Vec<Option<Vec<f64>>>,
     /// What the best design was chosen from by its chance.
     pub(super) selection: Option<Chosen>,
 }
@@ -156,6 +159,7 @@ impl Rounds {
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
+            excess: Vec::new(),
             selection: None,
         })
     }

@@ -53,11 +53,18 @@ pub(super) fn errors(page: &mut Page, result: &Value) {
                 let mut own = parts.filter(|part| text(part, "input") == name);
                 number(own.next().map_or(&Value::Null, |part| &part["std"]), 4)
             };
-            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4)];
+            let ends = &row[key]["interval_95"];
+            let ends = if ends.is_array() {
+                format!("{} to {}", number(&ends[0], 4), number(&ends[1], 4))
+            } else {
+                "-".to_owned()
+            };
+            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4), ends];
             first.into_iter().chain(names.iter().map(part)).collect()
         })
         .collect();
-    let header: Vec<&str> = ["P in MPa", "of", "±"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let header: Vec<&str> =
+        ["P in MPa", "of", "±", "95 %"].into_iter().chain(names.iter().map(String::as_str)).collect();
     page.table(
         "What the error of a confirmed value is made of: one standard deviation, and that of each part alone.",
         &header,
