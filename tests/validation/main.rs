@@ -8,6 +8,7 @@
 )]
 
 mod calibrated_flat;
+mod coverage;
 mod dynamic_against_reference;
 mod excess;
 mod finite_elements;

@@ -1,9 +1,9 @@
 //! Friction of runs that lack the excess of dynamic over steady friction, or have another than the calibration took.
 //!
 //! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is what
-//! the flat sample in time has over steady sliding. A steady run gives mu_d f(P): its friction is that times delta. A run in
-//! time in space has an excess of its own: its flat surface, run beside the patterned one, says which, and its friction
-//! is taken times what brings that flat surface to delta mu_d f(P). Ratios stay.
+//! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample a little less for
+//! its ends; a run in time in space has an excess of its own. In each the flat surface, solved beside the patterned one, says
+//! by how much, and friction is taken times what brings that flat surface to delta mu_d f(P). Ratios stay.
 
 use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
@@ -19,8 +19,7 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
         let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
         let steady = load.friction.dynamic_mean() * factor;
         let own = outcome.flat.as_ref().unwrap_or(&outcome.surface).mu_dynamic.filter(|mu| *mu > 0.0);
-        let times = if is_steady { Some(*excess) } else { own.map(|own| excess * steady / own) };
-        if let Some(times) = times {
+        if let Some(times) = own.map(|own| excess * steady / own) {
             scale(outcome, times);
             factors.push(times);
         }

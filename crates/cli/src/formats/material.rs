@@ -86,7 +86,7 @@ pub struct FrictionFile {
     /// The same at the given area law: those of flat friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over that in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per measurement.
@@ -124,7 +124,7 @@ pub struct ConditionTable {
     /// The same at the given area law: those of flat friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over that in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.
@@ -136,7 +136,7 @@ pub struct ConditionTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
-    /// Where the law came from: `map` or `persson`.
+    /// Where the law came from: `map`, `persson`, `fit`, or `measured` for flat friction itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin: Option<String>,
     /// Rms slope of the map behind the law.
@@ -220,7 +220,9 @@ pub fn read_material(
     // What the file says of its law already is not said twice.
     let named = |warning: &str| warning.split(':').next().map(str::to_owned);
     let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
-    warnings.extend(area_law.iter().flat_map(law_warnings).filter(|warning| !told(warning)));
+    // A measured law may rise: it is none of contact area.
+    let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
+    warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(law_warnings).filter(|warning| !told(warning)));
     if let Some(discrepancy) = &file.discrepancy {
         read_discrepancies(document, discrepancy)?;
     }

@@ -31,6 +31,8 @@ pub struct MaterialUncertainty {
     pub modulus_relative_std: Option<f64>,
     /// The area law's scale was fitted to friction: the modulus does not move it.
     pub law_is_fitted: bool,
+    /// The law is measured flat friction itself: the modulus does not move it either.
+    pub law_is_measured: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, at every humidity.
@@ -96,6 +98,7 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
         },
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
+        law_is_measured: origin == Some("measured"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancies,
         discrepancy_domain: file
@@ -252,7 +255,8 @@ impl MaterialUncertainty {
     /// x to first order.
     #[must_use]
     pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
-        self.modulus_relative_std.filter(|std| *std > 0.0 && !self.law_is_fitted && area_law.is_some())
+        self.modulus_relative_std
+            .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
@@ -267,7 +271,7 @@ impl MaterialUncertainty {
         if self.law_is_fitted && !fitted_together {
             unknown.push("scale of the area law");
         }
-        if !self.law_is_fitted && !fitted_together && self.modulus_relative_std.is_none() {
+        if !self.law_is_fitted && !self.law_is_measured && !fitted_together && self.modulus_relative_std.is_none() {
             unknown.push("Young's modulus");
         }
         if !fitted_together && law.factor_std().is_none() {

@@ -118,6 +118,8 @@ fn rows(
     let modelled = |log_modulus: f64| -> Result<Vec<Option<f64>>, CliError> {
         let law = match input.area_law {
             None => None,
+            // A measured law is moved by no modulus.
+            Some(ref law) if curve.is_empty() => Some(law.clone()),
             Some(_) => Some(stiffer(curve, log_modulus, calibration.threshold_pa)?),
         };
         ratios(calibration, law, input.layer, pattern, &pairs)

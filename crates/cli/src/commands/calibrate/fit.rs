@@ -120,10 +120,20 @@ pub fn fit(problem: &Problem, progress: &Progress) -> Result<Fit, CalibrationErr
             })
             .collect(),
         residuals: fitted.predictions.iter().map(|prediction| prediction.residual).collect(),
-        dynamic_over_steady: fitted.predictions.iter().map(|prediction| prediction.dynamic_over_steady).collect(),
+        dynamic_over_steady: dynamic_over_steady(&fitted, problem),
         details: FitDetails::new(&fitted, problem.area_law_scale.as_ref()),
         notes: fitted.notes,
     })
+}
+
+/// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding, one per measurement.
+fn dynamic_over_steady(fitted: &slipgrid_calibrate::Fit, problem: &Problem) -> Vec<f64> {
+    let at = |(place, measured): (usize, &Measurement)| {
+        let pair = fitted.pairs.get(place).or(fitted.pairs.first())?;
+        let factor = fitted.area_law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+        Some(fitted.predictions.get(place)?.mu_dynamic / (pair.dynamic_mean * factor))
+    };
+    problem.measurements.iter().enumerate().filter_map(at).collect()
 }
 
 /// Adds to the errors of `fit`, which take the area law for known, what Young's modulus and the law's own errors leave open.
@@ -132,7 +142,8 @@ pub fn fit(problem: &Problem, progress: &Progress) -> Result<Fit, CalibrationErr
 /// # Errors
 /// [`MaterialError`] where the law cannot be moved.
 pub fn marginal(fit: &mut Fit, calibration: &Calibration, input: &CalibrationInput) -> Result<(), MaterialError> {
-    let log_modulus_std = calibration.modulus_relative_std().unwrap_or(0.0);
+    let moves = |_: &f64| calibration.measured_law.is_none();
+    let log_modulus_std = calibration.modulus_relative_std().filter(moves).unwrap_or(0.0);
     let Some(law) = input.area_law.as_ref().filter(|_| input.area_law_scale_pa.is_none()) else { return Ok(()) };
     if log_modulus_std == 0.0 && law.factor_std().is_none() {
         return Ok(());

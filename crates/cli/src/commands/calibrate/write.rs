@@ -207,6 +207,7 @@ mod tests {
             traces: Vec::new(),
             pattern: None,
             area_law_scale_pa: None,
+            measured_law: None,
             discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,

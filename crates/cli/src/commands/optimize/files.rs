@@ -101,7 +101,11 @@ impl DesignScene<'_> {
             discrepancy: self.discrepancy(),
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
-                    origin: self.uncertainty.law_is_fitted.then(|| "fit".to_owned()),
+                    origin: match (self.uncertainty.law_is_fitted, self.uncertainty.law_is_measured) {
+                        (true, _) => Some("fit".to_owned()),
+                        (_, true) => Some("measured".to_owned()),
+                        _ => None,
+                    },
                     rms_slope: None,
                     sa_um: None,
                     pixel_um: None,
