@@ -9,6 +9,7 @@
 
 mod blocks;
 mod calibrated_flat;
+mod coverage;
 mod dynamic_against_reference;
 mod excess;
 mod finite_elements;

@@ -19,6 +19,7 @@
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
 //! | [`estimate`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
+//! | [`TrialDomain`] | the patterns that it is used for |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
@@ -60,13 +61,17 @@ mod emulator;
 mod fit;
 mod flat;
 mod least_squares;
+mod marginal;
 mod noise;
 mod problem;
 pub mod trace;
+mod trials;
 pub mod uncertainty;
 
 pub use area_law_scale::AreaLawScale;
 pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
 pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
+pub use marginal::{FlatLoad, marginal_relative_std};
 pub use noise::Noise;
 pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};
+pub use trials::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

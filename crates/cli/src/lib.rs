@@ -29,6 +29,7 @@ pub mod args;
 pub mod charts;
 pub mod commands;
 pub mod diagnostic;
+mod dynamic_excess;
 mod error;
 pub mod formats;
 pub mod input;

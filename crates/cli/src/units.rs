@@ -108,6 +108,8 @@ pub const FACTOR: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10
 pub const FACTOR_STD: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 10.0);
 /// Real contact area fractions.
 pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 1.0);
+/// Dynamic over steady friction.
+pub const EXCESS: Quantity = Quantity::new(Scale::Times(1.0), "", 0.1, true, 10.0);
 /// Friction ratios, patterned over flat.
 pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Half-widths of the target, and standard errors wanted.

@@ -247,7 +247,7 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         )
     };
     let discrepancy = format!(
-        "[material.discrepancy]\npattern = \"groove\"\n[material.discrepancy.all]\n{}[[material.discrepancy.humidity]]\n\
+        "[material.discrepancy]\npattern = \"groove\"\ntrials = [{{ planform = \"groove\", areal_density = 0.4, depth_um = 15.0 }}]\n[material.discrepancy.all]\n{}[[material.discrepancy.humidity]]\n\
          humidity_pct = 80.0\n[material.discrepancy.humidity.estimate]\n{}[target]",
         estimate(0.9_f64.ln()),
         estimate(0.85_f64.ln())

@@ -35,6 +35,7 @@ mod condition_range;
 mod elastic;
 mod error;
 mod friction;
+mod measured_law;
 mod modulus;
 
 pub use area_law::{AreaLaw, MOST_FACTOR, Piece, THRESHOLD_PRESSURE_PA};
@@ -43,6 +44,7 @@ pub use condition_range::ConditionRange;
 pub use elastic::Elastic;
 pub use error::MaterialError;
 pub use friction::{ConditionFriction, Friction, FrictionAt, LocalFriction};
+pub use measured_law::Extrapolation;
 
 /// Where a material's values came from.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,4 +1,6 @@
-//! Standard deviations to first order: slopes of the steady ratio, times what is known of each number.
+//! Standard deviations to first order: slopes of the steady ratio, times what is known of each number. Along Young's
+//! modulus, which is known to a fifth, the ratio bends: intervals rest on solves at one and at 1.96 standard deviations
+//! of it each way, and reach farther to one side than to the other.
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
@@ -24,6 +26,23 @@ pub struct Slopes {
     /// One per load; `None` where a neighbour cannot be computed.
     by_load: Vec<Option<Slope>>,
     has_law_errors: bool,
+    /// Changes of the ratio where Young's modulus is off by [`REACHES`], one list per load; empty where nothing is known of it
+    /// or a neighbour cannot be computed.
+    bends: Vec<[f64; 4]>,
+}
+
+/// Standard deviations of the modulus at which intervals are solved: those of 68 and of 95 % each way.
+const REACHES: [f64; 4] = [-NORMAL_95, -1.0, 1.0, NORMAL_95];
+/// The 97.5 % point of the normal distribution.
+const NORMAL_95: f64 = 1.959_964;
+/// Least modulus over the expected one that is solved as so many standard deviations below it: less would be a logarithm's.
+const LEAST_MODULUS: f64 = 0.1;
+
+/// Logarithm of Young's modulus over the expected one, where it is off by `reach` standard deviations `relative_std` of itself.
+/// What is measured is the modulus, not its logarithm.
+fn log_modulus(relative_std: f64, reach: f64) -> f64 {
+    let linear = 1.0 + reach * relative_std;
+    if linear > LEAST_MODULUS { linear.ln() } else { reach * relative_std }
 }
 
 /// A standard deviation with the parts that make it.
@@ -33,6 +52,10 @@ pub struct Deviation {
     pub std: f64,
     /// What each source alone would make of it.
     pub parts: Vec<(Source, f64)>,
+    /// How far the 68 % interval reaches below and above the value; 0 where nothing is known.
+    pub reach_68: [f64; 2],
+    /// The same of the 95 % interval.
+    pub reach_95: [f64; 2],
 }
 
 /// What the material leaves open at one load.
@@ -53,7 +76,7 @@ impl Slopes {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
         let count = scene.loads.len();
         let Some(pattern) = &scene.pattern else {
-            return Self { by_load: vec![Some(Slope::default()); count], has_law_errors };
+            return Self { by_load: vec![Some(Slope::default()); count], has_law_errors, bends: Vec::new() };
         };
         let cell = steady_cell(scene, pattern);
         let still = vec![0.0; count];
@@ -88,7 +111,9 @@ impl Slopes {
                 law: over(law[load], law_step)?,
             })
         };
-        Self { by_load: (0..count).map(slope).collect(), has_law_errors }
+        let modulus = knowledge.scale.as_ref().filter(|scale| !scale.is_fitted && scale.variance > 0.0);
+        let bends = modulus.and_then(|scale| bends(&cell, pattern, scale.variance.sqrt())).unwrap_or_default();
+        Self { by_load: (0..count).map(slope).collect(), has_law_errors, bends }
     }
 
     /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
@@ -112,7 +137,13 @@ impl Slopes {
         // mu = c mu_flat (1 + x), x the relative error of flat friction
         let [x, m, a, d] = ratio_slope;
         let mu_slope = [mu_flat * (x + factor * ratio), mu_flat * m, mu_flat * a, mu_flat * d];
-        let deviation = |[x, m, a, d]: [f64; 4]| {
+        // Changes of c where the modulus is off by REACHES: r' F exp(d - g m) - r F
+        let bent = self.bends.get(load).zip(knowledge.scale.as_ref()).map(|(bend, scale)| {
+            let log = |reach: f64| log_modulus(scale.variance.sqrt(), reach);
+            let at = |place: usize| factor * ((ratio + bend[place]) * (-falls * log(REACHES[place])).exp() - ratio);
+            [at(0), at(1), at(2), at(3)]
+        });
+        let deviation = |[x, m, a, d]: [f64; 4], times: f64| {
             let mut variance = 0.0;
             let mut parts = Vec::new();
             let mut add = |source: Source, own: f64| {
@@ -133,13 +164,27 @@ impl Slopes {
             }
             let shared = knowledge.scale.as_ref().filter(|_| friction.is_some());
             let shared = shared.and_then(|scale| scale.with_friction.get(load)).copied().unwrap_or(0.0);
-            Deviation { std: (variance + 2.0 * x * m * shared).max(0.0).sqrt(), parts }
+            let variance = (variance + 2.0 * x * m * shared).max(0.0);
+            let of_modulus = knowledge.scale.as_ref().map_or(0.0, |scale| m * m * scale.variance);
+            let reach = |bent: Option<[f64; 2]>, normal: f64| {
+                let Some(bent) = bent else { return [normal * variance.sqrt(); 2] };
+                let others = normal * normal * (variance - of_modulus).max(0.0);
+                let side = |sign: f64| bent.iter().map(|change| sign * times * change).fold(0.0, f64::max);
+                [-1.0, 1.0].map(|sign| side(sign).powi(2)).map(|square| (square + others).sqrt())
+            };
+            Deviation {
+                std: variance.sqrt(),
+                parts,
+                reach_68: reach(bent.map(|all| [all[1], all[2]]), 1.0),
+                reach_95: reach(bent.map(|all| [all[0], all[3]]), NORMAL_95),
+            }
         };
         let flat = friction.map_or_else(Deviation::default, |variance| {
             let std = mu_flat * variance.sqrt();
-            Deviation { std, parts: vec![(Source::FlatFriction, std)] }
+            let (reach_68, reach_95) = ([std; 2], [NORMAL_95 * std; 2]);
+            Deviation { std, parts: vec![(Source::FlatFriction, std)], reach_68, reach_95 }
         });
-        Some(Deviations { ratio: deviation(ratio_slope), mu: deviation(mu_slope), flat })
+        Some(Deviations { ratio: deviation(ratio_slope, 1.0), mu: deviation(mu_slope, mu_flat), flat })
     }
 }
 
@@ -181,6 +226,19 @@ pub fn moved(scene: &Scene, friction: &[f64], scale: f64, law: f64) -> Result<Sc
         load.friction = LocalFriction::new(own.static_mean() * times, own.dynamic_mean() * times, own.relative_std())?;
     }
     Ok(moved)
+}
+
+/// Changes of the steady ratios of `pattern` where Young's modulus, known to `relative_std`, is off by [`REACHES`]; `None` where
+/// one cannot be computed.
+fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64; 4]>> {
+    let still = vec![0.0; cell.loads.len()];
+    let at = |log: f64| -> Option<Vec<f64>> { ratios(cell, pattern, &still, log, 0.0).ok()?.into_iter().collect() };
+    let moved = |reach: f64| at(log_modulus(relative_std, reach));
+    let [low, lower, higher, high] = REACHES;
+    let ((own, (far_below, below)), (above, far_above)) =
+        rayon::join(|| (at(0.0), (moved(low), moved(lower))), || (moved(higher), moved(high)));
+    let (own, all) = (own?, [far_below?, below?, above?, far_above?]);
+    Some((0..own.len()).map(|load| [0, 1, 2, 3].map(|place| all[place][load] - own[load])).collect())
 }
 
 /// Steady ratios of `pattern` in the cell that is moved so.

@@ -3,6 +3,7 @@
 use super::announcement::announce;
 use super::pictures;
 use crate::args::SimulateArgs;
+use crate::dynamic_excess::correct;
 use crate::formats::scene::{Overrides, SceneInput};
 use crate::interruption::heed;
 use crate::on_specimen::simulate_on;
@@ -31,7 +32,10 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let solved = simulate_on(&input.scene, input.specimen.as_ref(), &progress);
     let wall_s = progress.finish();
     heed()?;
-    let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+    let mut simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
+    let pressures_pa: Vec<f64> = input.scene.loads.iter().map(|load| load.pressure_pa).collect();
+    let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
+    correct(&mut simulation, &input.scene, excess.as_deref());
     let progress = Progress::start("errors", console.quiet);
     let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
     progress.finish();

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_export::Outline;
-use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
+use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::Pattern;
 use toml::Spanned;
 
@@ -157,6 +157,9 @@ pub struct Calibration {
     pub discrepancy: DiscrepancyForm,
     /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
+    /// Measured flat friction as the law of local pressure, where the calibration takes it for that: its shape is the mean over
+    /// the conditions that were measured at several pressures.
+    pub measured_law: Option<AreaLaw>,
     /// What is fitted.
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients, which no mean identifies.
@@ -216,6 +219,12 @@ impl Calibration {
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
         let area_law_scale_pa = read_scale(document, &file)?;
+        let measured_law = match (&surface, &file.surface) {
+            (Surface::Measured { extrapolation }, Some(table)) => {
+                Some(measured_law(document, table, &placed, specimens.area_m2, *extrapolation)?)
+            }
+            _ => None,
+        };
         Ok(Self {
             inputs: inputs(document, &file, &surface, &traces),
             name: file.name,
@@ -231,6 +240,7 @@ impl Calibration {
             traces,
             pattern,
             area_law_scale_pa,
+            measured_law,
             discrepancy: fit
                 .and_then(|fit| fit.discrepancy.as_ref())
                 .map_or(Ok(DiscrepancyForm::Constant), |name| {
@@ -257,6 +267,53 @@ impl Calibration {
         // P = F / A
         force_n / self.specimen_area_m2
     }
+}
+
+/// The law that flat friction `rows` says of local pressure: the mean over conditions of friction over that at the pressure that all
+/// begin with.
+fn measured_law(
+    document: &Document,
+    table: &Spanned<SurfaceFile>,
+    rows: &[Placed],
+    area_m2: f64,
+    extrapolation: Extrapolation,
+) -> Result<AreaLaw, Diagnostic> {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+    let alike = |a: &Measurement, b: &Measurement| same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity);
+    let measured: Vec<&Measurement> = rows.iter().map(|row| &row.measurement).collect();
+    let mut forces: Vec<f64> = measured.iter().map(|row| row.force_n).collect();
+    forces.sort_by(f64::total_cmp);
+    forces.dedup_by(|a, b| same(*a, *b));
+    let at = |of: &Measurement, force_n: f64| {
+        let own = measured.iter().find(|other| alike(other, of) && same(other.force_n, force_n));
+        own.map(|other| other.mu_dynamic)
+    };
+    let refuse = || {
+        document
+            .refuse(
+                table.span(),
+                "takes flat friction for the law of local pressure, and no condition has it at several pressures",
+            )
+            .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
+    };
+    let lightest = *forces.first().ok_or_else(refuse)?;
+    // Conditions with the lightest load and another.
+    let of: Vec<(&Measurement, f64)> = measured
+        .iter()
+        .filter(|row| same(row.force_n, lightest) && measured.iter().filter(|other| alike(other, row)).count() > 1)
+        .map(|row| (*row, row.mu_dynamic))
+        .collect();
+    let mean = |force_n: f64| {
+        let all: Vec<f64> = of.iter().filter_map(|(row, first)| Some(at(row, force_n)? / first)).collect();
+        (!all.is_empty()).then(|| [force_n / area_m2, all.iter().sum::<f64>() / all.len() as f64])
+    };
+    let (pressures_pa, shape): (Vec<f64>, Vec<f64>) =
+        forces.iter().filter_map(|f| mean(*f)).map(|[p, f]| (p, f)).unzip();
+    if pressures_pa.len() < 2 {
+        return Err(refuse());
+    }
+    AreaLaw::from_flat_friction(&pressures_pa, &shape, extrapolation)
+        .map_err(|error| document.refuse(table.span(), error.to_string()))
 }
 
 /// The specimen's face: a disc by its radius, or the shapes of a design's specimen.
@@ -361,12 +418,12 @@ fn read_fitting_pattern(
 fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
     let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
     let tables = tables.flatten().map(|name| document.resolve(name.get_ref()));
-    let map = match surface {
-        Surface::Map { path, .. } => Some(path.clone()),
-        _ => None,
+    let maps: Vec<PathBuf> = match surface {
+        Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
+        _ => Vec::new(),
     };
     let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
-    std::iter::once(document.path().to_owned()).chain(tables).chain(map).chain(traces).collect()
+    std::iter::once(document.path().to_owned()).chain(tables).chain(maps).chain(traces).collect()
 }
 
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.

@@ -269,6 +269,11 @@ impl Design {
                     design.refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks")
                 );
             }
+            if design.discrepancy && design.uncertainty.discrepancy_domain.is_none() {
+                let reason = "needs to know near which patterns it holds: [[discrepancy.trials]] with planform, areal_density and \
+                              depth_um of each, which this material lacks";
+                return Err(design.refuse_discrepancy(reason));
+            }
         }
         Ok(design)
     }

@@ -1,12 +1,14 @@
 //! The table `[discrepancy]` of a material file: the model's error on patterned samples.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::Discrepancy;
+use slipgrid_calibrate::{Discrepancy, Trial, TrialDomain};
+use slipgrid_pattern::Planform;
+use toml::Spanned;
 
 use super::document::Document;
-use super::values::Number;
+use super::values::{Number, number};
 use crate::diagnostic::Diagnostic;
-use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, tidy};
+use crate::units::{FRACTION, HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// `[discrepancy]` as a file writes it: ln(measured / modelled ratio) = a + b (P - P0) / P0.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -19,6 +21,31 @@ pub struct DiscrepancyFile {
     /// At each humidity with enough measurements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub humidity: Vec<HumidityFile>,
+    /// What was cut and measured; without it no design aims with the discrepancy.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub trials: Vec<TrialFile>,
+}
+
+/// A pattern behind a discrepancy.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialFile {
+    /// Shape of its cavities.
+    pub planform: Spanned<String>,
+    /// Share of its face that is cavity.
+    pub areal_density: Number,
+    /// Depth of its cavities.
+    pub depth_um: Number,
+}
+
+impl From<&Trial> for TrialFile {
+    fn from(trial: &Trial) -> Self {
+        Self {
+            planform: Spanned::new(0..0, trial.planform.name().to_owned()),
+            areal_density: number(tidy(trial.areal_density)),
+            depth_um: number(tidy(LENGTH_UM.from_si(trial.depth_m))),
+        }
+    }
 }
 
 /// The estimate at one humidity.
@@ -127,6 +154,21 @@ impl Discrepancies {
             .and_then(|((low, dry), (high, humid))| dry.towards(humid, (humidity - low) / (high - low)));
         between.unwrap_or_else(|| self.all.clone())
     }
+}
+
+/// The patterns that the discrepancy of a table is used for; `None` where it names no trials.
+///
+/// # Errors
+/// [`Diagnostic`] for a trial that is none.
+pub fn read_trials(document: &Document, file: &DiscrepancyFile) -> Result<Option<TrialDomain>, Diagnostic> {
+    let trial = |trial: &TrialFile| {
+        Ok(Trial {
+            planform: document.choice(&trial.planform, &Planform::ALL, Planform::name)?,
+            areal_density: document.number(&trial.areal_density, FRACTION)?,
+            depth_m: document.number(&trial.depth_um, LENGTH_UM)?,
+        })
+    };
+    Ok(TrialDomain::about(file.trials.iter().map(trial).collect::<Result<_, Diagnostic>>()?))
 }
 
 /// Reads every estimate of a table.

@@ -41,6 +41,14 @@ pub enum Measure {
     Clearance,
     /// Least local pressure over the nominal one, at any target pressure: negative under tension.
     LeastPressure,
+    /// Share of the endless pattern that is cavity.
+    PatternDensity,
+    /// Depth of a cavity.
+    Depth,
+    /// 1 where no trial behind the discrepancy had the planform, 0 otherwise.
+    OtherPlanform,
+    /// Distance from the flat surface by the physics alone, in tolerances.
+    Effect,
 }
 
 type Side = fn(f64) -> Bound;

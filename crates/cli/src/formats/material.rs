@@ -11,7 +11,7 @@ use super::document::Document;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::units::{
-    DENSITY_G_CM3, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
+    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
     MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S,
 };
 
@@ -79,9 +79,16 @@ pub struct FrictionFile {
     /// Standard errors of `static_mean`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`.
+    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
+    /// stand beside them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
+    /// The same at the given area law: those of flat friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per measurement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<Vec<f64>>,
@@ -110,9 +117,16 @@ pub struct ConditionTable {
     /// Standard errors of `static_mean`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`.
+    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
+    /// stand beside them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
+    /// The same at the given area law: those of flat friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual: Option<Vec<f64>>,
@@ -122,7 +136,7 @@ pub struct ConditionTable {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaLawFile {
-    /// Where the law came from: `map` or `persson`.
+    /// Where the law came from: `map`, `persson`, `fit`, or `measured` for flat friction itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub origin: Option<String>,
     /// Rms slope of the map behind the law.
@@ -206,7 +220,9 @@ pub fn read_material(
     // What the file says of its law already is not said twice.
     let named = |warning: &str| warning.split(':').next().map(str::to_owned);
     let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
-    warnings.extend(area_law.iter().flat_map(law_warnings).filter(|warning| !told(warning)));
+    // A measured law may rise: it is none of contact area.
+    let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
+    warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(law_warnings).filter(|warning| !told(warning)));
     if let Some(discrepancy) = &file.discrepancy {
         read_discrepancies(document, discrepancy)?;
     }
@@ -237,8 +253,12 @@ fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Fr
     let local = |static_mean: f64, dynamic_mean: f64| {
         LocalFriction::new(static_mean, dynamic_mean, relative_std).map_err(|error| at(document, &place, &error))
     };
-    for errors in [&friction.static_std_error, &friction.dynamic_std_error].into_iter().flatten() {
+    let errors = [&friction.static_std_error, &friction.dynamic_std_error, &friction.dynamic_std_error_given_law];
+    for errors in errors.into_iter().flatten() {
         list(document, errors, FRICTION_STD)?;
+    }
+    if let Some(excess) = &friction.dynamic_over_steady {
+        list(document, excess, EXCESS)?;
     }
     if !friction.conditions.is_empty() {
         let stray =
@@ -293,8 +313,12 @@ fn read_conditions(
         let count = pressure_pa.len();
         let static_mean = for_each(document, &table.static_mean, FRICTION, count, "pressure")?;
         let dynamic_mean = for_each(document, &table.dynamic_mean, FRICTION, count, "pressure")?;
-        for errors in [&table.static_std_error, &table.dynamic_std_error].into_iter().flatten() {
+        let errors = [&table.static_std_error, &table.dynamic_std_error, &table.dynamic_std_error_given_law];
+        for errors in errors.into_iter().flatten() {
             for_each(document, errors, FRICTION_STD, count, "pressure")?;
+        }
+        if let Some(excess) = &table.dynamic_over_steady {
+            for_each(document, excess, EXCESS, count, "pressure")?;
         }
         for row in 0..count {
             rows.push(ConditionFriction {

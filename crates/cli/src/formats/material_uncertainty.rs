@@ -1,18 +1,20 @@
 //! What a material file says of its own errors.
 
-use slipgrid_calibrate::Discrepancy;
 use slipgrid_calibrate::uncertainty::{Covariance, Knowledge, ScaleError, with_scale};
+use slipgrid_calibrate::{Discrepancy, TrialDomain};
 use slipgrid_material::{AreaLaw, Condition, Material, MaterialError, between};
 use slipgrid_springblock::Load;
 use toml::Spanned;
 
-use super::discrepancy::{Discrepancies, read_discrepancies};
+use super::discrepancy::{Discrepancies, read_discrepancies, read_trials};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
-use crate::units::{FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S};
+use crate::units::{
+    EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S,
+};
 
 /// Errors of a material's numbers, as far as its file has them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,16 +23,24 @@ pub struct MaterialUncertainty {
     friction: Vec<FrictionError>,
     /// Fitted static coefficients likewise.
     static_friction: Vec<FrictionError>,
+    /// Dynamic over steady friction of the flat sample beside the coefficients; empty where a file gives none.
+    excess: Vec<FrictionError>,
+    /// The file has errors of the coefficients at the given area law beside those whatever it is.
+    pub has_marginal_errors: bool,
     /// Standard deviation of Young's modulus over itself.
     pub modulus_relative_std: Option<f64>,
     /// The area law's scale was fitted to friction: the modulus does not move it.
     pub law_is_fitted: bool,
+    /// The law is measured flat friction itself: the modulus does not move it either.
+    pub law_is_measured: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, at every humidity.
     discrepancies: Option<Discrepancies>,
     /// The patterned samples behind it, in words.
     pub discrepancy_pattern: Option<String>,
+    /// The patterns that it is used for, where the file says what the samples were.
+    pub discrepancy_domain: Option<TrialDomain>,
 }
 
 /// A fitted coefficient.
@@ -78,12 +88,24 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
     let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
     let discrepancies = file.discrepancy.as_ref().map(|table| read_discrepancies(document, table)).transpose()?;
     Ok(MaterialUncertainty {
-        friction: friction_errors(document, file.friction.get_ref(), false)?,
-        static_friction: friction_errors(document, file.friction.get_ref(), true)?,
+        friction: friction_errors(document, file.friction.get_ref(), Column::Dynamic)?,
+        static_friction: friction_errors(document, file.friction.get_ref(), Column::Static)?,
+        excess: friction_errors(document, file.friction.get_ref(), Column::Excess)?,
+        has_marginal_errors: {
+            let friction = file.friction.get_ref();
+            let tables = friction.conditions.iter().map(|table| &table.get_ref().dynamic_std_error_given_law);
+            tables.chain([&friction.dynamic_std_error_given_law]).any(Option::is_some)
+        },
         modulus_relative_std: modulus_std_pa.map(|std_pa| std_pa / modulus_pa),
         law_is_fitted: origin == Some("fit"),
+        law_is_measured: origin == Some("measured"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancies,
+        discrepancy_domain: file
+            .discrepancy
+            .as_ref()
+            .and_then(|table| read_trials(document, table.get_ref()).transpose())
+            .transpose()?,
         discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
 }
@@ -104,12 +126,19 @@ fn scale_covariance(document: &Document, file: &FrictionFile) -> Result<Option<[
     Ok(Some([[a / (mean * mean), b / mean], [c / mean, *d]]))
 }
 
-/// Means and standard errors of the static coefficients, or of the dynamic ones.
-fn friction_errors(
-    document: &Document,
-    file: &FrictionFile,
-    is_static: bool,
-) -> Result<Vec<FrictionError>, Diagnostic> {
+/// What is read beside a mean coefficient.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Column {
+    /// Standard errors of the static coefficients.
+    Static,
+    /// Those of the dynamic ones at the given area law, which are those of flat friction.
+    Dynamic,
+    /// Dynamic over steady friction.
+    Excess,
+}
+
+/// Means of the static coefficients, or of the dynamic ones, with what stands in a column beside them.
+fn friction_errors(document: &Document, file: &FrictionFile, column: Column) -> Result<Vec<FrictionError>, Diagnostic> {
     let mut errors = Vec::new();
     for table in &file.conditions {
         let table: &ConditionTable = table.get_ref();
@@ -117,21 +146,27 @@ fn friction_errors(
             speed_m_s: document.number(&table.speed_mm_s, SPEED_MM_S)?,
             humidity: document.number(&table.humidity_pct, HUMIDITY_PCT)?,
         };
-        let (mean, std_error) = if is_static {
-            (&table.static_mean, &table.static_std_error)
-        } else {
-            (&table.dynamic_mean, &table.dynamic_std_error)
+        let (mean, beside) = match column {
+            Column::Static => (&table.static_mean, &table.static_std_error),
+            Column::Dynamic if table.dynamic_std_error_given_law.is_some() => {
+                (&table.dynamic_mean, &table.dynamic_std_error_given_law)
+            }
+            Column::Dynamic => (&table.dynamic_mean, &table.dynamic_std_error),
+            Column::Excess => (&table.dynamic_mean, &table.dynamic_over_steady),
         };
-        let Some(std_error) = std_error else { continue };
-        errors.extend(rows(document, Some(&table.pressure_mpa), mean, std_error, Some(condition))?);
+        let Some(beside) = beside else { continue };
+        errors.extend(rows(document, Some(&table.pressure_mpa), mean, (beside, column), Some(condition))?);
     }
-    let (mean, std_error) = if is_static {
-        (&file.static_mean, &file.static_std_error)
-    } else {
-        (&file.dynamic_mean, &file.dynamic_std_error)
+    let (mean, beside) = match column {
+        Column::Static => (&file.static_mean, &file.static_std_error),
+        Column::Dynamic if file.dynamic_std_error_given_law.is_some() => {
+            (&file.dynamic_mean, &file.dynamic_std_error_given_law)
+        }
+        Column::Dynamic => (&file.dynamic_mean, &file.dynamic_std_error),
+        Column::Excess => (&file.dynamic_mean, &file.dynamic_over_steady),
     };
-    if let (Some(mean), Some(std_error)) = (mean, std_error) {
-        errors.extend(rows(document, file.pressure_mpa.as_ref(), mean, std_error, None)?);
+    if let (Some(mean), Some(beside)) = (mean, beside) {
+        errors.extend(rows(document, file.pressure_mpa.as_ref(), mean, (beside, column), None)?);
     }
     Ok(errors)
 }
@@ -140,13 +175,14 @@ fn rows(
     document: &Document,
     pressures: Option<&NumberList>,
     mean: &Spanned<Numbers>,
-    std_error: &Spanned<Numbers>,
+    (beside, column): (&Spanned<Numbers>, Column),
     condition: Option<Condition>,
 ) -> Result<Vec<FrictionError>, Diagnostic> {
     let pressures_pa = pressures.map(|list| increasing(document, list, PRESSURE_MPA)).transpose()?;
     let count = pressures_pa.as_ref().map_or(1, Vec::len);
     let means = for_each(document, mean, FRICTION, count, "pressure")?;
-    let errors = for_each(document, std_error, FRICTION_STD, count, "pressure")?;
+    let range = if column == Column::Excess { EXCESS } else { FRICTION_STD };
+    let errors = for_each(document, beside, range, count, "pressure")?;
     let row = |place: usize| FrictionError {
         pressure_pa: pressures_pa.as_ref().map(|list| list[place]),
         condition,
@@ -170,6 +206,15 @@ impl MaterialUncertainty {
     #[must_use]
     pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
         covariance(&self.friction, pressures_pa, condition)
+    }
+
+    /// Dynamic friction of the flat sample over that in steady sliding at `pressures_pa`, as the calibration found it: linear
+    /// between measurements. `None` where the file does not say it for the condition.
+    #[must_use]
+    pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
+        let (known, weights) = shares(&self.excess, pressures_pa, condition)?;
+        let at = |row: &Vec<f64>| row.iter().zip(&known).map(|(share, known)| share * known.std_error).sum();
+        Some(weights.iter().map(at).collect())
     }
 
     /// What is known at `loads` under `condition` of a material with this `area_law`.
@@ -210,7 +255,8 @@ impl MaterialUncertainty {
     /// x to first order.
     #[must_use]
     pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
-        self.modulus_relative_std.filter(|std| *std > 0.0 && !self.law_is_fitted && area_law.is_some())
+        self.modulus_relative_std
+            .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
     }
 
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
@@ -225,7 +271,7 @@ impl MaterialUncertainty {
         if self.law_is_fitted && !fitted_together {
             unknown.push("scale of the area law");
         }
-        if !self.law_is_fitted && !fitted_together && self.modulus_relative_std.is_none() {
+        if !self.law_is_fitted && !self.law_is_measured && !fitted_together && self.modulus_relative_std.is_none() {
             unknown.push("Young's modulus");
         }
         if !fitted_together && law.factor_std().is_none() {
@@ -235,8 +281,12 @@ impl MaterialUncertainty {
     }
 }
 
-/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under `condition`.
-fn covariance(known: &[FrictionError], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
+/// Those of `known` coefficients that stand for `condition`, and the share of each at each of `pressures_pa`.
+fn shares<'a>(
+    known: &'a [FrictionError],
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Option<(Vec<&'a FrictionError>, Vec<Vec<f64>>)> {
     let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
     let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
         vec![(None, 1.0)]
@@ -257,6 +307,12 @@ fn covariance(known: &[FrictionError], pressures_pa: &[f64], condition: Option<&
         Some(each.collect::<Option<Vec<_>>>()?.concat())
     };
     let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
+    Some((known, weights))
+}
+
+/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under `condition`.
+fn covariance(known: &[FrictionError], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
+    let (known, weights) = shares(known, pressures_pa, condition)?;
     let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.mean).sum::<f64>();
     // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
     let covariance = |left: &Vec<f64>, right: &Vec<f64>| {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Deserialize;
+use slipgrid_material::Extrapolation;
 use slipgrid_topography::{Crop, Decimation, DecimationMethod, Form, LengthUnit, ReadOptions};
 use toml::Spanned;
 
@@ -17,6 +18,9 @@ use crate::units::{LENGTH_UM, SLOPE};
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
     map: Option<Spanned<String>>,
+    map_after: Option<Spanned<String>>,
+    local_law: Option<Spanned<String>>,
+    extrapolation: Option<Spanned<String>>,
     persson_rms_slope: Option<Number>,
     synthetic: Option<bool>,
     pixel_um: Option<Number>,
@@ -73,6 +77,13 @@ pub enum Surface {
         /// Windows along either side whose spread gives the law's standard errors; fewer than 2 for none, `None`
         /// for the default.
         windows: Option<usize>,
+        /// A map of the same kind of sample after the test, read as the first: only compared with it.
+        after: Option<PathBuf>,
+    },
+    /// None: measured flat friction is the law of local pressure.
+    Measured {
+        /// How it goes on above the last measured pressure.
+        extrapolation: Extrapolation,
     },
     /// Persson's theory for an rms slope.
     Persson {
@@ -90,6 +101,19 @@ impl Surface {
     /// [`Diagnostic`] unless it names either a map or a slope, and every value means something.
     pub fn new(document: &Document, file: &Spanned<SurfaceFile>) -> Result<Self, Diagnostic> {
         let surface = file.get_ref();
+        if let Some(law) = &surface.local_law {
+            return measured(document, surface, law);
+        }
+        if let Some(extrapolation) = &surface.extrapolation {
+            return Err(document
+                .refuse(extrapolation.span(), "stands without a measured law")
+                .expected("`local_law = \"measured\"` beside it, or none"));
+        }
+        if let (Some(after), None) = (&surface.map_after, &surface.map) {
+            return Err(document
+                .refuse(after.span(), "stands alone")
+                .expected("`map` beside it: the map before the test"));
+        }
         match (&surface.map, &surface.persson_rms_slope) {
             (Some(_), Some(slope)) => Err(document
                 .refuse(slope.span(), "stands beside a map")
@@ -105,9 +129,35 @@ impl Surface {
                 synthetic: surface.synthetic.unwrap_or(false),
                 options: options(document, surface)?,
                 windows: surface.windows.as_ref().map(|windows| *windows.get_ref()),
+                after: surface
+                    .map_after
+                    .as_ref()
+                    .map(|after| existing(document, after, after.get_ref()))
+                    .transpose()?,
             }),
         }
     }
+}
+
+/// Measured flat friction as the local law: it takes no surface.
+fn measured(document: &Document, file: &SurfaceFile, law: &Spanned<String>) -> Result<Surface, Diagnostic> {
+    if !document.choice(law, &[true, false], |measured| if measured { "measured" } else { "area" })? {
+        let rest = SurfaceFile { local_law: None, ..file.clone() };
+        return Surface::new(document, &Spanned::new(law.span(), rest));
+    }
+    let stray = [&file.map, &file.map_after].into_iter().flatten().map(Spanned::span).next();
+    if let Some(stray) = stray.or(file.persson_rms_slope.as_ref().map(Spanned::span)) {
+        return Err(document
+            .refuse(stray, "stands beside local_law = \"measured\", which takes no surface")
+            .expected("one of the two"));
+    }
+    let extrapolation = file.extrapolation.as_ref().ok_or_else(|| {
+        document
+            .missing(law.span(), "extrapolation")
+            .expected("\"constant\" or \"logarithmic\": how friction goes on above the last measured pressure")
+    })?;
+    let extrapolation = document.choice(extrapolation, &Extrapolation::ALL, Extrapolation::name)?;
+    Ok(Surface::Measured { extrapolation })
 }
 
 fn options(document: &Document, file: &SurfaceFile) -> Result<MapOptions, Diagnostic> {

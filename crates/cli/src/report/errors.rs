@@ -22,6 +22,8 @@ const BLOCKS: &str = "size of blocks";
 const BEHIND: &str = "specimen behind the layer";
 /// Part of a static peak, which follows them at most one to one.
 const STATIC: &str = "static coefficient";
+/// The 97.5 % point of the normal distribution.
+const NORMAL_95: f64 = 1.959_964;
 /// What is open where slopes could not be computed.
 const NO_SLOPES: &str = "what the material's errors make of friction: its neighbours cannot be computed";
 
@@ -69,6 +71,8 @@ pub struct ErrorReport {
     pub value: Option<f64>,
     /// All parts together; null where none is known.
     pub std: Option<f64>,
+    /// Ends of the 95 % interval, which reaches farther to one side where Young's modulus decides; null where none is known.
+    pub interval_95: Option<[f64; 2]>,
     /// Each part alone.
     pub parts: Vec<PartsReport>,
 }
@@ -103,11 +107,17 @@ impl ErrorReport {
         let square =
             own.iter().map(|part| part.std.powi(2)).sum::<f64>() + known.map_or(0.0, |known| known.std.powi(2));
         let is_known = value.is_some() && (known.is_some() || !own.is_empty());
+        let of_run = own.iter().map(|part| part.std.powi(2)).sum::<f64>() * NORMAL_95 * NORMAL_95;
+        let interval = value.filter(|_| is_known).map(|value| {
+            let [below, above] =
+                known.map_or([0.0; 2], |known| known.reach_95).map(|reach| (reach * reach + of_run).sqrt());
+            [tidy(value - below), tidy(value + above)]
+        });
         let of_material = known.into_iter().flat_map(|known| &known.parts);
         let of_material = of_material.map(|&(source, std)| PartsReport { input: source.name().to_owned(), std });
         let parts =
             own.into_iter().chain(of_material).map(|part| PartsReport { std: tidy(part.std), ..part }).collect();
-        Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), parts }
+        Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
     }
 
     /// The part of the run itself: how long it lasted and what it drew.
@@ -254,6 +264,15 @@ impl ErrorsReport {
         }
         words += if corrected { "" } else { "; how far the model itself is off is not in it" };
         Self { meaning: words, includes, unknown, by_pressure }
+    }
+
+    /// The 95 % intervals of what `of` picks at each pressure, in one line; `None` where none is known.
+    #[must_use]
+    pub fn intervals(&self, name: &str, of: impl Fn(&PressureErrors) -> Option<ErrorReport>) -> Option<String> {
+        let ends = |row: &PressureErrors| of(row)?.interval_95.map(|[from, to]| format!("{from:.4} to {to:.4}"));
+        let all: Vec<String> = self.by_pressure.iter().map(|row| ends(row).unwrap_or_else(|| "-".to_owned())).collect();
+        let is_known = all.iter().any(|ends| ends != "-");
+        is_known.then(|| format!("95 % of {name}: {}", all.join(", ")))
     }
 
     /// The errors at one pressure.

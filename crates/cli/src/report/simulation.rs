@@ -350,6 +350,10 @@ impl SimulationReport {
         text.push('\n');
         text += &self.load_table().to_string();
         text += &format!("  {}\n", self.errors.meaning);
+        let ratios = self.errors.intervals("ratio", |row| row.ratio.clone());
+        for line in ratios.into_iter().chain(self.errors.intervals("mu_dynamic", |row| Some(row.mu.clone()))) {
+            text += &format!("  {line}\n");
+        }
         if let Some(words) = self.blocks_words() {
             text += &format!("  {words}\n");
         }

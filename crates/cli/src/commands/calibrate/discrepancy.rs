@@ -1,7 +1,7 @@
 //! The model's error on patterned samples, from a calibration's patterned measurements.
 
 use slipgrid_calibrate::{
-    Discrepancy, DiscrepancyForm as Form, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected,
+    Discrepancy, DiscrepancyForm as Form, RatioInterval, RatioPoint, Trial, estimate, leave_one_out, uncorrected,
 };
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, LocalFriction};
@@ -13,7 +13,7 @@ use super::CalibrationInput;
 use crate::CliError;
 use crate::commands::area_curve::area_law;
 use crate::formats::calibration::{Calibration, DiscrepancyForm};
-use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile};
+use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
 use crate::formats::measurements::Measurement;
 use crate::formats::values::number;
 use crate::report::Table;
@@ -118,6 +118,8 @@ fn rows(
     let modelled = |log_modulus: f64| -> Result<Vec<Option<f64>>, CliError> {
         let law = match input.area_law {
             None => None,
+            // A measured law is moved by no modulus.
+            Some(ref law) if curve.is_empty() => Some(law.clone()),
             Some(_) => Some(stiffer(curve, log_modulus, calibration.threshold_pa)?),
         };
         ratios(calibration, law, input.layer, pattern, &pairs)
@@ -206,6 +208,7 @@ impl Report {
                     estimate: EstimateFile::new(found),
                 })
                 .collect(),
+            trials: vec![TrialFile::from(&Trial::from(pattern))],
         };
         Spanned::new(0..0, file)
     }

@@ -2,9 +2,12 @@
 
 use std::path::Path;
 
-use slipgrid_calibrate::{AreaLawScale, CalibrationError, Measurement, Problem, StaticPeak, calibrate, planned_steps};
+use slipgrid_calibrate::{
+    AreaLawScale, CalibrationError, FlatLoad, Measurement, Problem, StaticPeak, calibrate, marginal_relative_std,
+    planned_steps,
+};
 
-use slipgrid_material::THRESHOLD_PRESSURE_PA;
+use slipgrid_material::{MaterialError, THRESHOLD_PRESSURE_PA};
 
 use super::details::FitDetails;
 use super::{CalibrationInput, Fit, FittedPair};
@@ -113,12 +116,61 @@ pub fn fit(problem: &Problem, progress: &Progress) -> Result<Fit, CalibrationErr
                 static_std_error: pair.static_std_error.filter(|error| error.is_finite()),
                 dynamic_mean: pair.dynamic_mean,
                 dynamic_std_error: Some(pair.dynamic_std_error).filter(|error| error.is_finite()),
+                dynamic_std_error_given_law: None,
             })
             .collect(),
         residuals: fitted.predictions.iter().map(|prediction| prediction.residual).collect(),
+        dynamic_over_steady: dynamic_over_steady(&fitted, problem),
         details: FitDetails::new(&fitted, problem.area_law_scale.as_ref()),
         notes: fitted.notes,
     })
+}
+
+/// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding, one per measurement.
+fn dynamic_over_steady(fitted: &slipgrid_calibrate::Fit, problem: &Problem) -> Vec<f64> {
+    let at = |(place, measured): (usize, &Measurement)| {
+        let pair = fitted.pairs.get(place).or(fitted.pairs.first())?;
+        let factor = fitted.area_law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+        Some(fitted.predictions.get(place)?.mu_dynamic / (pair.dynamic_mean * factor))
+    };
+    problem.measurements.iter().enumerate().filter_map(at).collect()
+}
+
+/// Adds to the errors of `fit`, which take the area law for known, what Young's modulus and the law's own errors leave open.
+/// A law whose scale was fitted is in them already.
+///
+/// # Errors
+/// [`MaterialError`] where the law cannot be moved.
+pub fn marginal(fit: &mut Fit, calibration: &Calibration, input: &CalibrationInput) -> Result<(), MaterialError> {
+    let moves = |_: &f64| calibration.measured_law.is_none();
+    let log_modulus_std = calibration.modulus_relative_std().filter(moves).unwrap_or(0.0);
+    let Some(law) = input.area_law.as_ref().filter(|_| input.area_law_scale_pa.is_none()) else { return Ok(()) };
+    if log_modulus_std == 0.0 && law.factor_std().is_none() {
+        return Ok(());
+    }
+    let loads: Vec<FlatLoad> = input
+        .measurements
+        .iter()
+        .map(|measured| {
+            let pressure_pa = measured.force_n / input.specimen_area_m2;
+            // Of sum [(mu_d f_i - mu_i) / s_i]^2.
+            FlatLoad { pressure_pa, weight: (law.factor(pressure_pa) / measured.mu_dynamic_std).powi(2) }
+        })
+        .collect();
+    let single = fit.pairs.len() == 1;
+    for (place, pair) in fit.pairs.iter_mut().enumerate() {
+        let Some(error) = pair.dynamic_std_error else { continue };
+        let own = if single { &loads[..] } else { &loads[place..=place] };
+        let relative = marginal_relative_std(error / pair.dynamic_mean, law, log_modulus_std, own)?;
+        pair.dynamic_std_error_given_law = Some(error);
+        pair.dynamic_std_error = Some(relative * pair.dynamic_mean);
+    }
+    fit.notes.push(
+        "dynamic_std_error: with what Young's modulus and the area law leave open of the local coefficient; \
+         dynamic_std_error_given_law: at the given law, as flat friction is known, which errors of friction and of ratios are made of"
+            .to_owned(),
+    );
+    Ok(())
 }
 
 /// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.

@@ -29,7 +29,7 @@ use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_SPECIMEN;
-use crate::formats::surface::Surface;
+use crate::formats::surface::{MapOptions, Surface};
 use crate::formats::{Document, material::MaterialFile};
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_file, check_folder, write_file};
@@ -41,6 +41,9 @@ use crate::{CliError, Console, exit_code};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;
+
+/// Local pressures at which maps before and after a test are compared.
+const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
 
 /// Seed of the flat sample's local coefficients where nothing else names one.
 const DEFAULT_SEED: u64 = 1;
@@ -92,8 +95,10 @@ pub struct FittedPair {
     pub static_std_error: Option<f64>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: f64,
-    /// Its standard error.
+    /// Its standard error, whatever Young's modulus and the area law are.
     pub dynamic_std_error: Option<f64>,
+    /// The same at the given area law, where the two differ: that of flat friction.
+    pub dynamic_std_error_given_law: Option<f64>,
 }
 
 /// What a fit found.
@@ -103,6 +108,8 @@ pub struct Fit {
     pub pairs: Vec<FittedPair>,
     /// Model minus measurement of dynamic friction on the flat sample, one per measurement.
     pub residuals: Vec<f64>,
+    /// Dynamic over steady friction of the flat sample, one per measurement.
+    pub dynamic_over_steady: Vec<f64>,
     /// How values were obtained, what was assumed.
     pub notes: Vec<String>,
     /// Everything else that was found.
@@ -210,7 +217,9 @@ fn calibrate(
     console: &mut Console<'_>,
 ) -> Result<Calibrated, CliError> {
     let mut facts = surface_facts(path, calibration, console)?;
-    let law = if facts.curve.is_empty() {
+    let law = if let Some(law) = &calibration.measured_law {
+        Some(law.clone())
+    } else if facts.curve.is_empty() {
         None
     } else {
         let law = area_law(&facts.curve, calibration.threshold_pa).and_then(|law| with_errors(law, &facts));
@@ -234,13 +243,14 @@ fn calibrate(
     let progress = Progress::start("calibration", console.quiet);
     let fit = fit::fit(&problem, &progress);
     progress.finish();
-    let fit = fit.map_err(|error| fit::refuse(&error, path, calibration))?;
+    let mut fit = fit.map_err(|error| fit::refuse(&error, path, calibration))?;
     if calibration.area_law_scale_pa.is_some() {
         input.area_law.clone_from(&fit.details.area_law);
         facts.origin = Some("fit");
         facts.curve = fit.details.area_curve.clone();
         facts.notes.clear(); // what was said of having no law
     }
+    fit::marginal(&mut fit, calibration, &input).map_err(|error| CliError::Other(error.to_string()))?;
     let progress = Progress::start("discrepancy", console.quiet);
     let discrepancy = discrepancy::discrepancy(discrepancy_of, &input, &facts.curve);
     progress.finish();
@@ -266,6 +276,15 @@ fn surface_facts(file: &Path, calibration: &Calibration, console: &mut Console<'
             notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
             ..SurfaceFacts::default()
         }),
+        Surface::Measured { extrapolation } => Ok(SurfaceFacts {
+            origin: Some("measured"),
+            notes: vec![format!(
+                "local law: measured flat friction itself, mu(p) = mu_flat(P = p), {} above the last measured pressure; no area law, and \
+                 Young's modulus does not move it",
+                extrapolation.name()
+            )],
+            ..SurfaceFacts::default()
+        }),
         Surface::Persson { rms_slope } => Ok(SurfaceFacts {
             origin: Some("persson"),
             rms_slope: Some(*rms_slope),
@@ -274,7 +293,7 @@ fn surface_facts(file: &Path, calibration: &Calibration, console: &mut Console<'
             notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
             ..SurfaceFacts::default()
         }),
-        Surface::Map { path, synthetic, options, windows } => {
+        Surface::Map { path, synthetic, options, windows, after } => {
             let surface = SurfaceMap::read_period(path, options)?;
             let refuse_windows = |error: ContactError| Diagnostic {
                 key: Some("surface.windows".into()),
@@ -297,6 +316,10 @@ fn surface_facts(file: &Path, calibration: &Calibration, console: &mut Console<'
             let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));
+            }
+            if let Some(after) = after {
+                let request = (contact_modulus_pa, &pressures_pa[..], calibration.threshold_pa);
+                notes.push(after_test(after, options, (&surface, &curve.points), request, console)?);
             }
             let request =
                 LawRequest { contact_modulus_pa, pressures_pa: &pressures_pa, threshold_pa: calibration.threshold_pa };
@@ -321,6 +344,42 @@ fn surface_facts(file: &Path, calibration: &Calibration, console: &mut Console<'
             })
         }
     }
+}
+
+/// How the map at `path`, of a sample after the test, differs from the one before, on which the law rests.
+fn after_test(
+    path: &Path,
+    options: &MapOptions,
+    (before, curve): (&SurfaceMap, &[AreaPoint]),
+    (contact_modulus_pa, pressures_pa, threshold_pa): (f64, &[f64], f64),
+    console: &Console<'_>,
+) -> Result<String, CliError> {
+    let surface = SurfaceMap::read_period(path, options)?;
+    let progress = Progress::start("area law after the test", console.quiet);
+    let after = area_curve(&surface.map, contact_modulus_pa, pressures_pa, CONTACT_TOLERANCE, &progress);
+    progress.finish();
+    heed()?;
+    let after = after.map_err(|error| Diagnostic::file(path, error.to_string()))?;
+    let law = |points: &[AreaPoint]| {
+        area_law(points, threshold_pa).map_err(|error| Diagnostic::file(path, error.to_string()))
+    };
+    let (own, other) = (law(curve)?, law(&after.points)?);
+    let at: Vec<String> = AFTER_MPA
+        .iter()
+        .map(|mpa| {
+            let [own, other] = [&own, &other].map(|law| law.factor(PRESSURE_MPA.to_si(*mpa)));
+            format!("{own:.3} and {other:.3} at {mpa} MPa")
+        })
+        .collect();
+    Ok(format!(
+        "area law: of the map before the test. After it Sa is {:.3} um instead of {:.3} um and the rms slope {:.4} instead of {:.4}: f \
+         before and after would be {}",
+        surface.sa_m * 1e6,
+        before.sa_m * 1e6,
+        surface.rms_slope,
+        before.rms_slope,
+        at.join(", ")
+    ))
 }
 
 /// The spread of f among windows of the map, where it is wanted and the map large enough.

@@ -83,13 +83,19 @@ fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliErr
             dynamic_mean: Some(unplaced(Numbers::One(tidy(pair.dynamic_mean)))),
             static_std_error: pair.static_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
             dynamic_std_error: pair.dynamic_std_error.map(|error| unplaced(Numbers::One(tidy(error)))),
+            dynamic_std_error_given_law: pair
+                .dynamic_std_error_given_law
+                .map(|error| unplaced(Numbers::One(tidy(error)))),
+            dynamic_over_steady: mean(&fit.dynamic_over_steady).map(|excess| unplaced(Numbers::One(excess))),
             relative_std,
             residual: Some(fit.residuals.iter().copied().map(rounded).collect()),
             scale_covariance: fit.details.scale_covariance(pair.dynamic_std_error).map(unplaced),
             ..FrictionFile::default()
         }),
         (Coefficients::PerCondition, pairs)
-            if pairs.len() == calibration.flat.len() && fit.residuals.len() == pairs.len() =>
+            if pairs.len() == calibration.flat.len()
+                && fit.residuals.len() == pairs.len()
+                && fit.dynamic_over_steady.len() == pairs.len() =>
         {
             let conditions = conditions(calibration, fit)
                 .into_iter()
@@ -107,14 +113,26 @@ struct Row {
     pressure_pa: f64,
     pair: FittedPair,
     residual: f64,
+    dynamic_over_steady: f64,
+}
+
+/// The mean to five digits: runs are known to a thousandth. `None` of nothing.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| digits(values.iter().sum::<f64>() / values.len() as f64))
+}
+
+fn digits(excess: f64) -> f64 {
+    (excess * 1e5).round() / 1e5
 }
 
 /// Rows by speed and humidity in the order of the measurements, each by pressure.
 fn conditions(calibration: &Calibration, fit: &Fit) -> Vec<(Condition, Vec<Row>)> {
     let mut conditions: Vec<(Condition, Vec<Row>)> = Vec::new();
-    for ((measured, &pair), &residual) in calibration.flat.iter().zip(&fit.pairs).zip(&fit.residuals) {
+    let found = fit.pairs.iter().zip(&fit.residuals).zip(&fit.dynamic_over_steady);
+    for (measured, ((&pair, &residual), &excess)) in calibration.flat.iter().zip(found) {
         let condition = Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity };
-        let row = Row { pressure_pa: calibration.pressure_pa(measured.force_n), pair, residual };
+        let pressure_pa = calibration.pressure_pa(measured.force_n);
+        let row = Row { pressure_pa, pair, residual, dynamic_over_steady: digits(excess) };
         match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
             Some((_, rows)) => rows.push(row),
             None => conditions.push((condition, vec![row])),
@@ -141,6 +159,8 @@ fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
         dynamic_mean: column(|row| row.pair.dynamic_mean),
         static_std_error: errors(|pair| pair.static_std_error),
         dynamic_std_error: errors(|pair| pair.dynamic_std_error),
+        dynamic_std_error_given_law: errors(|pair| pair.dynamic_std_error_given_law),
+        dynamic_over_steady: Some(column(|row| row.dynamic_over_steady)),
         residual: Some(rows.iter().map(|row| rounded(row.residual)).collect()),
     }
 }
@@ -187,6 +207,7 @@ mod tests {
             traces: Vec::new(),
             pattern: None,
             area_law_scale_pa: None,
+            measured_law: None,
             discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,
@@ -196,7 +217,13 @@ mod tests {
     }
 
     fn pair(dynamic_mean: f64) -> FittedPair {
-        FittedPair { static_mean: 0.3, static_std_error: None, dynamic_mean, dynamic_std_error: Some(0.002) }
+        FittedPair {
+            static_mean: 0.3,
+            static_std_error: None,
+            dynamic_mean,
+            dynamic_std_error: Some(0.002),
+            dynamic_std_error_given_law: None,
+        }
     }
 
     fn written(coefficients: Coefficients, pairs: Vec<FittedPair>) -> slipgrid_material::Material {
@@ -218,6 +245,7 @@ mod tests {
         let fit = Fit {
             pairs,
             residuals: vec![0.001, -0.002, 0.0],
+            dynamic_over_steady: vec![1.014, 1.018, 1.016],
             notes: vec!["a \"note\"".into()],
             details: FitDetails::default(),
         };

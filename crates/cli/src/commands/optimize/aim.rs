@@ -3,9 +3,11 @@
 
 use serde::Serialize;
 use slipgrid_calibrate::uncertainty::DiscrepancyAt;
+use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Load;
 
 use super::errors::DesignErrors;
+use super::near_trials::DomainReport;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::target::quantity_name;
@@ -25,6 +27,8 @@ pub struct DiscrepancyReport {
     pub pattern: String,
     /// The design's planform, where that of the patterned samples was another.
     pub other_planform: Option<&'static str>,
+    /// The patterns that it is used for, beside the design; null where the material does not say what the samples were.
+    pub domain: Option<DomainReport>,
     /// Measured ratios less coefficients.
     pub degrees_of_freedom: usize,
     /// One per target pressure.
@@ -92,9 +96,15 @@ pub fn factors(design: &Design, material: &MaterialUncertainty, humidity: Option
 }
 
 impl DiscrepancyReport {
-    /// Both readings of the values that `errors` holds; `None` for a material of which no patterned samples are known.
+    /// Both readings of the values of `best` that `errors` holds; `None` for a material of which no patterned samples are known.
     #[must_use]
-    pub fn new(design: &Design, material: &MaterialUncertainty, loads: &[Load], errors: &DesignErrors) -> Option<Self> {
+    pub fn new(
+        design: &Design,
+        material: &MaterialUncertainty,
+        loads: &[Load],
+        errors: &DesignErrors,
+        best: &Pattern,
+    ) -> Option<Self> {
         let (found, corrected) = material.discrepancy_at(design.humidity()).zip(errors.corrected.as_ref())?;
         let quantity = quantity_name(design.target.quantity());
         let at = DiscrepancyAt::each(&found, loads);
@@ -142,6 +152,7 @@ impl DiscrepancyReport {
             quantity,
             other_planform: (!pattern.starts_with(planform)).then_some(planform),
             pattern,
+            domain: material.discrepancy_domain.as_ref().map(|domain| DomainReport::new(domain, best)),
             degrees_of_freedom: found.degrees_of_freedom,
             by_pressure,
             misfit,
@@ -162,14 +173,38 @@ impl DiscrepancyReport {
         } else {
             format!("; {} MPa lies outside the pressures measured", outside.join(", "))
         };
+        let domain = self.domain.as_ref().map_or_else(String::new, |domain| {
+            let far = if domain.far.is_empty() {
+                String::new()
+            } else {
+                format!("; this one is far from them in {}: take it as a guess", domain.far.join(" and "))
+            };
+            format!(". Near them are {}{far}", domain.words())
+        });
         format!(
-            "Discrepancy: measured over modelled ratios of patterned samples ({}; degrees of freedom: {}). It holds for patterns like theirs{}{outside}",
+            "Discrepancy: measured over modelled ratios of patterned samples ({}; degrees of freedom: {}). It holds for patterns like theirs{}{outside}{domain}",
             self.pattern,
             self.degrees_of_freedom,
             self.other_planform.map_or_else(String::new, |planform| format!(
                 ", which this one ({planform}) is not: take it as a guess"
             )),
         )
+    }
+
+    /// Why a target that was aimed at with the discrepancy was not met; `None` where the search aimed with the physics alone.
+    #[must_use]
+    pub fn restriction(&self) -> Option<String> {
+        let domain = self.domain.as_ref().filter(|_| self.used)?;
+        let guess = if domain.far.is_empty() {
+            String::new()
+        } else {
+            format!(". The nearest design is far from them in {}, and its values are guesses", domain.far.join(" and "))
+        };
+        Some(format!(
+            "the discrepancy counts near the patterns that it was measured on alone, and where the physics by itself moves friction by more \
+             than the tolerance at some pressure: near are {}{guess}",
+            domain.words()
+        ))
     }
 
     /// Both readings as text.

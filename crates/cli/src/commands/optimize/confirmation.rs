@@ -5,6 +5,7 @@ use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
 
 use super::rounds::{CONFIRMATION, Rounds};
 use super::stages::Timings;
+use crate::dynamic_excess::correct;
 use crate::formats::design::Design;
 use crate::interruption::heed;
 use crate::on_specimen::{SpecimenError, simulate_on};
@@ -38,13 +39,16 @@ impl Rounds {
     ) -> Result<(), CliError> {
         let refuse = |error: SpecimenError| design.refuse(error.to_string());
         let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
-        let predicted = self.model.simulate(pattern).map_err(refuse)?;
+        let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
-        let confirmed = simulate_on(&scene, Some(&design.outline), &bar).map_err(refuse)?;
+        let mut confirmed = simulate_on(&scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
         heed()?;
         self.note_cut(&confirmed, CONFIRMATION);
+        let excess = self.excess.first().and_then(Option::as_deref);
+        correct(&mut predicted, &self.model.scene(pattern), excess);
+        correct(&mut confirmed, &scene, excess);
         self.predicted = Some(predicted);
         self.confirmed = Some(confirmed);
         for further in &mut self.further {
@@ -73,10 +77,11 @@ impl Rounds {
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
-                let confirmed = simulate_on(&scene, Some(&design.outline), &bar)
+                let mut confirmed = simulate_on(&scene, Some(&design.outline), &bar)
                     .map_err(|error| design.refuse(error.to_string()))?;
                 timings.confirm_further += bar.finish();
                 heed()?;
+                correct(&mut confirmed, &scene, self.excess.get(1 + place).and_then(Option::as_deref));
                 self.note_cut(&confirmed, "confirmation at further conditions");
                 self.further[place].confirmed = Some(confirmed);
             }

@@ -12,6 +12,7 @@ use super::model::SteadyCell;
 use super::rounds::Rounds;
 use super::stages::Timings;
 use crate::formats::design::Design;
+use crate::formats::limits::Measure;
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
@@ -87,7 +88,7 @@ impl Rounds {
     ) -> Result<Option<ExplanationReport>, CliError> {
         let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
         // No limit is the reason where physics is.
-        if self.flat_is_best(design).is_some() {
+        if self.flat_is_best(design).is_some() || design.measures.contains(&Measure::OtherPlanform) {
             return Ok(None);
         }
         let bar = Progress::until("why not", console.quiet, self.allowance.until());

@@ -7,7 +7,7 @@ use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
 use toml::Spanned;
 
 use crate::CliError;
-use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile};
+use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, TrialFile};
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
@@ -102,7 +102,11 @@ impl DesignScene<'_> {
             discrepancy: self.discrepancy(),
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
-                    origin: self.uncertainty.law_is_fitted.then(|| "fit".to_owned()),
+                    origin: match (self.uncertainty.law_is_fitted, self.uncertainty.law_is_measured) {
+                        (true, _) => Some("fit".to_owned()),
+                        (_, true) => Some("measured".to_owned()),
+                        _ => None,
+                    },
                     rms_slope: None,
                     sa_um: None,
                     pixel_um: None,
@@ -120,7 +124,9 @@ impl DesignScene<'_> {
     fn discrepancy(&self) -> Option<Spanned<DiscrepancyFile>> {
         let found = self.uncertainty.discrepancy_at(self.condition.map(|condition| condition.humidity))?;
         let pattern = self.uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new() }))
+        let domain = self.uncertainty.discrepancy_domain.as_ref();
+        let trials = domain.iter().flat_map(|domain| domain.trials()).map(TrialFile::from).collect();
+        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new(), trials }))
     }
 
     /// One pair where all loads share it, otherwise one per pressure, with their standard errors.
@@ -136,6 +142,9 @@ impl DesignScene<'_> {
         let joint = self.uncertainty.scale_covariance;
         let dynamic_error = relative(&knowledge.flat_friction).filter(|_| joint.is_none());
         let static_error = relative(&knowledge.static_friction);
+        let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
+        let excess = self.uncertainty.excess(&pressures_pa, self.condition);
+        let is_marginal = self.uncertainty.has_marginal_errors;
         let relative_std = loads.first().map(|load| number(load.friction.relative_std()));
         let shared = loads.first().filter(|first| loads.iter().all(|load| load.friction == first.friction));
         if let Some(load) = shared {
@@ -147,7 +156,10 @@ impl DesignScene<'_> {
                 dynamic_mean: one(mean),
                 relative_std,
                 static_std_error: error(static_error, static_mean),
-                dynamic_std_error: error(dynamic_error, mean),
+                dynamic_std_error: error(dynamic_error.clone().filter(|_| !is_marginal), mean),
+                dynamic_std_error_given_law: error(dynamic_error.filter(|_| is_marginal), mean),
+                dynamic_over_steady: excess
+                    .map(|all| unplaced(Numbers::One(tidy(all.iter().sum::<f64>() / all.len() as f64)))),
                 scale_covariance: joint
                     .map(|[[a, b], [c, d]]| unplaced(vec![vec![a * mean * mean, b * mean], vec![c * mean, d]])),
                 ..FrictionFile::default()
@@ -162,7 +174,9 @@ impl DesignScene<'_> {
         FrictionFile {
             pressure_mpa: Some(number_list(loads.iter().map(|load| PRESSURE_MPA.from_si(load.pressure_pa)))),
             static_std_error: errors(static_error, &static_mean),
-            dynamic_std_error: errors(dynamic_error, &dynamic_mean),
+            dynamic_std_error: errors(dynamic_error.clone().filter(|_| !is_marginal), &dynamic_mean),
+            dynamic_std_error_given_law: errors(dynamic_error.filter(|_| is_marginal), &dynamic_mean),
+            dynamic_over_steady: excess.and_then(|all| column(all.into_iter().map(tidy).collect())),
             static_mean: column(static_mean),
             dynamic_mean: column(dynamic_mean),
             relative_std,

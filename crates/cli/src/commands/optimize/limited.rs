@@ -4,6 +4,8 @@ use slipgrid_export::{Laser, Layout, laser_time_s};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
+use super::model::SteadyCell;
+use super::near_trials::Effect;
 use super::study::Answer;
 use crate::formats::design::Design;
 use crate::formats::limits::Measure;
@@ -15,12 +17,23 @@ pub struct Limited {
     measures: Vec<Measure>,
     laser: Laser,
     outline: Option<Specimen>,
+    effect: Effect,
 }
 
 impl Limited {
-    /// The quantities that `design` limits.
-    pub fn of(design: &Design) -> Self {
-        Self { measures: design.measures.clone(), laser: design.laser, outline: Some(design.outline) }
+    /// The quantities that `design` limits, whose values `model` gives.
+    pub fn of(design: &Design, model: &SteadyCell) -> Self {
+        Self {
+            measures: design.measures.clone(),
+            laser: design.laser,
+            outline: Some(design.outline),
+            effect: Effect::new(design, model),
+        }
+    }
+
+    /// Whether by the physics behind `values` a pattern does less than limits demand.
+    pub fn does_too_little(&self, values: &[f64]) -> bool {
+        self.measures.contains(&Measure::Effect) && self.effect.of(values) < 1.0
     }
 
     /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
@@ -37,11 +50,12 @@ impl Limited {
         self.measures.contains(&Measure::Clearance)
     }
 
-    /// The quantities of `pattern`, of which the model says `answer`, in the order of the limits, SI units.
+    /// The quantities of `pattern`, of which the model says `answer` and gives `values` of the target's quantity, in the order of
+    /// the limits, SI units.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the specimen cannot take the pattern.
-    pub fn values(&self, pattern: &Pattern, answer: &Answer) -> Result<Vec<f64>, ModelFailure> {
+    pub fn values(&self, pattern: &Pattern, answer: &Answer, values: &[f64]) -> Result<Vec<f64>, ModelFailure> {
         self.measures
             .iter()
             .map(|measure| {
@@ -53,6 +67,10 @@ impl Limited {
                     // Where nothing is left that could sag, nothing does.
                     Measure::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
                     Measure::LeastPressure => answer.least_pressure,
+                    Measure::PatternDensity => pattern.areal_density(),
+                    Measure::Depth => pattern.depth_m(),
+                    Measure::OtherPlanform => 1.0,
+                    Measure::Effect => self.effect.of(values),
                 })
             })
             .collect()

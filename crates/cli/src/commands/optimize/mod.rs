@@ -16,6 +16,7 @@ mod further;
 mod limited;
 mod material;
 mod model;
+mod near_trials;
 mod raised;
 mod reachable;
 mod report;
@@ -90,6 +91,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let (loads, outside) = design.loads(&material)?;
     let further = further::further(&design, &material)?;
     design.target = design.target.at_conditions(1 + further.len());
+    near_trials::keep_near(&mut design, uncertainty.discrepancy_domain.as_ref());
     let with_table = args.table || design.table;
     if with_table {
         table::check(&design)?;
@@ -101,6 +103,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let mut found = Rounds::new(&design, &material, loads.clone(), further, allowance, console, &mut timings)?;
     found.model.aim_with(factors);
     found.chances = Some(chance::Chances::new(&design, &uncertainty, &found.model, &found.further)?);
+    let conditions = std::iter::once(design.condition).chain(found.further.iter().map(|further| further.at.condition));
+    let excess = conditions.map(|condition| uncertainty.excess(&design.pressures_pa(), condition.as_ref()));
+    found.excess = excess.collect();
     found.study(&design, subject::study_path(&folder), args.resume, console)?;
     found.announce(&design, with_table, console)?;
     found.run(&design, console, &mut timings)?;
@@ -122,7 +127,10 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let errors = errors::of_design(&design, &uncertainty, &confirming, confirmed, value)?;
-    let chance = match &found.chances {
+    // What a sample does whose discrepancy nobody knows has no chance that could be said.
+    let is_far = design.discrepancy
+        && uncertainty.discrepancy_domain.as_ref().is_some_and(|domain| !domain.far(&pattern).is_empty());
+    let chance = match found.chances.as_ref().filter(|_| !is_far) {
         Some(chances) => found.chance(&design, &uncertainty, chances, &errors.report)?,
         None => None,
     };
@@ -206,7 +214,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: best.response.value[..loads.len()].to_vec(),
         confirmed: load_reports(confirmed, sectioned, &outside),
-        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, &loads, &errors),
+        discrepancy: aim::DiscrepancyReport::new(&design, &uncertainty, &loads, &errors, &pattern),
         goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors.report),
         errors: errors.report,
         conditions,

@@ -211,6 +211,12 @@ impl SteadyCell {
         (self.limited, self.study) = (limited, study);
     }
 
+    /// Whether by the physics behind `values`, as they are compared with the target, a pattern does less than limits demand.
+    #[must_use]
+    pub fn does_too_little(&self, values: &[f64]) -> bool {
+        self.limited.does_too_little(values)
+    }
+
     /// Whether designs are solved in space.
     #[must_use]
     pub const fn is_solid(&self) -> bool {
@@ -419,8 +425,9 @@ impl SteadyCell {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
         let corrected = |(load, ratio): (usize, &f64)| ratio * self.scale(load) + self.correction[load];
-        let value = answer.ratio.iter().enumerate().map(corrected).collect();
-        Ok(Response { value, limited: self.limited.values(design, &answer)? })
+        let value: Vec<f64> = answer.ratio.iter().enumerate().map(corrected).collect();
+        let limited = self.limited.values(design, &answer, &value)?;
+        Ok(Response { value, limited })
     }
 
     /// What `solver`, made of `scene`, says of `design`.

@@ -1,7 +1,7 @@
 //! Targets that no pattern is needed for, or that none can meet, because the model only lowers friction.
 
 use serde::Serialize;
-use slipgrid_optimize::{Goal, Quantity, Status, Wanted};
+use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 
 use super::rounds::Rounds;
 use crate::formats::design::Design;
@@ -24,26 +24,35 @@ impl Rounds {
     /// What the flat surface does about the target of `design`, where it is better than any pattern.
     pub(super) fn flat_is_best(&self, design: &Design) -> Option<FlatReport> {
         let target = &design.target;
-        let flat: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
+        // The discrepancy is one of patterned samples: it lowers what patterns reach, not the flat surface.
+        let most: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
+        let flat: Vec<f64> = most.iter().enumerate().map(|(load, most)| most / self.model.factor(load)).collect();
         let quantity = match target.quantity() {
             Quantity::Ratio => "ratio",
             Quantity::DynamicFriction => "dynamic friction",
         };
         let points = target.points();
-        let asked = || flat.iter().enumerate().map(|(place, flat)| (&points[place % points.len()], *flat));
-        // The demand that lies highest above the flat surface.
-        let above = asked()
-            .filter_map(|(point, flat)| Some((point, flat, point.wanted.band()[0]? - flat)))
+        let asked = |of: &[f64]| -> Vec<(Demand, f64)> {
+            of.iter().enumerate().map(|(place, value)| (points[place % points.len()], *value)).collect()
+        };
+        // The demand that lies highest above what no pattern exceeds.
+        let above = asked(&most)
+            .into_iter()
+            .filter_map(|(point, most)| Some((point, most, point.wanted.band()[0]? - most)))
             .filter(|(_, _, by)| *by > 0.0)
             .max_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some((point, flat, by)) = above.filter(|_| self.status == Status::Unreachable) {
+        if let Some((point, most, by)) = above.filter(|_| self.status == Status::Unreachable) {
+            let limit = if design.discrepancy {
+                "with the discrepancy no pattern exceeds"
+            } else {
+                "the flat surface, which no pattern exceeds, has"
+            };
             return Some(FlatReport {
                 words: format!(
-                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and the flat surface, which no \
-                     pattern exceeds, has {}",
+                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and {limit} {}",
                     PRESSURE_MPA.from_si(point.pressure_pa),
-                    fixed(Some(flat + by), 4),
-                    fixed(Some(flat), 4),
+                    fixed(Some(most + by), 4),
+                    fixed(Some(most), 4),
                 ),
                 suffices: false,
             });
@@ -60,7 +69,7 @@ impl Rounds {
                 flat - found <= target.tolerance()
             }
             Some(Goal::Lowest | Goal::Even) => false,
-            None => asked().all(|(point, flat)| goes_up(&point.wanted, flat)),
+            None => asked(&flat).iter().all(|(point, flat)| goes_up(&point.wanted, *flat)),
         };
         is_best.then(|| FlatReport {
             words: format!(

@@ -21,7 +21,7 @@ use super::target_report::{GoalReport, TargetReport};
 use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
-use crate::report::errors::{ErrorReport, ErrorsReport};
+use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors};
 use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
 use crate::report::specimen::SpecimenReport;
 use crate::report::table::{fixed, with_error};
@@ -234,6 +234,10 @@ impl DesignReport {
             self.confirmation()
         );
         text += &format!("  {}\n", self.errors.meaning);
+        let confirmed = |row: &PressureErrors| if self.is_ratio() { row.ratio.clone() } else { Some(row.mu.clone()) };
+        if let Some(line) = self.errors.intervals("confirmed", confirmed) {
+            text += &format!("  {line}\n");
+        }
         if let Some(found) = &self.discrepancy {
             text += &found.text();
         }
@@ -273,6 +277,11 @@ impl DesignReport {
         }
         for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
             text += &format!("  why: {}\n", conflict.words);
+        }
+        let restriction =
+            self.discrepancy.as_ref().filter(|_| self.status != "met").and_then(DiscrepancyReport::restriction);
+        if let Some(reason) = restriction {
+            text += &format!("  why: {reason}\n");
         }
         for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
             text += &format!("  why: {reason}\n");

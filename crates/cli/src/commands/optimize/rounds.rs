@@ -26,6 +26,7 @@ use super::stages::{ImprovementReport, Timings};
 use super::study::Study;
 use super::subject;
 use crate::formats::design::Design;
+use crate::formats::limits::Measure;
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::units::{LENGTH_UM, tidy};
@@ -67,6 +68,9 @@ pub(super) struct Rounds {
     pub(super) chances: Option<Chances>,
     /// Largest change of the model by the last confirming run; 0 before.
     pub(super) missed: f64,
+    /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
+    /// further one; absent where the material does not say it.
+    pub(super) excess: Vec<Option<Vec<f64>>>,
     /// What the best design was chosen from by its chance.
     pub(super) selection: Option<Chosen>,
 }
@@ -155,6 +159,7 @@ impl Rounds {
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
+            excess: Vec::new(),
             selection: None,
         })
     }
@@ -205,6 +210,10 @@ impl Rounds {
                 break;
             }
         }
+        // No evaluation more would change the planform.
+        if self.status == Status::Budget && design.measures.contains(&Measure::OtherPlanform) {
+            self.status = Status::Unreachable;
+        }
         // What is reported stands on them, too.
         self.confirm_further(design, console, timings)
     }
@@ -223,7 +232,7 @@ impl Rounds {
         if study.resumed() > 0 {
             console.note(&format!("took over {} answers from {}", study.resumed(), path.display()));
         }
-        self.model.keep(Limited::of(design), study);
+        self.model.keep(Limited::of(design, &self.model), study);
         Ok(())
     }
 
@@ -337,6 +346,7 @@ impl Rounds {
     }
 
     pub(super) fn is_confirmed(&self, design: &Design) -> bool {
-        self.confirmed_misfit(design).is_some_and(|misfit| misfit <= 1.0)
+        let does_enough = |values: &Vec<f64>| !self.model.does_too_little(values);
+        self.confirmed_values().filter(does_enough).is_some_and(|values| design.target.misfit(&values).max <= 1.0)
     }
 }

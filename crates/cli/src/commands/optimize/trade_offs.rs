@@ -162,7 +162,7 @@ pub fn report(
         .map(|tolerances| Uncertainty::new(&tolerances, &[]))
         .transpose()
         .map_err(|error| failed(error.to_string()))?;
-    let limited = Limited::of(design);
+    let limited = Limited::of(design, model);
     let by =
         By { design, input, plane: &plane, limited: &limited, uncertainty: uncertainty.as_ref(), pool: pool.as_ref() };
     let goals = |at: &Pattern| {
@@ -306,7 +306,7 @@ impl By<'_> {
     fn goals(&self, at: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let trial = |reason: &str| ModelFailure::Trial { reason: reason.to_owned() };
         let (value, answer) = self.plane.answer(at)?;
-        let limited = self.limited.values(at, &answer)?;
+        let limited = self.limited.values(at, &answer, &value)?;
         let response = Response { value, limited };
         // Those of the pool respect every limit by the search's own model.
         let broken = self.design.constraints.violations(at, &response);

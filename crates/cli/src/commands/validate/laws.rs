@@ -65,6 +65,19 @@ pub fn scaled_laws(
                 "the calibration has no surface: friction is proportional to load, whatever the slope".to_owned(),
             ],
         }),
+        Surface::Measured { .. } => Ok(ScaledLaws {
+            laws: vec![ScaledLaw {
+                slope_factor: 1.0,
+                rms_slope: None,
+                law: calibration.measured_law.clone(),
+                areas: Vec::new(),
+            }],
+            synthetic: false,
+            notes: vec![
+                "the calibration takes measured flat friction for the local law: no surface, whatever the slope"
+                    .to_owned(),
+            ],
+        }),
         Surface::Persson { rms_slope } => {
             let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
             let laws = factors

@@ -2,6 +2,7 @@
 
 mod figures;
 mod laws;
+mod measured_law;
 mod model;
 mod published;
 mod ratios;
@@ -234,6 +235,8 @@ fn validate(
     heed()?;
     let predicted = predicted?;
 
+    let by_measured_law =
+        measured_law::ratios(&args.calibration, calibration, body, patterns.modelled, pairs, console)?;
     let slopes = surface.laws.len();
     let results: Vec<RatioReport> = pairs
         .iter()
@@ -247,6 +250,7 @@ fn validate(
                 .zip(&predicted)
                 .map(|(law, predicted)| ModelledRatio::new(law, &patterns.modelled, &predicted[row]))
                 .collect(),
+            measured_law: by_measured_law[row].clone(),
             modelled_at_measured_depth: deep
                 .zip(predicted.get(slopes + 1))
                 .map(|(law, predicted)| ModelledRatio::new(law, &patterns.measured, &predicted[row])),

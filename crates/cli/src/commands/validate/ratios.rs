@@ -46,8 +46,22 @@ pub struct RatioReport {
     pub ratio_amontons_coulomb: Option<f64>,
     /// The model's ratios, one per slope factor.
     pub modelled: Vec<ModelledRatio>,
+    /// The model with measured flat friction as the local law, one per extrapolation; empty where flat friction was measured at
+    /// one pressure only.
+    pub measured_law: Vec<MeasuredLawRatio>,
     /// The model at the measured depth and the surface as given; null where both depths are one.
     pub modelled_at_measured_depth: Option<ModelledRatio>,
+}
+
+/// The model at one condition where a contact's friction depends on its local pressure as the flat sample's does on the nominal one.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeasuredLawRatio {
+    /// How the law goes on above the last measured pressure: `constant` or `logarithmic`.
+    pub extrapolation: &'static str,
+    /// Ratio of the pattern as grooves; null where the solve did not converge.
+    pub ratio_groove: Option<f64>,
+    /// Ratio of square cavities of the same lengths, in space; null likewise.
+    pub ratio_square: Option<f64>,
 }
 
 /// The model at one condition.

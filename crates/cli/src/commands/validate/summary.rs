@@ -146,6 +146,7 @@ mod tests {
                 ratio_std: 0.0,
             },
             ratio_amontons_coulomb: Some(1.0),
+            measured_law: Vec::new(),
             modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
             modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),
         }

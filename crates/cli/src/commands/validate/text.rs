@@ -24,6 +24,11 @@ pub fn table(report: &ValidationReport) -> String {
         report.errors,
         modelled(report),
     );
+    if let Some(table) = by_measured_law(report) {
+        text += &format!(
+            "Modelled ratios where measured flat friction itself is the local law, mu(p) = mu_flat(P = p)\n\n{table}\n"
+        );
+    }
     for statement in &report.statements {
         text += &format!("{statement}\n");
     }
@@ -87,6 +92,47 @@ fn modelled(report: &ValidationReport) -> Table {
     table
 }
 
+/// The model with the measured law, one row a condition; `None` where no condition has it.
+fn by_measured_law(report: &ValidationReport) -> Option<Table> {
+    let first = report.results.iter().find(|row| !row.measured_law.is_empty())?;
+    let mut header: Vec<String> = ["F N", "v mm/s", "RH %", "measured"].map(Into::into).into();
+    for law in &first.measured_law {
+        header.extend([format!("groove, {}", law.extrapolation), format!("square, {}", law.extrapolation)]);
+    }
+    let mut table = Table::new(header.iter().map(String::as_str));
+    for row in report.results.iter().filter(|row| !row.measured_law.is_empty()) {
+        let first = [
+            row.measured.force_n.to_string(),
+            row.measured.speed_mm_s.to_string(),
+            row.measured.humidity_pct.to_string(),
+            fixed(Some(row.measured.ratio), 3),
+        ];
+        let values = row.measured_law.iter().flat_map(|law| [fixed(law.ratio_groove, 3), fixed(law.ratio_square, 3)]);
+        table.row(first.into_iter().chain(values));
+    }
+    Some(table)
+}
+
+/// What the two readings of flat friction give, and what would decide between them.
+fn two_laws(report: &ValidationReport) -> Option<String> {
+    let ends = |of: &dyn Fn(&RatioReport) -> Vec<f64>| {
+        let all: Vec<f64> = report.results.iter().flat_map(of).collect();
+        let least = all.iter().copied().reduce(f64::min)?;
+        Some(format!("{least:.3} to {:.3}", all.iter().copied().fold(least, f64::max)))
+    };
+    let grooves = ends(&|row| row.measured_law.iter().filter_map(|law| law.ratio_groove).collect())?;
+    let by_area = ends(&|row| row.at_slope(1.0).and_then(|at| at.ratio_groove).into_iter().collect())?;
+    Some(format!(
+        "Two laws fit the flat samples alike: coefficients of each load times the area law (grooves: {by_area}), or measured flat friction \
+         itself as the law of local pressure (grooves: {grooves}). {DECIDES}"
+    ))
+}
+
+/// What data would decide between the two laws.
+const DECIDES: &str = "Flat samples of the same finish up to the local pressures under edges, which are several times the nominal ones, would \
+     decide: by the area law friction falls there, by the measured law it does not. So would samples of one pattern at two sizes \
+     of the land's pressure, or one contact under a sphere whose pressure is known.";
+
 fn listed(values: &[f64]) -> String {
     values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
 }
@@ -124,6 +170,7 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
         _ => "No share of the measured reduction can be given.".to_owned(),
     });
     said.extend(trend(report));
+    said.extend(two_laws(report));
     said.push(LEFT_OPEN.to_owned());
     let others: Vec<String> = summary
         .modelled

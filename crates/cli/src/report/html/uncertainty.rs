@@ -53,16 +53,47 @@ pub(super) fn errors(page: &mut Page, result: &Value) {
                 let mut own = parts.filter(|part| text(part, "input") == name);
                 number(own.next().map_or(&Value::Null, |part| &part["std"]), 4)
             };
-            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4)];
+            let ends = &row[key]["interval_95"];
+            let ends = if ends.is_array() {
+                format!("{} to {}", number(&ends[0], 4), number(&ends[1], 4))
+            } else {
+                "-".to_owned()
+            };
+            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4), ends];
             first.into_iter().chain(names.iter().map(part)).collect()
         })
         .collect();
-    let header: Vec<&str> = ["P in MPa", "of", "±"].into_iter().chain(names.iter().map(String::as_str)).collect();
+    let header: Vec<&str> =
+        ["P in MPa", "of", "±", "95 %"].into_iter().chain(names.iter().map(String::as_str)).collect();
     page.table(
         "What the error of a confirmed value is made of: one standard deviation, and that of each part alone.",
         &header,
         &rows,
     );
+}
+
+/// Which patterns count as near those of the samples, and whether this one does; empty where that is not known.
+fn near(domain: &Value) -> String {
+    if !domain.is_object() {
+        return String::new();
+    }
+    let ends = |key: &str, factor: f64, digits| {
+        let at = |place: usize| {
+            number(&domain[key][place].as_f64().map_or(Value::Null, |end| (factor * end).into()), digits)
+        };
+        format!("{} to {}", at(0), at(1))
+    };
+    let far: Vec<&str> = each(domain, "far").iter().filter_map(Value::as_str).collect();
+    format!(
+        "; near them are areal densities of {} % and depths of {} µm{}",
+        ends("areal_density", 100.0, 1),
+        ends("depth_um", 1.0, 1),
+        if far.is_empty() {
+            String::new()
+        } else {
+            format!(", and this pattern is far from them in {}", far.join(" and "))
+        },
+    )
 }
 
 /// Values by the physics alone and with the discrepancy, where patterned samples are known.
@@ -78,7 +109,7 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
         "",
         &format!(
             "{} The factor is the measured over the modelled ratio of patterned samples ({}; degrees of freedom: {}) and holds for patterns \
-             like theirs{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
+             like theirs{}{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
              the discrepancy.",
             if used {
                 "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor."
@@ -88,6 +119,7 @@ pub(super) fn discrepancy(page: &mut Page, result: &Value) {
             text(found, "pattern"),
             plain(&found["degrees_of_freedom"]),
             if found["other_planform"].is_string() { ", which this one is not: take it as a guess" } else { "" },
+            near(&found["domain"]),
             number(&found["misfit"]["physics"], 2),
             number(&found["misfit"]["with_discrepancy"], 2),
         ),

@@ -1,0 +1,103 @@
+//! Friction of runs that lack the excess of dynamic over steady friction, or have another than the calibration took.
+//!
+//! A calibration fits mu_d to measured friction: mu_flat = delta mu_d f(P), where delta, one to two per cent above 1, is what
+//! the flat sample in time has over an endless one in steady sliding. A steady run gives mu_d f(P), a sample a little less for
+//! its ends; a run in time in space has an excess of its own. In each the flat surface, solved beside the patterned one, says
+//! by how much, and friction is taken times what brings that flat surface to delta mu_d f(P). Ratios stay.
+
+use slipgrid_springblock::{Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+
+/// Corrects the friction of `simulation`, which came of `scene`, whose flat surface has `excess` at each load.
+pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]>) {
+    let Some(excess) = excess.filter(|excess| excess.len() == simulation.loads.len()) else { return };
+    let is_steady = scene.run.fidelity == Fidelity::Steady;
+    if !is_steady && scene.dimensions() == 2 {
+        return;
+    }
+    let mut factors = Vec::new();
+    for ((outcome, load), excess) in simulation.loads.iter_mut().zip(&scene.loads).zip(excess) {
+        let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
+        let steady = load.friction.dynamic_mean() * factor;
+        let own = outcome.flat.as_ref().unwrap_or(&outcome.surface).mu_dynamic.filter(|mu| *mu > 0.0);
+        if let Some(times) = own.map(|own| excess * steady / own) {
+            scale(outcome, times);
+            factors.push(times);
+        }
+    }
+    let (least, most) =
+        factors.iter().fold((f64::INFINITY, 0.0_f64), |(least, most), factor| (least.min(*factor), most.max(*factor)));
+    if factors.is_empty() {
+        return;
+    }
+    let range = if (most - least).abs() < 5e-5 { format!("{most:.4}") } else { format!("{least:.4} to {most:.4}") };
+    simulation.model.push(if is_steady {
+        format!("dynamic friction: steady friction times {range}, what the calibration's flat sample has in time over steady sliding; stresses are the steady ones")
+    } else {
+        format!("dynamic friction: times {range}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding is another than in the plane")
+    });
+}
+
+fn scale(outcome: &mut LoadOutcome, times: f64) {
+    let of = |surface: &mut SurfaceOutcome| {
+        for value in [&mut surface.mu_dynamic, &mut surface.mu_dynamic_stderr, &mut surface.mu_across] {
+            *value = value.map(|value| value * times);
+        }
+    };
+    of(&mut outcome.surface);
+    outcome.flat.iter_mut().for_each(of);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_springblock::{Extent, Layer, Load, RunOptions, Unwatched, simulate};
+
+    #[test]
+    fn the_flat_surface_has_the_calibrated_friction_in_the_plane_and_in_space() {
+        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+        let scene = |planform: Planform, fidelity: Fidelity| Scene {
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            area_law: Some(AreaLaw::new(vec![0.7e6, 2.6e6, 10e6], vec![1.0, 0.8, 0.3]).unwrap()),
+            pattern: Some(Pattern::new(planform, 60e-6, 60e-6, 20e-6).unwrap()),
+            layer: Layer { length_m: 120e-6, height_m: 40e-6, block_m: 10e-6, thickness_m: None },
+            loads: vec![Load { pressure_pa: 2e6, friction }],
+            speed_m_s: 2e-3,
+            run: RunOptions {
+                fidelity,
+                extent: Extent::Cell,
+                sliding_m: 0.2e-6,
+                warm_start: true,
+                ..RunOptions::default()
+            },
+        };
+        let calibrated = 1.015 * 0.27 * scene(Planform::Groove, Fidelity::Steady).area_law.unwrap().factor(2e6);
+        for (planform, fidelity) in [
+            (Planform::Groove, Fidelity::Steady),
+            (Planform::Square, Fidelity::Steady),
+            (Planform::Square, Fidelity::Dynamic),
+        ] {
+            let scene = scene(planform, fidelity);
+            let plain = simulate(&scene, &Unwatched).unwrap();
+            let mut found = plain.clone();
+            correct(&mut found, &scene, Some(&[1.015]));
+            let (before, after) = (&plain.loads[0], &found.loads[0]);
+            let flat = after.flat.as_ref().unwrap().mu_dynamic.unwrap();
+            assert!((flat / calibrated - 1.0).abs() < 1e-9, "{planform} {flat} {calibrated}");
+            let times = after.surface.mu_dynamic.unwrap() / before.surface.mu_dynamic.unwrap();
+            let of_flat = flat / before.flat.as_ref().unwrap().mu_dynamic.unwrap();
+            assert!((times / of_flat - 1.0).abs() < 1e-12 && after.ratio == before.ratio);
+            assert_eq!(found.model.len(), plain.model.len() + 1);
+            let mut unknown = plain.clone();
+            correct(&mut unknown, &scene, None);
+            assert_eq!(unknown, plain);
+        }
+        // In the plane runs in time have the excess that was calibrated.
+        let scene = scene(Planform::Groove, Fidelity::Dynamic);
+        let plain = simulate(&scene, &Unwatched).unwrap();
+        let mut found = plain.clone();
+        correct(&mut found, &scene, Some(&[1.015]));
+        assert_eq!(found.loads[0].surface.mu_dynamic, plain.loads[0].surface.mu_dynamic);
+    }
+}
