@@ -122,16 +122,23 @@ fn two_laws(report: &ValidationReport) -> Option<String> {
     };
     let grooves = ends(&|row| row.measured_law.iter().filter_map(|law| law.ratio_groove).collect())?;
     let by_area = ends(&|row| row.at_slope(1.0).and_then(|at| at.ratio_groove).into_iter().collect())?;
+    let below = |row: &RatioReport| {
+        let modelled = row.measured_law.iter().filter_map(|law| law.ratio_groove);
+        let least = modelled.chain(row.at_slope(1.0).and_then(|at| at.ratio_groove)).reduce(f64::min);
+        least.is_some_and(|least| row.measured.ratio < least)
+    };
+    let measured = if report.results.iter().all(below) { " The measured ratios lie below both." } else { "" };
     Some(format!(
         "Two laws fit the flat samples alike: coefficients of each load times the area law (grooves: {by_area}), or measured flat friction \
-         itself as the law of local pressure (grooves: {grooves}). {DECIDES}"
+         itself as the law of local pressure (grooves: {grooves}). {DECIDES}{measured}"
     ))
 }
 
 /// What data would decide between the two laws.
-const DECIDES: &str = "Flat samples of the same finish up to the local pressures under edges, which are several times the nominal ones, would \
-     decide: by the area law friction falls there, by the measured law it does not. So would samples of one pattern at two sizes \
-     of the land's pressure, or one contact under a sphere whose pressure is known.";
+const DECIDES: &str = "Flat samples cannot tell them apart: in these local and nominal pressure are one. Samples with uneven pressure \
+     of a known shape would decide: a sphere or a cylinder of the same material and finish, whose pressure is Hertz's, or patterns of \
+     one areal density with more and with fewer edges. By the area law friction falls with the pressure under edges, by the \
+     measured law it rises with it where flat friction does with load.";
 
 fn listed(values: &[f64]) -> String {
     values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")
