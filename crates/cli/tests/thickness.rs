@@ -1,5 +1,7 @@
 //! How thick the specimen is that is modelled.
 
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
 mod common;
 
 use std::fs;

@@ -1,3 +1,5 @@
+#![allow(clippy::print_stdout, reason = "what takes minutes tells what it measured")]
+
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::Planform;
 
