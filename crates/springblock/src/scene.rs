@@ -131,6 +131,9 @@ pub struct RunOptions {
     /// Surfaces of a dynamic run, with the seeds `seed`, `seed` + 1 and so on: their mean is reported, their scatter
     /// gives its standard error.
     pub draws: u64,
+    /// Ratios are those of vanishing blocks as nearly as steady cells in smaller blocks tell, in the vertical plane; else those
+    /// of the layer's blocks.
+    pub refine: bool,
 }
 
 impl Default for RunOptions {
@@ -148,6 +151,7 @@ impl Default for RunOptions {
             springs: None,
             dimensions: None,
             draws: 1,
+            refine: false,
         }
     }
 }

@@ -50,6 +50,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
         Behind::new(scene, pattern).tell(1.0, &mut simulation.loads, &mut simulation.model);
+        blocks::refine(scene, pattern, 1.0, &mut simulation.loads, &mut simulation.model);
     }
     Ok(simulation)
 }
@@ -461,17 +462,12 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
     Ok(exact.iter().zip(&whole).map(difference).collect())
 }
 
-/// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
-const MOST_PRODUCTS: f64 = 2e9;
-/// Most memory of the same in space, in bytes: a second.
+/// Most memory of a steady cell in space that tells of the size of blocks, in bytes: a second.
 const MOST_SOLID_BYTES: f64 = 1e8;
 
 /// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
-    blocks::block_error(scene, own, |scene| {
-        let model = SectionModel::new(scene);
-        (model.products(pattern) < MOST_PRODUCTS).then(|| model.ratios(pattern))
-    })
+    blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MOST_PRODUCTS))
 }
 
 /// The same of cells in space.

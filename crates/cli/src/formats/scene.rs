@@ -135,6 +135,9 @@ pub struct RunFile {
     /// Surfaces with coefficients of their own in dynamic runs, 1 to 64.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws: Option<Spanned<u64>>,
+    /// Ratios of vanishing blocks, as nearly as steady cells tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine: Option<bool>,
 }
 
 /// Choices of the command line that override a scene's.
@@ -536,5 +539,6 @@ fn read_run(
         springs,
         dimensions: file.dimensions.as_ref().map(|dimensions| if *dimensions.get_ref() == 3 { 3 } else { 2 }),
         draws: file.draws.as_ref().map_or(default.draws, |draws| *draws.get_ref()),
+        refine: file.refine.unwrap_or(default.refine),
     })
 }

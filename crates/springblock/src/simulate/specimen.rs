@@ -80,6 +80,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     model.extend(describe(scene, face, pattern, &steady));
     Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern)
         .tell(share, &mut loads, &mut model);
+    super::blocks::refine(scene, pattern, share, &mut loads, &mut model);
     describe_draws(scene, &mut model);
     describe_law(scene, &mut model);
     Ok(Simulation { model, loads })

@@ -16,6 +16,9 @@ use crate::{CliError, Console};
 /// fewer scatter the ratio by more than a tenth of the usual tolerance.
 pub(super) const LEAST_CONTACTS: f64 = 400.0;
 
+/// Share of the tolerance up to which the error of blocks is left as it is.
+const OF_TOLERANCE: f64 = 0.2;
+
 /// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
 /// run goes on until its mean is stationary and its standard error small enough.
 pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
@@ -41,6 +44,7 @@ impl Rounds {
         let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
+        self.confirming.refine = self.is_coarse(design, &predicted);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let mut confirmed = simulate_on(&scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
@@ -55,6 +59,13 @@ impl Rounds {
             further.confirmed = None;
         }
         Ok(())
+    }
+
+    /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
+    fn is_coarse(&self, design: &Design, predicted: &Simulation) -> bool {
+        let each = predicted.loads.iter().enumerate();
+        let most = each.filter_map(|(place, load)| Some(load.ratio_discretization_error? * self.model.scale(place)));
+        most.fold(0.0, f64::max) > OF_TOLERANCE * design.target.tolerance()
     }
 
     /// Runs the best design in time at further conditions, each at its own speed: those of the lowest and the highest value at

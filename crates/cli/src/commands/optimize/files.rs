@@ -73,6 +73,7 @@ impl DesignScene<'_> {
                 warm_start: self.run.warm_start.then_some(true),
                 dimensions: self.run.dimensions.map(|dimensions| unplaced(u64::from(dimensions))),
                 draws: (self.run.draws > 1).then(|| unplaced(self.run.draws)),
+                refine: self.run.refine.then_some(true),
                 ..RunFile::default()
             },
         };
