@@ -103,7 +103,7 @@ fn a_map_after_the_test_is_compared_and_the_law_rests_on_the_one_before() {
         ("stray.toml", &with_surface("persson_rms_slope = 0.0137\nmap_after = \"before.asc\"\n")),
         ("flat.csv", FLAT),
     ]);
-    place.succeed(&["synthesize", "-o", "before.asc", "--pixels", "128"]);
+    place.succeed(&["synthesize", "-o", "before.asc", "--pixels", "256"]);
     // The same surface, rougher by as much as the published samples were after the test.
     let rougher = |line: &str| {
         let heights: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
