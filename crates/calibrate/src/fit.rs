@@ -228,14 +228,16 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, Calibrat
     let mut solution: Option<Solution> = None;
     // Progress counts on the usual two rounds of dynamic runs.
     let portion = Portion { whole: monitor, share: 0.5 };
+    let mut slopes = vec![Vec::new(); problem.measurements.len()];
     for round in 0..MOST_ROUNDS {
-        let found = correct(problem, &layout, &parameters, &portion)?;
+        let mut found = correct(problem, &layout, &parameters, &portion)?;
         before::check_deltas(&found.delta)?;
-        let is_flat = |i: &usize| found.peaks[*i].is_some_and(|line| line.slope < LEAST_SLOPE);
-        let flat: Vec<usize> = (0..found.peaks.len()).filter(is_flat).collect();
-        if !flat.is_empty() {
+        average_slopes(&mut found.peaks, &mut slopes);
+        let flat = flat_peaks(&found.peaks);
+        if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MOST_ROUNDS) {
             return Ok(Attempt::Flat(flat));
         }
+        borrow_slopes(&mut found.peaks);
         let means: Vec<f64> = layout.dynamic.iter().map(|&number| parameters[number]).collect();
         let about = Emulator::new(problem, &means)?;
         let fitted =
@@ -254,6 +256,9 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, Calibrat
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
         corrections = Some(found);
+        if settled && !flat.is_empty() {
+            return Ok(Attempt::Flat(flat));
+        }
         if settled {
             break;
         }
@@ -263,6 +268,32 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, Calibrat
     };
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
     Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
+}
+
+/// Peaks that do not follow mu_s, by measurement.
+fn flat_peaks(peaks: &[Option<PeakLine>]) -> Vec<usize> {
+    (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < LEAST_SLOPE)).collect()
+}
+
+/// Gives every peak the mean of its slopes in all rounds, which `slopes` keep by measurement: the two peaks of one draw behind
+/// a slope scatter by as much as they differ.
+fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
+    for (line, slopes) in peaks.iter_mut().zip(slopes) {
+        let Some(line) = line else { continue };
+        slopes.push(line.slope);
+        line.slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
+    }
+}
+
+/// Gives peaks that do not follow mu_s the mean slope of the others: away from the solution a peak of one draw may fall where
+/// mu_s rises, which says nothing of it there.
+fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
+    let slopes: Vec<f64> =
+        peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= LEAST_SLOPE).collect();
+    let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
+    for line in peaks.iter_mut().flatten().filter(|line| line.slope < LEAST_SLOPE) {
+        line.slope = mean;
+    }
 }
 
 /// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.

