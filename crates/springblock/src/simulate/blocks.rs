@@ -25,6 +25,8 @@ const TAILS: f64 = 1.5;
 /// Last differences, and tails, that count where the finest blocks are the own ones: on 40 random patterns twice their sum
 /// is not below the error in 95 % of cases.
 const OF_FINEST: f64 = 2.0;
+/// Finest blocks in the depth of a cavity from which their differences tell what is left.
+const LEAST_DEPTH_BLOCKS: f64 = 2.0;
 /// Most multiplications of one steady cell in the plane that tells of the size of blocks: half a second.
 pub const MOST_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
@@ -125,6 +127,9 @@ fn refined(scene: &Scene, pattern: &Pattern) -> Option<(f64, Vec<f64>, f64)> {
     };
     let shifts = fine.iter().zip(&levels[0]).map(|(fine, own)| fine - own).collect();
     let factor = 0.5_f64.powi(i32::try_from(levels.len()).ok()? - 1);
+    if pattern.depth_m() < LEAST_DEPTH_BLOCKS * factor * scene.layer.block_m {
+        return None;
+    }
     Some((factor, shifts, (0..fine.len()).map(left).fold(0.0, f64::max)))
 }
 
