@@ -82,6 +82,9 @@ fn covers([sixty, ninety]: [f64; 2]) -> bool {
     (66.0..=70.5).contains(&sixty) && (93.0..=97.0).contains(&ninety)
 }
 
+/// A ratio, its standard deviation, and how far the 68 % and the 95 % interval reach either way.
+type Told = (f64, f64, [f64; 2], [f64; 2]);
+
 #[test]
 #[ignore = "half a minute: prints the table of tests/README.md"]
 fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
@@ -103,7 +106,7 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
     let modulus = stratified(REPLICATES, &mut noise);
     let flat: Vec<Vec<f64>> = PRESSURES_MPA.iter().map(|_| stratified(REPLICATES, &mut noise)).collect();
     // Of each replicate and load: the ratio, its standard deviation, and what the intervals reach.
-    let found: Vec<Vec<(f64, f64, [f64; 2], [f64; 2])>> = (0..REPLICATES)
+    let found: Vec<Vec<Told>> = (0..REPLICATES)
         .into_par_iter()
         .map(|replicate| {
             let stiffer = 1.0 + MODULUS_STD * modulus[replicate];
