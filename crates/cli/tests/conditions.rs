@@ -29,7 +29,7 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
         .replace("value = 0.9\ntolerance = 0.01", target)
         .replace("[40.0, 400.0]", "[40.0, 100.0]")
         .replace("[40.0, 1000.0]", "[40.0, 200.0]")
-        .replace("max_evaluations = 50", "max_evaluations = 600")
+        .replace("max_evaluations = 50", "max_evaluations = 2000")
         .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{rows}"))
         .replace("[material]\n", &format!("{header}\n[material]\n"))
 }
@@ -169,7 +169,7 @@ fn a_ratio_target_and_a_peak_pressure_hold_at_the_worst_condition() {
     let lowest = |header: &str| {
         with("quantity = \"ratio\"\ngoal = \"lowest\"", header)
             .replace("max_peak_pressure_mpa = 20.0", "max_peak_pressure_mpa = 9.0")
-            .replace("max_evaluations = 600", "max_evaluations = 4000")
+            .replace("max_evaluations = 2000", "max_evaluations = 4000")
     };
     let place = Place::with(&[
         ("first.toml", &with(target, FIRST)),

@@ -6,6 +6,7 @@ mod blocks;
 mod expense;
 mod space;
 mod specimen;
+mod statements;
 
 pub use specimen::simulate_specimen;
 
@@ -14,7 +15,7 @@ use slipgrid_pattern::Pattern;
 
 use crate::columns::{self, Column};
 use crate::draws;
-use crate::dynamics::{DynamicRun, MOST_STEPS, Plan, Scheme};
+use crate::dynamics::{DynamicRun, Plan, Scheme};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::monitor::Monitor;
@@ -25,6 +26,10 @@ use crate::solid::SolidModel;
 use crate::steady::{SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
+use statements::{
+    describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme, describe_steady, why_solid,
+};
+
 pub use expense::{Expense, bounded, expense};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
@@ -278,29 +283,6 @@ fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simu
     Ok(Simulation { model: statements, loads })
 }
 
-/// What time adds to a steady ratio at mm/s over the share of cavities, about: 0.7 to 2.3 % on eight grooves at three loads,
-/// most at light loads and in shallow cavities (`what_time_adds_to_ratios` of the validation tests).
-const ADDED_BY_TIME: f64 = 0.015;
-
-fn describe_steady(scene: &Scene) -> String {
-    let ratio = scene.pattern.as_ref().map_or_else(String::new, |pattern| {
-        let percent = 100.0 * ADDED_BY_TIME * pattern.areal_density();
-        format!(" and a ratio higher by about {percent:.1} %, which a run in time decides")
-    });
-    format!(
-        "steady: equilibrium with every contact block sliding, linear elasticity; no time, no static friction; dynamic runs at mm/s have 1 to 2 % more friction{ratio}"
-    )
-}
-
-/// Why `pattern` is solved in three dimensions.
-fn why_solid(scene: &Scene, pattern: &Pattern) -> String {
-    if scene.run.dimensions == Some(3) {
-        return "as asked for".to_owned();
-    }
-    let aslant = if pattern.length_m().is_none() { " along or aslant the sliding direction" } else { "" };
-    format!("as {} cavities{aslant} need", pattern.planform())
-}
-
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
 fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
     match scene.run.extent {
@@ -376,32 +358,6 @@ fn integrate(
     Ok((collect(scene, surfaces, corrections, outcomes), schemes[0]))
 }
 
-fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
-    format!(
-        "{}: {} springs, {} at {:.3} ns (limit {:.2} ns), damping {} sqrt(k/m)",
-        scene.run.fidelity.name(),
-        scheme.springs.name(),
-        if scheme.runge_kutta { "classical Runge-Kutta of order 4" } else { "leapfrog with implicit damping" },
-        scheme.step_s * 1e9,
-        scheme.limit_s * 1e9,
-        scene.run.damping,
-    )
-}
-
-/// What is said of runs that are not begun, and of a bulk at rest.
-fn describe_protocol(scene: &Scene, scheme: &Scheme, model: &mut Vec<String>) {
-    let steps = Plan::new(scene, scheme.step_s).total();
-    if steps > MOST_STEPS {
-        model.push(format!(
-            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
-            scene.run.sliding_m, scene.speed_m_s,
-        ));
-    }
-    if scene.speed_m_s == 0.0 {
-        model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
-    }
-}
-
 /// Seed of the local coefficients of draw number `draw`.
 const fn seed_of(scene: &Scene, draw: usize) -> u64 {
     scene.run.seed.wrapping_add(draw as u64)
@@ -431,16 +387,6 @@ fn collect(scene: &Scene, surfaces: usize, corrections: &[f64], outcomes: Vec<Su
         loads.extend(averaging::mean(draws));
     }
     loads
-}
-
-fn describe_draws(scene: &Scene, model: &mut Vec<String>) {
-    if scene.run.draws > 1 {
-        model.push(format!(
-            "mean of {} draws of the local coefficients, seeds from {}; standard errors from their scatter, or from \
-             within the runs where that gives more",
-            scene.run.draws, scene.run.seed
-        ));
-    }
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
@@ -500,82 +446,5 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_layout_error: None,
         ratio_layer_difference: None,
         ratio_layer_error: None,
-    }
-}
-
-fn describe_extent(scene: &Scene, model: &mut Vec<String>) {
-    let what = match scene.run.extent {
-        Extent::Cell => "cell: one period with periodic sides, as nothing asked for depends on the ends",
-        Extent::Sample => "sample: the whole specimen with free sides",
-    };
-    model.push(what.to_owned());
-    model.extend(describe_periods(scene));
-    let asked = match &scene.pattern {
-        Some(pattern) if pattern.dimensions() == 3 && scene.run.dimensions == Some(2) => ", as asked for",
-        _ => "",
-    };
-    model
-        .push(format!("two dimensions: the vertical plane along the sliding direction, plane stress, nu = 1/3{asked}"));
-}
-
-/// Difference between the shares of cavities of specimen and pattern from which it is said: a ratio moves by about as much.
-const SHARE_TO_TELL: f64 = 0.01;
-
-/// That a specimen of few periods is not the pattern, where its cavities take another share.
-fn describe_periods(scene: &Scene) -> Option<String> {
-    let pattern = scene.pattern.as_ref().filter(|_| scene.run.extent == Extent::Sample)?;
-    let columns = columns::sample(pattern, scene.layer.block_m, scene.layer.columns());
-    let sum = |of: fn(&Column) -> f64| columns.iter().map(of).sum::<f64>();
-    let share = sum(|column| column.width * column.coverage) / sum(|column| column.width);
-    let own = pattern.section_density();
-    ((share - own).abs() > SHARE_TO_TELL).then(|| {
-        format!(
-            "the specimen holds {:.1} periods, no whole number of them: cavities take {:.1} % of its length, {:.1} % of a period; its \
-             ratio is its own, not that of many periods",
-            scene.layer.length_m / pattern.pitch_m(),
-            100.0 * share,
-            100.0 * own,
-        )
-    })
-}
-
-fn describe_law(scene: &Scene, model: &mut Vec<String>) {
-    model.push(match &scene.area_law {
-        Some(_) => "area law: f = 1 up to its first pressure, the line through the origin above it".to_owned(),
-        None => "no area law: Amontons-Coulomb friction".to_owned(),
-    });
-    if scene.run.liftoff {
-        model.push("unilateral contact: blocks under tension leave the counterface".to_owned());
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Layer, RunOptions, Unwatched};
-    use slipgrid_material::{Elastic, LocalFriction};
-    use slipgrid_pattern::Planform;
-
-    #[test]
-    fn a_specimen_of_few_periods_says_that_it_is_not_the_pattern() {
-        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-        let said = |length_m: f64, extent: Extent| {
-            let scene = Scene {
-                elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-                area_law: None,
-                pattern: Some(Pattern::new(Planform::Groove, 100e-6, 300e-6, 20e-6).unwrap()),
-                layer: Layer { length_m, height_m: 50e-6, block_m: 10e-6, thickness_m: None },
-                loads: vec![Load { pressure_pa: 1e6, friction }],
-                speed_m_s: 2e-3,
-                run: RunOptions { extent, ..RunOptions::default() },
-            };
-            let model = simulate(&scene, &Unwatched).unwrap().model;
-            model.into_iter().find(|statement| statement.contains("periods"))
-        };
-        // 150 um of land, 100 of cavity, 300 of land, 90 of cavity: 190 of 640.
-        let told = said(640e-6, Extent::Sample).unwrap();
-        assert!(told.contains("1.6 periods") && told.contains("29.7 % of its length, 25.0 % of a period"), "{told}");
-        assert_eq!(said(800e-6, Extent::Sample), None);
-        assert_eq!(said(640e-6, Extent::Cell), None);
     }
 }

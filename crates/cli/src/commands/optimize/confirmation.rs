@@ -44,7 +44,8 @@ impl Rounds {
         let bar = Progress::until("confirmation", console.quiet, self.allowance.until());
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
-        self.confirming.refine = self.is_coarse(design, &predicted);
+        // Once refined, always: what confirming runs correct must be the same from one to the next.
+        self.confirming.refine |= self.is_coarse(design, &predicted);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let mut confirmed = simulate_on(&scene, Some(&design.outline), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
