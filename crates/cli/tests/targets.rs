@@ -8,7 +8,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{DESIGN, Place, names};
+use common::{DESIGN, Place, names, small};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second.
@@ -192,4 +192,21 @@ fn a_table_of_every_design_confirms_the_search() {
     let refused = text.replace("\"groove\"", "\"square\"");
     fs::write(place.path("space.toml"), refused).unwrap();
     assert!(place.refuse(&["optimize", "space.toml"]).contains("a table takes the vertical plane"));
+}
+
+/// A stiff body at a light load slides in waves, in which blocks stick: whatever its friction, nothing is confirmed by it.
+#[test]
+fn a_target_is_not_met_by_sliding_that_waves_carry() {
+    let text = small()
+        .replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 10.0")
+        .replace("density_g_cm3 = 0.9", "density_g_cm3 = 2.0")
+        .replace("pressure_mpa = [0.7, 1.3, 2.6, 10.0]", "pressure_mpa = [0.01, 0.03, 0.06, 1.0]")
+        .replace("pressure_mpa = [0.65, 2.6]", "pressure_mpa = [0.02, 0.04]");
+    let place = Place::with(&[("waves.toml", &text)]);
+    let output = place.run(&["optimize", "waves.toml"]);
+    let (told, code) = (String::from_utf8(output.stdout).unwrap(), output.status.code());
+    assert!(code == Some(3) || code == Some(4), "{code:?} {told}");
+    assert!(told.contains("sliding is unstable to waves") && !told.contains("met by the model"), "{told}");
+    let found = fs::read_to_string(place.path("out/waves/result.json")).unwrap();
+    assert!(found.contains("\"sliding_waves\""));
 }
