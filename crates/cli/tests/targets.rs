@@ -150,6 +150,9 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
 #[test]
 fn why_a_target_is_out_of_reach_is_said_and_the_least_change_that_suffices() {
     let text = design("value = [0.95, 0.85]\ntolerance = 0.02", "min_bearing_area = 0.8").replace("1000.0", "3000.0");
+    // Blocks that resolve the cavities: what suffices is said by the search's model, which confirming runs correct at one design.
+    let text =
+        text.replace("depth_um = [2.0, 50.0]", "depth_um = [10.0, 50.0]").replace("block_um = 10.0", "block_um = 5.0");
     let place = Place::with(&[("far.toml", &text)]);
     let (told, found) = optimize(&place, "far.toml", 3);
     let binding = found["explanation"]["binding"].as_array().unwrap();
