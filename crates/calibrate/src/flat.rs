@@ -13,14 +13,15 @@ const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Travel of a run from rest, which finds the static peak, in metres.
 const COLD_TRAVEL_M: f64 = 2e-6;
 
-/// Periods of the layer's first shear mode that a run lasts at least: its last two fifths, which are averaged, must hold
-/// ten. At high speeds the travels above are over sooner.
+/// Periods of the layer's first shear mode that a run is planned to last at least: an average must hold ten, of a record of
+/// which at most half is left out. At high speeds the travels above are over sooner.
 const LEAST_PERIODS: f64 = 40.0;
 
-/// Travel over what takes the layer to the onset of sliding above which it is long enough: the average begins at three
-/// fifths of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
+/// Travel over what takes the layer to the onset of sliding above which it is long enough: what comes before the onset may be half
+/// of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
 const ENOUGH: f64 = 1.9;
-/// Travel of a run that would be too short, from rest, over what shears the layer to the onset of sliding: the average takes the last two fifths.
+/// Travel of a run that would be too short, from rest, over what shears the layer to the onset of sliding: at most half of
+/// it is left out of the average.
 const COLD_ONSETS: f64 = 2.5;
 /// The same from steady sliding, over what takes the layer from the dynamic to the static friction.
 const WARM_ONSETS: f64 = 4.0;

@@ -116,14 +116,12 @@ fn face_of(layout: &Layout, strips: Vec<LaidStrip>, block_m: f64) -> Result<Face
 /// `simulation` of one cell as that of a specimen whose cavities take `share` of what a period's take.
 pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>]) {
     for (place, load) in simulation.loads.iter_mut().enumerate() {
-        load.ratio = load.ratio.map(|ratio| on_face(ratio, share));
+        load.set_ratio(load.ratio.map(|ratio| on_face(ratio, share)));
         let scaled = |error: Option<f64>| error.map(|error| error * share);
         load.ratio_stderr = scaled(load.ratio_stderr);
         load.ratio_discretization_error = scaled(load.ratio_discretization_error);
         load.ratio_layer_difference = scaled(load.ratio_layer_difference);
         load.ratio_layer_error = scaled(load.ratio_layer_error);
-        let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
-        load.surface.mu_dynamic = load.ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
         load.ratio_layout_error = layout_error.get(place).copied().flatten();
     }
 }

@@ -57,9 +57,10 @@ pub struct InterfacePoint {
     pub x_m: f64,
     /// Position along the pattern's y axis, from the cell's corner, in metres; 0 in the vertical plane.
     pub y_m: f64,
-    /// Normal pressure, positive in compression, in pascals. Dynamic runs: mean over the averaging window.
+    /// Normal pressure, positive in compression, in pascals. Dynamic runs: mean from three fifths of the planned travel on, or
+    /// from where a run that was not stationary then was looked at last.
     pub pressure_pa: f64,
-    /// Friction traction, positive against sliding, in pascals. Dynamic runs: mean over the window.
+    /// Friction traction, positive against sliding, in pascals. Dynamic runs: mean likewise.
     pub friction_pa: f64,
 }
 
@@ -94,7 +95,7 @@ pub struct SurfaceOutcome {
     pub mu_dynamic: Option<f64>,
     /// Its standard error: of the time average, and of what waves take away; absent for steady runs, which have none.
     pub mu_dynamic_stderr: Option<f64>,
-    /// Friction over that of the same normal forces with every block sliding, less one, in the mean over the window: above 0
+    /// Friction over that of the same normal forces with every block sliding, less one, in the mean of the interface: above 0
     /// where blocks that stick hold more than sliding friction, below 0 where waves keep blocks from sliding
     /// ([`Status::SlidingWaves`]); dynamic runs only.
     pub stick_slip_excess: Option<f64>,
@@ -179,6 +180,22 @@ pub struct LoadOutcome {
     pub ratio_layer_difference: Option<f64>,
     /// Standard error of the ratio where that difference was added to a strip or to a run in time; `None` where nothing was.
     pub ratio_layer_error: Option<f64>,
+}
+
+impl LoadOutcome {
+    /// Sets the ratio, and the patterned surface's dynamic friction to that of the flat one times it.
+    pub fn set_ratio(&mut self, ratio: Option<f64>) {
+        let flat_mu = self.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        self.ratio = ratio;
+        self.surface.mu_dynamic = ratio.zip(flat_mu).map(|(ratio, mu)| ratio * mu);
+    }
+
+    /// Adds `by` to the ratio, where there is one, and to friction in proportion.
+    pub(crate) fn shift_ratio(&mut self, by: f64) {
+        if let Some(ratio) = self.ratio {
+            self.set_ratio(Some(ratio + by));
+        }
+    }
 }
 
 /// Results of a scene.

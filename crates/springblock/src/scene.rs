@@ -110,7 +110,8 @@ pub struct RunOptions {
     pub extent: Extent,
     /// Seed of the local coefficients.
     pub seed: u64,
-    /// Travel of the bulk that a dynamic run simulates, in metres.
+    /// Travel of the bulk that a dynamic run is planned for, in metres: one whose mu is not stationary by then goes on, up to four
+    /// times as far, or twenty where `mu_stderr` is wanted.
     pub sliding_m: f64,
     /// Contact is unilateral: a block under tension leaves the counterface.
     pub liftoff: bool,

@@ -42,6 +42,11 @@ const MOST_FACTOR_BYTES: f64 = 8.0 * (1_u64 << 30) as f64;
 /// Columns that stand for a uniform periodic layer.
 const UNIFORM_COLUMNS: usize = 3;
 
+/// The value of the largest magnitude, the first of equals; 0 without any.
+fn widest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |widest: f64, value| if value.abs() > widest.abs() { value } else { widest })
+}
+
 /// Solves `scene` at every load, beside the flat surface where it has a pattern.
 ///
 /// Loads and surfaces run in parallel on rayon's current pool; the result does not depend on the
@@ -92,7 +97,7 @@ fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneE
 }
 
 /// Time steps that one dynamic run of `scene` is planned to take at the scheme's own step: what it costs is known before
-/// it begins. More than [`crate::MOST_STEPS`] are not begun.
+/// it begins, unless it must go on until its mean is stationary. More than [`crate::MOST_STEPS`] are not begun.
 #[must_use]
 pub fn planned_steps(scene: &Scene) -> u64 {
     Plan::new(scene, scene.run.step_s.unwrap_or(Scheme::own_step_s(scene))).total()
@@ -307,7 +312,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     let corrections = off_lattice_corrections(scene, nearest.as_ref())?;
     let (loads, scheme) = integrate(scene, &lattices, &corrections, monitor)?;
     let mut model = vec![describe_scheme(scene, &scheme)];
-    describe_protocol(scene, &scheme, &mut model);
+    describe_protocol(scene, scheme.step_s, &mut model);
     describe_extent(scene, &mut model);
     describe_draws(scene, &mut model);
     if scene.run.warm_start {
@@ -378,10 +383,7 @@ fn collect(scene: &Scene, surfaces: usize, corrections: &[f64], outcomes: Vec<Su
             let Some(own) = outcomes.next() else { break };
             let flat = if surfaces == 2 { outcomes.next() } else { None };
             let mut outcome = compare(load, own, flat);
-            if let (Some(ratio), Some(flat)) = (&mut outcome.ratio, &outcome.flat) {
-                *ratio += correction;
-                outcome.surface.mu_dynamic = flat.mu_dynamic.map(|mu| *ratio * mu);
-            }
+            outcome.shift_ratio(*correction);
             draws.push(outcome);
         }
         loads.extend(averaging::mean(draws));

@@ -43,7 +43,7 @@ fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: b
     }
 }
 
-/// 0.4 um at 20 mm/s last ten periods of this layer, of which four are averaged.
+/// 0.4 um at 20 mm/s last ten periods of this layer.
 #[test]
 fn fast_measurements_are_averaged_as_long_as_slow_ones() {
     for with_peaks in [false, true] {

@@ -415,8 +415,23 @@ impl SimulationReport {
     }
 }
 
-/// Statuses with a warning of their own.
-const EXPLAINED: [Status; 4] = [Status::NoOnset, Status::ShortWindow, Status::SlidingWaves, Status::StderrNotReached];
+/// Statuses that say more than that the run has no result.
+const EXPLAINED: [(Status, &str); 4] = [
+    (
+        Status::NoOnset,
+        "not every contact block slid before the run ended: let it travel farther, or ask for warm_start",
+    ),
+    (
+        Status::ShortWindow,
+        "friction had not become stationary when the run ended, and its mean is not to be trusted: let it travel farther",
+    ),
+    (
+        Status::SlidingWaves,
+        "sliding is unstable to waves: blocks that stick while others slide take more than 1 % of friction away, by an amount \
+         that depends on ends, damping and blocks; slide slower, or press harder",
+    ),
+    (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
+];
 
 impl LoadReport {
     /// Whether the surface, or the flat one beside it, ended so.
@@ -429,31 +444,15 @@ impl LoadReport {
 #[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
     type Test = fn(&LoadReport) -> bool;
-    let at = |test: Test| {
+    let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {
         let named: Vec<String> =
             results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
-        (!named.is_empty()).then(|| named.join(", "))
+        (!named.is_empty()).then(|| format!("at {} MPa {text}", named.join(", ")))
     };
-    let all: [(Test, &str); 9] = [
+    let explained = EXPLAINED.into_iter().filter_map(|(status, text)| at(&|load| load.has_status(status), text));
+    let others: [(Test, &str); 5] = [
         (
-            |load| load.has_status(Status::NoOnset),
-            "not every contact block slid before the run ended: let it travel farther, or ask for warm_start",
-        ),
-        (
-            |load| load.has_status(Status::ShortWindow),
-            "friction had not become stationary when the run ended, and its mean is not to be trusted: let it travel farther",
-        ),
-        (
-            |load| load.has_status(Status::SlidingWaves),
-            "sliding is unstable to waves: blocks that stick while others slide take more than 1 % of friction away, by an amount \
-             that depends on ends, damping and blocks; slide slower, or press harder",
-        ),
-        (
-            |load| load.has_status(Status::StderrNotReached),
-            "the standard error asked for was not reached within the longest travel",
-        ),
-        (
-            |load| !EXPLAINED.iter().any(|status| load.has_status(*status)) && load.status != "converged",
+            |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
             "the run has no result that can be trusted: see its status",
         ),
         (
@@ -470,5 +469,5 @@ pub fn warnings(results: &[LoadReport]) -> Vec<String> {
         ),
         (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction"),
     ];
-    all.into_iter().filter_map(|(test, text)| at(test).map(|named| format!("at {named} MPa {text}"))).collect()
+    explained.chain(others.into_iter().filter_map(|(test, text)| at(&test, text))).collect()
 }

@@ -12,7 +12,7 @@
 
 use slipgrid_pattern::Pattern;
 
-use super::MOST_FACTOR_BYTES;
+use super::{MOST_FACTOR_BYTES, widest};
 use crate::outcome::{LoadOutcome, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
 use crate::section::{SectionModel, SectionOutcome};
@@ -113,7 +113,7 @@ impl Behind {
         let Layer { height_m, thickness_m, .. } = self.layer;
         let (layer_um, thick_mm) = (height_m * 1e6, (thickness_m.unwrap_or(height_m) * 1e6).round() / 1e3);
         let known = || loads.iter().filter_map(|load| load.ratio_layer_difference);
-        let widest = known().fold(0.0, |widest: f64, own| if own.abs() > widest.abs() { own } else { widest });
+        let widest = widest(known());
         if known().count() < loads.iter().filter(|load| load.ratio.is_some()).count() {
             return format!(
                 "layer of {layer_um:.0} um under a rigid bulk: what a thicker specimen changes could not be computed, as its \
@@ -164,12 +164,8 @@ fn difference(thick: &SectionOutcome, alone: &SectionOutcome) -> Option<Differen
 
 /// Adds `difference`, of the ratio `of_ratio` and known to `open`, to `load`.
 fn add(difference: &Difference, of_ratio: f64, open: f64, load: &mut LoadOutcome) {
-    load.ratio = load.ratio.map(|ratio| ratio + of_ratio);
+    load.shift_ratio(of_ratio);
     load.ratio_layer_error = load.ratio.map(|ratio| open.min(OPEN_SHARE * (1.0 - ratio).abs()));
-    let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
-    if let Some((ratio, mu)) = load.ratio.zip(flat_mu) {
-        load.surface.mu_dynamic = Some(ratio * mu);
-    }
     let surface = &mut load.surface;
     surface.peak_pressure_pa *= difference.peak;
     surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);

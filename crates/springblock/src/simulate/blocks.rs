@@ -14,6 +14,7 @@
 
 use slipgrid_pattern::Pattern;
 
+use super::widest;
 use crate::outcome::LoadOutcome;
 use crate::scene::Scene;
 use crate::section::SectionModel;
@@ -93,20 +94,15 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, loads: &mut [LoadOut
         return;
     }
     for (load, shift) in loads.iter_mut().zip(&shifts) {
-        let Some(ratio) = load.ratio.map(|ratio| ratio + shift * share) else { continue };
-        load.ratio = Some(ratio);
-        load.ratio_discretization_error = Some(error * share);
-        if let Some(mu) = load.flat.as_ref().and_then(|flat| flat.mu_dynamic) {
-            load.surface.mu_dynamic = Some(ratio * mu);
-        }
+        load.shift_ratio(shift * share);
+        load.ratio_discretization_error = load.ratio.map(|_| error * share);
     }
-    let widest = shifts.iter().fold(0.0, |widest: f64, shift| if shift.abs() > widest.abs() { *shift } else { widest });
     model.push(format!(
         "blocks of {} um: their ratio plus what blocks of {} um change of the steady cell, {:+.4} at most, which leaves it open by \
          {:.4}; pressures and the interface are those of the larger blocks",
         micrometres(scene.layer.block_m),
         micrometres(scene.layer.block_m * factor),
-        widest * share,
+        widest(shifts.iter().copied()) * share,
         error * share,
     ));
 }

@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::{
-    MOST_FACTOR_BYTES, collect, describe_draws, describe_law, seed_of, solid_discretization_error, stderr_share,
-    why_solid,
+    MOST_FACTOR_BYTES, collect, describe_draws, describe_law, describe_protocol, seed_of, solid_discretization_error,
+    stderr_share, why_solid,
 };
-use crate::dynamics::{MOST_STEPS, Plan, SolidRun, SolidScheme};
+use crate::dynamics::{SolidRun, SolidScheme};
 use crate::error::SceneError;
 use crate::monitor::Monitor;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
@@ -141,16 +141,7 @@ fn statements(
             scene.layer.rows(),
         ),
     ];
-    let steps = Plan::new(scene, scheme.step_s).total();
-    if steps > MOST_STEPS {
-        model.push(format!(
-            "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",
-            scene.run.sliding_m, scene.speed_m_s,
-        ));
-    }
-    if scene.speed_m_s == 0.0 {
-        model.push("speed 0: the bulk stays where it is; 20 us of rest are simulated".to_owned());
-    }
+    describe_protocol(scene, scheme.step_s, &mut model);
     if pattern.length_m().is_none() {
         model.push("grooves: as many columns along them as across, with coefficients of their own".to_owned());
     }

@@ -300,7 +300,7 @@ fn in_time(
     let none = vec![0.0; scene.loads.len()];
     let (mut loads, scheme) = integrate(scene, &lattices, &none, monitor)?;
     model.push(describe_scheme(scene, &scheme));
-    describe_protocol(scene, &scheme, model);
+    describe_protocol(scene, scheme.step_s, model);
     model.push(format!(
         "in time: the longest strip of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the others follow it in what time adds to steady sliding",
         strip.length_m * 1e3,

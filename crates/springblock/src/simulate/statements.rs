@@ -42,8 +42,8 @@ pub fn describe_scheme(scene: &Scene, scheme: &Scheme) -> String {
 }
 
 /// What is said of runs that are not begun, and of a bulk at rest.
-pub fn describe_protocol(scene: &Scene, scheme: &Scheme, model: &mut Vec<String>) {
-    let steps = Plan::new(scene, scheme.step_s).total();
+pub fn describe_protocol(scene: &Scene, step_s: f64, model: &mut Vec<String>) {
+    let steps = Plan::new(scene, step_s).total();
     if steps > MOST_STEPS {
         model.push(format!(
             "not run: {:.3e} m of travel at {:.3e} m/s would take {steps:.1e} steps, more than {MOST_STEPS:.0e}; travel less, slide faster, or ask for steady",

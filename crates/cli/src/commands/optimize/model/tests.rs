@@ -16,6 +16,12 @@ fn scene() -> Scene {
     }
 }
 
+/// The loads of `scene` with a third more friction.
+fn louder(scene: &Scene) -> Vec<Load> {
+    let friction = LocalFriction::new(0.4, 0.36, 0.05).unwrap();
+    scene.loads.iter().map(|load| Load { friction, ..*load }).collect()
+}
+
 fn space(planform: Planform) -> DesignSpace {
     DesignSpace::new(planform, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
 }
@@ -98,11 +104,7 @@ fn a_corrected_model_gives_what_was_confirmed() {
 #[test]
 fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_worst_of_all() {
     let scene = scene();
-    let louder: Vec<Load> = scene
-        .loads
-        .iter()
-        .map(|load| Load { friction: LocalFriction::new(0.4, 0.36, 0.05).unwrap(), ..*load })
-        .collect();
+    let louder = louder(&scene);
     let design = Pattern::new(Planform::Groove, 130e-6, 170e-6, 20e-6).unwrap();
     let flat_mu = vec![0.28, 0.25];
     let mut model = SteadyCell::new(&scene, &[&louder], &[], &space(Planform::Groove), Some(flat_mu.clone()));
@@ -138,11 +140,7 @@ fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_
 #[test]
 fn further_directions_are_those_of_the_turned_design_solved_alone() {
     let scene = scene();
-    let louder: Vec<Load> = scene
-        .loads
-        .iter()
-        .map(|load| Load { friction: LocalFriction::new(0.4, 0.36, 0.05).unwrap(), ..*load })
-        .collect();
+    let louder = louder(&scene);
     let texture = Texture::new(Planform::Rectangle).with_length_m(80e-6).unwrap();
     let space = DesignSpace::new(texture, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap();
     let design = Pattern::new(texture, 160e-6, 80e-6, 20e-6).unwrap();
