@@ -14,7 +14,8 @@ use slipgrid_cli::formats::Document;
 use slipgrid_cli::formats::calibration::Calibration;
 use slipgrid_cli::formats::design::Design;
 use slipgrid_cli::formats::measurements;
-use slipgrid_cli::formats::scene::{Overrides, SceneInput};
+use slipgrid_cli::formats::run::Overrides;
+use slipgrid_cli::formats::scene::SceneInput;
 use slipgrid_cli::formats::trace_file;
 use slipgrid_topography::{ReadOptions, read_map};
 

@@ -13,6 +13,7 @@ pub mod material_uncertainty;
 pub mod measured;
 pub mod measurements;
 pub mod pattern;
+pub mod run;
 pub mod scene;
 pub mod surface;
 pub mod target;

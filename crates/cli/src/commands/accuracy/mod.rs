@@ -18,7 +18,8 @@ use plan::{Role, Size, rows};
 use report::{AccuracyReport, Machine, model_notes};
 
 use crate::args::AccuracyArgs;
-use crate::formats::scene::{Overrides, SceneInput};
+use crate::formats::run::Overrides;
+use crate::formats::scene::SceneInput;
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;

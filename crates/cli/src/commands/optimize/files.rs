@@ -10,7 +10,8 @@ use crate::CliError;
 use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, TrialFile};
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::formats::scene::{LoadFile, RunFile, SampleFile, SceneFile};
+use crate::formats::run::RunFile;
+use crate::formats::scene::{LoadFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
 use crate::report::specimen::Specimen;
@@ -198,7 +199,8 @@ fn each(values: impl Iterator<Item = f64>, quantity: Quantity) -> Spanned<Number
 mod tests {
     use super::*;
     use crate::formats::Document;
-    use crate::formats::scene::{Overrides, SceneInput};
+    use crate::formats::run::Overrides;
+    use crate::formats::scene::SceneInput;
     use slipgrid_export::Outline;
     use slipgrid_material::{AreaLaw, Elastic, Friction, Provenance};
     use slipgrid_pattern::Planform;

@@ -1,0 +1,120 @@
+//! The table `[run]` of scenes: how they are solved.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_springblock::{Extent, Fidelity, MOST_DRAWS, RunOptions, Springs};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::Number;
+use crate::diagnostic::Diagnostic;
+use crate::units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
+
+/// Run options as a file writes them; absent ones have the defaults of `RunOptions`.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunFile {
+    /// `steady`, `dynamic` or `reference`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fidelity: Option<Spanned<String>>,
+    /// `cell` or `sample`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extent: Option<Spanned<String>>,
+    /// Seed of the local coefficients.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// Travel of the bulk in dynamic runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_um: Option<Number>,
+    /// Unilateral contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub liftoff: Option<bool>,
+    /// Standard error of mu relative to mu at which a dynamic run may end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mu_stderr: Option<Number>,
+    /// Time step.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_ns: Option<Number>,
+    /// Damping frequency over sqrt(k/m).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub damping: Option<Number>,
+    /// Start from the sheared steady equilibrium.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warm_start: Option<bool>,
+    /// `linear` or `exact`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub springs: Option<Spanned<String>>,
+    /// 2 or 3; the planform decides when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dimensions: Option<Spanned<u64>>,
+    /// Surfaces with coefficients of their own in dynamic runs, 1 to 64.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub draws: Option<Spanned<u64>>,
+    /// Ratios of vanishing blocks, as nearly as steady cells tell.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub refine: Option<bool>,
+}
+
+/// Choices of the command line that override a scene's.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// `--fidelity`.
+    pub fidelity: Option<Fidelity>,
+    /// `--extent`.
+    pub extent: Option<Extent>,
+}
+
+/// Reads the table; on a specimen patterns of three dimensions are solved as one cell.
+///
+/// # Errors
+/// [`Diagnostic`] for unknown names, numbers out of range and what cannot be solved together.
+pub fn read_run(
+    document: &Document,
+    file: &RunFile,
+    overrides: Overrides,
+    has_specimen: bool,
+) -> Result<RunOptions, Diagnostic> {
+    let default = RunOptions::default();
+    let fidelity =
+        file.fidelity.as_ref().map(|name| document.choice(name, &Fidelity::ALL, Fidelity::name)).transpose()?;
+    let extent = file.extent.as_ref().map(|name| document.choice(name, &Extent::ALL, Extent::name)).transpose()?;
+    let springs = file.springs.as_ref().map(|name| document.choice(name, &Springs::ALL, Springs::name)).transpose()?;
+    let fidelity = overrides.fidelity.or(fidelity).unwrap_or(default.fidelity);
+    let extent = overrides.extent.or(extent).unwrap_or(default.extent);
+    if let Some(dimensions) = &file.dimensions {
+        match dimensions.get_ref() {
+            2 => {}
+            3 if fidelity != Fidelity::Reference
+                && (extent == Extent::Cell || has_specimen)
+                && springs != Some(Springs::Exact) => {}
+            3 => {
+                return Err(document
+                    .refuse(
+                        dimensions.span(),
+                        "is solved for fidelity = \"steady\" or \"dynamic\" with linear springs and extent = \"cell\" alone",
+                    )
+                    .expected("2, which models the vertical section along the sliding direction"));
+            }
+            _ => return Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
+        }
+    }
+    if let Some(draws) = file.draws.as_ref().filter(|draws| !(1..=MOST_DRAWS).contains(draws.get_ref())) {
+        return Err(document
+            .refuse(draws.span(), "is no number of draws")
+            .expected(format!("a whole number from 1 to {MOST_DRAWS}")));
+    }
+    Ok(RunOptions {
+        fidelity,
+        extent,
+        seed: file.seed.unwrap_or(default.seed),
+        sliding_m: document.optional(file.sliding_um.as_ref(), LENGTH_UM)?.unwrap_or(default.sliding_m),
+        liftoff: file.liftoff.unwrap_or(default.liftoff),
+        mu_stderr: document.optional(file.mu_stderr.as_ref(), TOLERANCE)?,
+        step_s: document.optional(file.step_ns.as_ref(), STEP_NS)?,
+        damping: document.optional(file.damping.as_ref(), DAMPING)?.unwrap_or(default.damping),
+        warm_start: file.warm_start.unwrap_or(default.warm_start),
+        springs,
+        dimensions: file.dimensions.as_ref().map(|dimensions| if *dimensions.get_ref() == 3 { 3 } else { 2 }),
+        draws: file.draws.as_ref().map_or(default.draws, |draws| *draws.get_ref()),
+        refine: file.refine.unwrap_or(default.refine),
+    })
+}
