@@ -40,9 +40,7 @@ pub mod output;
 pub mod plausible;
 pub mod progress;
 pub mod report;
-pub mod units;
-
-use std::ffi::OsString;
+pub use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 
 use clap::{CommandFactory, FromArgMatches};

@@ -1,11 +1,11 @@
 //! Limits of plausibility: what dry friction experiments on solids give, and what cannot be measured at all.
 //!
-//! The ranges of [`crate::units`] say which numbers a file may hold; these say which of them are likely meant. A
+//! The ranges of [`slipgrid_units`] say which numbers a file may hold; these say which of them are likely meant. A
 //! calibration refuses what cannot be measured and tells what is unusual; a scene, which may be a thought experiment, is
 //! only told.
 
 use crate::diagnostic::Diagnostic;
-use crate::units::{self, Quantity, tidy};
+use slipgrid_units::{Quantity, tidy};
 
 /// A quantity of an experiment, in the unit of its key.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,11 +114,11 @@ pub const ALL: [Plausible; 9] =
 #[must_use]
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     let judged = [
-        (units::FRICTION, FRICTION),
-        (units::MODULUS_GPA, MODULUS),
-        (units::DENSITY_G_CM3, DENSITY),
-        (units::SPEED_MM_S, SPEED),
-        (units::FORCE_N, FORCE),
+        (slipgrid_units::FRICTION, FRICTION),
+        (slipgrid_units::MODULUS_GPA, MODULUS),
+        (slipgrid_units::DENSITY_G_CM3, DENSITY),
+        (slipgrid_units::SPEED_MM_S, SPEED),
+        (slipgrid_units::FORCE_N, FORCE),
     ];
     judged.into_iter().find(|(own, _)| *own == quantity).and_then(|(_, plausible)| plausible.slip(value))
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use slipgrid_springblock::Monitor;
+use slipgrid_monitor::Monitor;
 
 use crate::interruption;
 
@@ -91,16 +91,6 @@ impl Monitor for Progress {
         let before = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
         let (Ok(bits) | Err(bits)) = before;
         self.set(f64::from_bits(bits) + share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.is_over()
-    }
-}
-
-impl slipgrid_contact::Monitor for Progress {
-    fn advance(&self, share: f64) {
-        Monitor::advance(self, share);
     }
 
     fn cancelled(&self) -> bool {

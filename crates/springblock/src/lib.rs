@@ -49,7 +49,6 @@ mod dynamics;
 mod error;
 mod face;
 mod lattice;
-mod monitor;
 mod outcome;
 mod scene;
 mod section;
@@ -60,11 +59,11 @@ mod steady;
 pub use dynamics::{MOST_STEPS, WAVE_DEFICIT};
 pub use error::SceneError;
 pub use face::{Face, Strip};
-pub use monitor::{Monitor, Unwatched};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use section::{SectionModel, SectionOutcome};
 pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
+pub use slipgrid_monitor::{Monitor, Unwatched};
 pub use solid::{
     SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
 };

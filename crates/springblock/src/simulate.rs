@@ -13,12 +13,12 @@ pub use specimen::simulate_specimen;
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
+use crate::Monitor;
 use crate::columns::{self, Column};
 use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
-use crate::monitor::Monitor;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
 use crate::section::{SectionModel, condensing_cell};

@@ -8,7 +8,7 @@ use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
 use slipgrid_topography::HeightMap;
 
 use crate::diagnostic::Diagnostic;
-use crate::units::PRESSURE_MPA;
+use slipgrid_units::PRESSURE_MPA;
 
 /// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
 /// From full contact on a pressure costs nothing.

@@ -20,8 +20,8 @@ use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json, json_and_timings};
-use crate::units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 use crate::{CliError, Console, exit_code};
+use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
 /// Computes the curve and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

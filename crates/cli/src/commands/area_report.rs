@@ -8,7 +8,7 @@ use crate::CliError;
 use crate::charts::{self, AreaLawChart};
 use crate::report::Table;
 use crate::report::table::fixed;
-use crate::units::tidy;
+use slipgrid_units::tidy;
 
 /// What `area-law --json` prints.
 #[derive(Clone, Debug, Serialize)]

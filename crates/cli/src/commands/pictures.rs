@@ -9,7 +9,7 @@ use crate::charts::{
 };
 use crate::output::Outputs;
 use crate::report::errors::ErrorsReport;
-use crate::units::{LENGTH_UM, PRESSURE_MPA};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
 /// block widths are cavities.

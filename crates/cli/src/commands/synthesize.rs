@@ -7,8 +7,8 @@ use crate::args::{CutName, SynthesizeArgs};
 use crate::diagnostic::Diagnostic;
 use crate::output::{Place, check_file, write_file};
 use crate::report::table::fixed;
-use crate::units::{LENGTH_MM, LENGTH_UM, SLOPE};
 use crate::{CliError, Console, exit_code};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
 
 /// Makes the map and writes it.
 pub fn run(args: &SynthesizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -10,9 +10,9 @@ use crate::formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, Trace
 use crate::output::{Outputs, Place, check_folder};
 use crate::report::table::fixed;
 use crate::report::{Table, VERSION};
-use crate::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S, tidy};
 use crate::{CliError, Console, exit_code};
 use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
+use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S, tidy};
 
 use super::area_law::checked;
 

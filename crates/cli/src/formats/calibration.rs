@@ -21,7 +21,7 @@ use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFi
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
-use crate::units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
+use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;

@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Numbers, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
+use slipgrid_units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
 
 /// A condition, or a range of them, as a design writes it.
 #[derive(Clone, Debug, Deserialize)]

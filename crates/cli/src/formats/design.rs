@@ -29,7 +29,7 @@ use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::Specimen;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
 
 /// Most model evaluations where a file names no limit.
 const DEFAULT_MAX_EVALUATIONS: usize = 2000;

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Number, number};
 use crate::diagnostic::Diagnostic;
-use crate::units::{FRACTION, HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_units::{FRACTION, HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// `[discrepancy]` as a file writes it: ln(measured / modelled ratio) = a + b (P - P0) / P0.
 #[derive(Clone, Debug, Deserialize, Serialize)]

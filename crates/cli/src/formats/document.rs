@@ -11,7 +11,7 @@ use super::file_kind::FileKind;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::input::read_text;
 use crate::plausible;
-use crate::units::Quantity;
+use slipgrid_units::Quantity;
 
 /// Letters of a refused value that a message repeats.
 const LONGEST_VALUE: usize = 60;

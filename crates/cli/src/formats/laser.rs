@@ -9,7 +9,7 @@ use super::document::Document;
 use super::values::{Number, NumberList, number};
 use crate::diagnostic::Diagnostic;
 use crate::report::specimen::{AT_THE_RIM, Specimen, SpecimenReport};
-use crate::units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
 
 /// The laser as a design writes it.
 #[derive(Clone, Debug, Deserialize)]

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
+use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
 
 /// Limits as a design writes them.
 #[derive(Clone, Debug, Default, Deserialize)]

@@ -6,7 +6,7 @@ use super::calibration::Coefficients;
 use super::measurements::Measurement;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{FORCE, FRICTION, PRESSURE, RELATIVE_DEVIATION, SPEED, STRAIN};
-use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Values that differ by less than this part are the same.
 const SAME: f64 = 1e-9;

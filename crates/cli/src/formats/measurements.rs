@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::input::read_text;
-use crate::units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
+use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
 /// One row of a table of measurements, SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Number, Numbers, list, number};
 use crate::diagnostic::Diagnostic;
-use crate::units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG, tidy};
+use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG, tidy};
 
 /// A pattern as a scene writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]

@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
+use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 
 /// Run options as a file writes them; absent ones have the defaults of `RunOptions`.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]

@@ -11,7 +11,7 @@ use super::document::Document;
 use super::material::existing;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{LENGTH_UM, SLOPE};
+use slipgrid_units::{LENGTH_UM, SLOPE};
 
 /// The table as it stands in a file.
 #[derive(Clone, Debug, Deserialize)]

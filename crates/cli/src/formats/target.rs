@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Numbers, for_each, list};
 use crate::diagnostic::Diagnostic;
-use crate::units::{self, FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
+use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 
 /// A target as a design writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -71,7 +71,7 @@ pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Ta
         Quantity::Ratio => RATIO,
         Quantity::DynamicFriction => FRICTION,
     };
-    let each = |numbers: &Option<Spanned<Numbers>>, range: units::Quantity| {
+    let each = |numbers: &Option<Spanned<Numbers>>, range: slipgrid_units::Quantity| {
         numbers.as_ref().map(|numbers| for_each(document, numbers, range, pressures_pa.len(), "pressure")).transpose()
     };
     let goal = target.goal.as_ref().map(|goal| document.choice(goal, &GOALS, goal_name)).transpose()?;

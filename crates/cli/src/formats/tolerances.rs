@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use crate::units::{CORRELATION, LENGTH_STD_UM};
+use slipgrid_units::{CORRELATION, LENGTH_STD_UM};
 
 /// Draws where a file names none: a probability of one half is known to 2.2 %.
 const DEFAULT_DRAWS: usize = 500;

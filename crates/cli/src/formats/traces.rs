@@ -15,7 +15,7 @@ use super::trace_file;
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
-use crate::units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
+use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
 /// `[traces]` as a file writes it.
 #[derive(Clone, Debug, Deserialize)]

@@ -9,7 +9,7 @@ use toml::Spanned;
 
 use super::document::Document;
 use crate::diagnostic::Diagnostic;
-use crate::units::Quantity;
+use slipgrid_units::Quantity;
 
 /// A number with its place in the file.
 pub type Number = Spanned<f64>;

@@ -8,7 +8,7 @@ use super::errors::{ErrorReport, ErrorsReport, Solved};
 use super::table::{Table, fixed};
 use crate::CliError;
 use crate::formats::scene::SceneInput;
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Ratio and friction times measured over modelled ratio of patterned samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]

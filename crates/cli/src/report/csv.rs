@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use slipgrid_springblock::{Simulation, SurfaceOutcome};
 
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Both surfaces of every load, with the names that tables give them.
 fn surfaces(simulation: &Simulation) -> impl Iterator<Item = (f64, &'static str, &SurfaceOutcome)> {

@@ -6,7 +6,7 @@ use slipgrid_calibrate::uncertainty::{Deviation, Deviations, Drawn, Knowledge, S
 use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Part of a run: how long it lasted.
 const TIME_AVERAGE: &str = "time average";

@@ -12,7 +12,7 @@ use super::table::{Table, fixed};
 use crate::CliError;
 use crate::formats::pattern::PatternFile;
 use crate::formats::scene::SceneInput;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -318,7 +318,7 @@ impl SimulationReport {
             areal_density: pattern.map(|pattern| tidy(pattern.areal_density())),
             section_density: pattern.map(|pattern| tidy(pattern.section_density())),
             block_um: LENGTH_UM.from_si(scene.layer.block_m),
-            speed_mm_s: crate::units::SPEED_MM_S.from_si(scene.speed_m_s),
+            speed_mm_s: slipgrid_units::SPEED_MM_S.from_si(scene.speed_m_s),
             seed: scene.run.seed,
             draws: scene.run.draws,
             wall_s,

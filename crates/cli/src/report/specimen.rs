@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_export::{ExportError, Layout, Outline};
 use slipgrid_pattern::Pattern;
 
-use crate::units::LENGTH_MM;
+use slipgrid_units::LENGTH_MM;
 
 /// The specimen's face, and what becomes of cavities that pass its rim.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::engine::Engine;
 use super::protocol::{RAMP_S, REST_S};
 use super::recorder::{Recorder, WindowMean};
 use super::scales::Scales;
-use crate::monitor::Monitor;
+use crate::Monitor;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::Scene;
 

@@ -164,7 +164,7 @@ mod tests {
     use slipgrid_pattern::{Pattern, Planform};
 
     use super::*;
-    use crate::monitor::Unwatched;
+    use crate::Unwatched;
     use crate::scene::{Layer, Load, RunOptions};
     use crate::simulate::simulate;
 

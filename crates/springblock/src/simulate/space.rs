@@ -7,9 +7,9 @@ use super::{
     MOST_FACTOR_BYTES, collect, describe_draws, describe_law, describe_protocol, seed_of, solid_discretization_error,
     stderr_share, why_solid,
 };
+use crate::Monitor;
 use crate::dynamics::{SolidRun, SolidScheme};
 use crate::error::SceneError;
-use crate::monitor::Monitor;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::solid::{SolidLattice, SolidLoad, SolidModel, SolidSteadyModel};
@@ -179,7 +179,7 @@ mod tests {
     use slipgrid_pattern::{Planform, Texture};
 
     use super::*;
-    use crate::monitor::Unwatched;
+    use crate::Unwatched;
     use crate::scene::{Fidelity, Layer, RunOptions};
     use crate::simulate;
 

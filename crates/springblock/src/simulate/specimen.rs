@@ -23,12 +23,12 @@ use super::{
     Behind, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol,
     describe_scheme, discretization_error, integrate, seed_of,
 };
+use crate::Monitor;
 use crate::columns;
 use crate::draws;
 use crate::error::SceneError;
 use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
-use crate::monitor::Monitor;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, RunOptions, Scene};
 use crate::section::SectionModel;

@@ -245,7 +245,7 @@ fn leapfrog() -> Vec<Row> {
 
 fn block_sizes(size: Size, block_um: f64) -> Vec<Row> {
     let named = |what: &str, short: &str, times: f64, changes: &[Change]| {
-        let um = crate::units::tidy(block_um * times);
+        let um = slipgrid_units::tidy(block_um * times);
         let changes = changes.iter().copied().chain([Change::BlockTimes(times)]).collect();
         method(format!("{what}, blocks of {um} um"), format!("{short} {um} um"), Family::BlockSize, changes)
     };
@@ -258,7 +258,7 @@ fn block_sizes(size: Size, block_um: f64) -> Vec<Row> {
 
 fn shortcuts() -> Vec<Row> {
     let stop = Change::StopAt { mu_stderr: STOP_STDERR, travel_share: STOP_TRAVEL_SHARE };
-    let percent = crate::units::tidy(100.0 * STOP_STDERR);
+    let percent = slipgrid_units::tidy(100.0 * STOP_STDERR);
     let shortcut = |name: String, label: &str, changes: &[Change]| {
         let changes = [DYNAMIC].into_iter().chain(changes.iter().copied()).collect();
         method(name, label, Family::Shortcut, changes)
@@ -290,8 +290,8 @@ fn choices(scene: &Scene) -> Vec<Row> {
         row(name.clone(), name, family, role, [DYNAMIC].into_iter().chain(change).collect())
     };
     let choice = |name, family, change| dynamic(name, family, Role::Choice, Some(change));
-    let um = |times: f64| crate::units::tidy(scene.layer.height_m * 1e6 * times);
-    let mm_s = |times: f64| crate::units::tidy(scene.speed_m_s * 1e3 * times);
+    let um = |times: f64| slipgrid_units::tidy(scene.layer.height_m * 1e6 * times);
+    let mm_s = |times: f64| slipgrid_units::tidy(scene.speed_m_s * 1e3 * times);
     let mut rows = vec![dynamic("as in the scene".to_owned(), Family::Damping, Role::Base, None)];
     let damping = [0.003, 0.01, 0.03, 0.1].into_iter().filter(|damping| *damping != scene.run.damping);
     rows.extend(

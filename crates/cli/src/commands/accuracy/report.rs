@@ -10,7 +10,7 @@ use super::front::{Point, better, front};
 use super::measure::{Run, runs_of};
 use super::plan::{Family, Role, Row};
 use crate::report::VERSION;
-use crate::units::{STEP_NS, tidy};
+use slipgrid_units::{STEP_NS, tidy};
 
 /// What `accuracy --json` prints.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -338,7 +338,7 @@ fn better_than<'a>(method: &RowReport, placed: &[(&'a RowReport, Point)], floor:
 
 /// What the page compares, and how.
 pub fn model_notes(scene: &Scene, source: &str, size: &str, seeds: u64) -> Vec<String> {
-    use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
+    use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let rounded_um = |length_m: f64| (um(length_m) * 1e3).round() / 1e3;
     let mut notes = vec![source.to_owned()];

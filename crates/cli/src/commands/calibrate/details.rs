@@ -12,7 +12,7 @@ use crate::commands::area_curve::persson_curve;
 use crate::formats::calibration::Calibration;
 use crate::report::Table;
 use crate::report::table::fixed;
-use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Names of fitted numbers.
 const DYNAMIC_MEAN: &str = "dynamic_mean";

@@ -18,7 +18,7 @@ use crate::formats::measurements::Measurement;
 use crate::formats::values::number;
 use crate::report::Table;
 use crate::report::table::fixed;
-use crate::units::{HUMIDITY_PCT, LENGTH_UM, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, SPEED_MM_S, tidy};
 
 /// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.
 const LOG_MODULUS_STEP: f64 = 0.02;

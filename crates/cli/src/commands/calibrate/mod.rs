@@ -36,8 +36,8 @@ use crate::output::{Outputs, Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::table::fixed;
-use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 use crate::{CliError, Console, exit_code};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
 pub const CONTACT_TOLERANCE: f64 = 1e-6;

@@ -14,7 +14,7 @@ use crate::formats::target::quantity_name;
 use crate::report::Table;
 use crate::report::errors::{ErrorReport, PressureErrors};
 use crate::report::table::{fixed, with_error};
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Modelled values with and without the discrepancy of the calibration's patterned samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]

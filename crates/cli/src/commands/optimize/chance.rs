@@ -17,7 +17,7 @@ use super::model::SteadyCell;
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Width, spacing, depth: the inputs before the others.
 const DIMENSIONS: usize = 3;

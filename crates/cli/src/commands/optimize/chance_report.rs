@@ -11,7 +11,7 @@ use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::ErrorsReport;
-use crate::units::tidy;
+use slipgrid_units::tidy;
 
 /// Draws of the chance that is reported: a half is known to 0.4 %.
 const DRAWS: usize = 20_000;

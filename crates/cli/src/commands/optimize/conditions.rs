@@ -5,7 +5,7 @@ use slipgrid_optimize::Target;
 use super::further::{Further, Setting};
 use super::rounds::Rounds;
 use crate::formats::design::Design;
-use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// The largest misfit of each condition's share of `values`.
 pub fn misfits(target: &Target, values: &[f64]) -> Vec<f64> {

@@ -13,7 +13,7 @@ use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::ErrorsReport;
 use crate::report::table::{fixed, with_error};
-use crate::units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// What the design does at every condition.
 #[derive(Clone, Debug, PartialEq, Serialize)]

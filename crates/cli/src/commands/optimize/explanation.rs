@@ -16,8 +16,8 @@ use crate::formats::limits::Measure;
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
-use crate::units::{LENGTH_UM, tidy};
 use crate::{CliError, Console};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Bisections of a limit whose relaxing suffices: it is then known to a thirtieth of its change.
 const HALVINGS: usize = 5;

@@ -8,7 +8,7 @@ use super::aim::factors;
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Where friction is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]

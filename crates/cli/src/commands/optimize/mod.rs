@@ -52,12 +52,12 @@ use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::simulation::{MaterialReport, PatternReport, load_reports, model_notes};
 use crate::report::{VERSION, csv, json, json_and_timings};
-use crate::units::tidy;
 use crate::{CliError, Console, exit_code};
 use allowance::Allowance;
 use files::DesignScene;
 use report::{MisfitReport, patterns};
 use rounds::{Rounds, time_statement};
+use slipgrid_units::tidy;
 use stages::Timings;
 use target_report::{GoalReport, TargetReport};
 

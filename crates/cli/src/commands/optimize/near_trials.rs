@@ -9,7 +9,7 @@ use slipgrid_pattern::Pattern;
 use super::model::SteadyCell;
 use crate::formats::design::Design;
 use crate::formats::limits::Measure;
-use crate::units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Slack of the limits, relative: depths are whole bursts, written in decimals.
 const SLACK: f64 = 1e-9;

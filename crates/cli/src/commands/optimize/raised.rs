@@ -6,7 +6,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 use super::rounds::Rounds;
 use crate::formats::design::Design;
 use crate::report::table::fixed;
-use crate::units::PRESSURE_MPA;
+use slipgrid_units::PRESSURE_MPA;
 
 /// What is to be said where the flat surface is better than any pattern.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -11,7 +11,7 @@ use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::progress::Progress;
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// What designs within bounds and limits can do at one pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -23,7 +23,7 @@ use crate::formats::tolerances::TolerancesInput;
 use crate::progress::Progress;
 use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, tidy};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Draws from the first-order model, which cost nothing.
 const LINEAR_DRAWS: usize = 20_000;

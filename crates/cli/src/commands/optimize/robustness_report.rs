@@ -7,7 +7,7 @@ use crate::report::Table;
 use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
 use crate::report::table::fixed;
-use crate::units::tidy;
+use slipgrid_units::tidy;
 
 /// What `_std_um` means.
 pub const MEANING: &str = "Standard deviations of the dimensions are those of a sample's mean: samples differ by so much, \

@@ -29,8 +29,8 @@ use crate::formats::design::Design;
 use crate::formats::limits::Measure;
 use crate::interruption::heed;
 use crate::progress::Progress;
-use crate::units::{LENGTH_UM, tidy};
 use crate::{CliError, Console};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.

@@ -19,7 +19,7 @@ use super::stages::Timings;
 use crate::Console;
 use crate::formats::design::Design;
 use crate::progress::Progress;
-use crate::units::tidy;
+use slipgrid_units::tidy;
 
 /// Draws that designs are compared by.
 const DRAWS: usize = 4000;

@@ -6,7 +6,7 @@ use slipgrid_pattern::Pattern;
 
 use crate::CliError;
 use crate::report::Table;
-use crate::units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Step of the differences, in blocks: within a block kinks of the lattice show, beyond one curvature does.
 const STEP_BLOCKS: f64 = 0.5;

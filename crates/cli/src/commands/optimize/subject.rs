@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use slipgrid_pattern::Texture;
 use slipgrid_springblock::Scene;
 
-use crate::units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
 /// `further_deg` directions, too.

@@ -14,8 +14,8 @@ use crate::interruption::heed;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
-use crate::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use crate::{CliError, Console};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Step of the depth where no burst gives one, in metres.
 const DEPTH_STEP_M: f64 = 2e-6;

@@ -6,7 +6,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 use crate::formats::target::{goal_name, quantity_name};
 use crate::report::errors::{ErrorsReport, PressureErrors};
 use crate::report::table::{fixed, with_error};
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.
 #[derive(Clone, Debug, PartialEq, Serialize)]

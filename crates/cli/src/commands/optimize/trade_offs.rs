@@ -20,7 +20,7 @@ use crate::formats::trade_offs::{TradeOffGoal, TradeOffsInput};
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::simulation::PatternReport;
-use crate::units::{PRESSURE_MPA, tidy};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Designs of the front that a report lists; the table beside it has all.
 const LISTED: usize = 12;

@@ -12,8 +12,8 @@ use crate::args::SurfaceArgs;
 use crate::diagnostic::Diagnostic;
 use crate::output::{Outputs, Place, check_folder};
 use crate::report::json;
-use crate::units::LENGTH_UM;
 use crate::{CliError, Console, exit_code};
+use slipgrid_units::LENGTH_UM;
 
 /// What is written.
 const FILES: [&str; 6] = ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*"];

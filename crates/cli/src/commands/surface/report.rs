@@ -9,7 +9,7 @@ use super::super::altitude_map::SurfaceMap;
 use crate::args::SurfaceArgs;
 use crate::report::table::fixed;
 use crate::report::{Table, VERSION};
-use crate::units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, tidy};
 
 /// What `surface --json` prints.
 #[derive(Clone, Debug, Serialize)]

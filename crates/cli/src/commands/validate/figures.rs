@@ -26,8 +26,8 @@ use crate::progress::Progress;
 use crate::report::csv;
 use crate::report::errors::{ErrorReport, PressureErrors, Solved};
 use crate::report::table::fixed;
-use crate::units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 use crate::{CliError, Console};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Static over dynamic local coefficient where only dynamic friction was measured: the published pair, 0.30 and 0.27.
 const STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;

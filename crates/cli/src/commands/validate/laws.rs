@@ -14,8 +14,8 @@ use crate::formats::surface::Surface;
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::report::table::fixed;
-use crate::units::{PRESSURE_MPA, tidy};
 use crate::{CliError, Console};
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// The area law of the surface with every height multiplied by one factor.
 #[derive(Clone, Debug, PartialEq)]

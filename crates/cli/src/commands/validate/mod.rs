@@ -28,8 +28,8 @@ use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
 use crate::report::{VERSION, json, json_and_timings};
-use crate::units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 use crate::{CliError, Console, exit_code};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 
 /// Lengths of the pattern: ten centimetres are more than any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
@@ -266,7 +266,7 @@ fn validate(
         model: model_notes(args, pairs, patterns, &surface.notes),
         errors: errors_note(calibration),
         pattern: (&patterns.modelled).into(),
-        areal_density_square: crate::units::tidy(squares(&patterns.modelled).areal_density()),
+        areal_density_square: slipgrid_units::tidy(squares(&patterns.modelled).areal_density()),
         measured_depth_um: depth_um(&patterns.measured),
         summary: Summary::new(&results, &slope_factors),
         slope_factors,

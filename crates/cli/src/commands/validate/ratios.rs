@@ -9,7 +9,7 @@ use super::laws::ScaledLaw;
 use super::model::{Prediction, squares};
 use crate::formats::calibration::Calibration;
 use crate::formats::measurements::Measurement;
-use crate::units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// A condition measured on both samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -9,7 +9,7 @@ use crate::charts::{self, Estimate, RatioSeries, RatiosChart};
 use crate::formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
 use crate::report::Table;
 use crate::report::table::fixed;
-use crate::units::{LENGTH_MM, LENGTH_UM};
+use slipgrid_units::{LENGTH_MM, LENGTH_UM};
 
 /// The report for people.
 pub fn table(report: &ValidationReport) -> String {

@@ -13,7 +13,7 @@ use crate::formats::file_kind::FileKind;
 use crate::formats::material::{MaterialFile, existing};
 use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
 use crate::formats::values::{Numbers, PathOr, list};
-use crate::units::LENGTH_UM;
+use slipgrid_units::LENGTH_UM;
 
 /// Conditions with their places: the one designed for, then the further ones.
 pub(super) fn read_ranges(

@@ -4,7 +4,7 @@ use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::Planform;
 
 use super::*;
-use crate::monitor::Unwatched;
+use crate::Unwatched;
 use crate::scene::{Load, RunOptions};
 use crate::simulate::simulate;
 

@@ -1,0 +1,170 @@
+//! How a long computation reports to whoever started it, and is stopped.
+//!
+//! No library of slipgrid reads a clock, prints, or knows of signals: a [`Monitor`] does all of it, and the same one
+//! goes from the command line, a page or a Python package through every stage of a job. A [`Stage`] is one part of the
+//! job that may have a time limit of its own.
+//!
+//! ```
+//! use slipgrid_monitor::{Monitor, Stage};
+//! use std::sync::atomic::{AtomicBool, Ordering};
+//!
+//! struct Button(AtomicBool);
+//! impl Monitor for Button {
+//!     fn cancelled(&self) -> bool {
+//!         self.0.load(Ordering::Relaxed)
+//!     }
+//! }
+//!
+//! let button = Button(AtomicBool::new(false));
+//! let stage = Stage::new(&button, "search", None);
+//! assert!(!stage.cancelled());
+//! button.0.store(true, Ordering::Relaxed);
+//! assert!(stage.cancelled() && !stage.is_out_of_time());
+//! ```
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.
+pub trait Monitor: Sync {
+    /// A stage called `name` begins; shares of [`Monitor::advance`] count from 0 again.
+    fn stage(&self, _name: &str) {}
+
+    /// The stage that began last is over.
+    fn stage_ended(&self) {}
+
+    /// `share` of the stage's work, 0 to 1, has been done since the last call.
+    fn advance(&self, _share: f64) {}
+
+    /// Whether to stop: polled many times a second, by any thread.
+    fn cancelled(&self) -> bool {
+        false
+    }
+
+    /// Seconds from an arbitrary start; only differences count. Where it stands still no time limit is ever reached.
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+
+    /// Something worth a line to a person while the work goes on.
+    fn note(&self, _text: &str) {}
+}
+
+/// A monitor that watches nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unwatched;
+
+impl Monitor for Unwatched {}
+
+/// One stage of a job: it is cancelled with the job, or when its own time is over.
+pub struct Stage<'a> {
+    job: &'a dyn Monitor,
+    started_s: f64,
+    until_s: Option<f64>,
+    /// Share done, as the bits of an f64.
+    done: AtomicU64,
+}
+
+impl<'a> Stage<'a> {
+    /// Begins the stage `name` of `job`, to end at `until_s` on the job's clock.
+    #[must_use]
+    pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
+        job.stage(name);
+        Self { job, started_s: job.seconds(), until_s, done: AtomicU64::new(0.0_f64.to_bits()) }
+    }
+
+    /// Whether the stage has no time left.
+    #[must_use]
+    pub fn is_out_of_time(&self) -> bool {
+        self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
+    }
+
+    /// Sets the share done, 0 to 1: for a loop that counts its own work.
+    pub fn set(&self, share: f64) {
+        let before = f64::from_bits(self.done.swap(share.to_bits(), Ordering::Relaxed));
+        self.job.advance(share - before);
+    }
+
+    /// Ends the stage and returns the seconds that it took.
+    pub fn finish(self) -> f64 {
+        self.job.stage_ended();
+        self.job.seconds() - self.started_s
+    }
+}
+
+impl Monitor for Stage<'_> {
+    fn stage(&self, name: &str) {
+        self.job.stage(name);
+    }
+
+    fn stage_ended(&self) {
+        self.job.stage_ended();
+    }
+
+    fn advance(&self, share: f64) {
+        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
+        let _ = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        self.job.advance(share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.job.cancelled() || self.is_out_of_time()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.job.seconds()
+    }
+
+    fn note(&self, text: &str) {
+        self.job.note(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// A clock that is turned by hand, and what it was told.
+    #[derive(Default)]
+    struct Watch {
+        seconds: AtomicU64,
+        done: Mutex<f64>,
+    }
+
+    impl Monitor for Watch {
+        fn advance(&self, share: f64) {
+            *self.done.lock().unwrap() += share;
+        }
+
+        fn seconds(&self) -> f64 {
+            self.seconds.load(Ordering::Relaxed) as f64
+        }
+    }
+
+    #[test]
+    fn a_stage_ends_at_its_time_and_not_before() {
+        let watch = Watch::default();
+        let stage = Stage::new(&watch, "search", Some(10.0));
+        assert!(!stage.cancelled());
+        watch.seconds.store(9, Ordering::Relaxed);
+        assert!(!stage.cancelled());
+        watch.seconds.store(10, Ordering::Relaxed);
+        assert!(stage.cancelled() && stage.is_out_of_time() && !watch.cancelled());
+        assert_eq!(stage.finish(), 10.0);
+        assert!(!Stage::new(&Unwatched, "search", Some(1.0)).cancelled(), "no clock, no limit");
+    }
+
+    #[test]
+    fn shares_from_many_threads_add_up() {
+        let watch = Watch::default();
+        let stage = Stage::new(&watch, "solve", None);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..1000).for_each(|_| stage.advance(1.0 / 4000.0)));
+            }
+        });
+        assert!((*watch.done.lock().unwrap() - 1.0).abs() < 1e-9);
+        stage.set(0.25);
+        assert!((*watch.done.lock().unwrap() - 0.25).abs() < 1e-9, "a share that is set counts from where it stood");
+    }
+}
