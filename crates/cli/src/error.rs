@@ -29,6 +29,12 @@ pub enum CliError {
     Other(String),
 }
 
+impl From<slipgrid_results::NoJsonForm> for CliError {
+    fn from(error: slipgrid_results::NoJsonForm) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
 impl CliError {
     /// The exit code.
     #[must_use]

@@ -40,6 +40,7 @@ pub mod output;
 pub mod plausible;
 pub mod progress;
 pub mod report;
+pub mod solved;
 pub use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 

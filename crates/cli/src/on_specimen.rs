@@ -17,7 +17,7 @@ use slipgrid_springblock::{
     simulate_specimen,
 };
 
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
 
 /// Bands that a face is cut into: the strips in their middles sample it. On discs of 10 mm the ratio by 32 bands differs
 /// from that by 128 by less than the error stated (`bands_sample_a_disc`).

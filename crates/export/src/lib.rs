@@ -12,6 +12,7 @@
 //! | type or function | role |
 //! |---|---|
 //! | [`Outline`] | the specimen's face: disc, rectangle or ring |
+//! | [`Specimen`] | the face, with what becomes of cavities that pass its rim |
 //! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
 //! | [`LaidStrip`] | a strip of it along the sliding direction, for solvers |
 //! | [`Heading`] | name, version and notes that drawings carry |
@@ -59,6 +60,7 @@ mod marking;
 mod number;
 mod outline;
 mod process;
+mod specimen;
 mod stl;
 mod stream;
 mod strips;
@@ -83,6 +85,7 @@ pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances};
+pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
 pub use svg::svg;

@@ -19,8 +19,8 @@ use crate::formats::surface::{MapOptions, Missing};
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::{VERSION, json, json_and_timings};
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::{VERSION, json, json_and_timings};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
 /// Computes the curve and reports.

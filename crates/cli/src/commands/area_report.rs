@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use crate::CliError;
 use crate::charts::{self, AreaLawChart};
-use crate::report::Table;
-use crate::report::table::fixed;
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::tidy;
 
 /// What `area-law --json` prints.

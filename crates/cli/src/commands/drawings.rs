@@ -11,8 +11,8 @@ use slipgrid_pattern::Pattern;
 
 use crate::args::ExportFormat;
 use crate::output::Outputs;
-use crate::report::simulation::MaterialReport;
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
+use slipgrid_results::MaterialReport;
 
 /// What the files say beside the pattern.
 pub struct DrawingInput<'a> {

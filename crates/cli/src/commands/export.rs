@@ -11,8 +11,8 @@ use crate::diagnostic::Diagnostic;
 use crate::formats::file_kind::FileKind;
 use crate::input::read_text;
 use crate::output::{Outputs, Place, check_folder};
-use crate::report::simulation::PatternReport;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::PatternReport;
 use slipgrid_units::LENGTH_UM;
 
 /// Name of a result in its folder.

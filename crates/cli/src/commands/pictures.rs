@@ -8,7 +8,7 @@ use crate::charts::{
     friction_trace, interface_pressure,
 };
 use crate::output::Outputs;
-use crate::report::errors::ErrorsReport;
+use slipgrid_results::ErrorsReport;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 /// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many

@@ -10,9 +10,11 @@ use crate::interruption::heed;
 use crate::on_specimen::simulate_on;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::simulation::SimulationReport;
-use crate::report::{csv, json, json_and_timings};
+use crate::report::csv;
+use crate::solved::of_scene;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::SimulationReport;
+use slipgrid_results::{json, json_and_timings};
 
 /// What is written.
 const FILES: [&str; 6] =
@@ -38,7 +40,10 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
     correct(&mut simulation, &input.scene, excess.as_deref());
     let progress = Progress::start("errors", console.quiet);
-    let report = SimulationReport::new(&input, &simulation, wall_s, console.threads)?;
+    let (scene, outside) = (&input.scene, &input.friction_extrapolated);
+    let errors = of_scene(scene, &input.uncertainty, input.condition.as_ref(), &simulation)?;
+    let provenance = &input.material.provenance;
+    let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, console.threads);
     progress.finish();
     heed()?;
     if let Some(folder) = &args.output {

@@ -6,8 +6,8 @@ use super::area_law::checked;
 use crate::args::{CutName, SynthesizeArgs};
 use crate::diagnostic::Diagnostic;
 use crate::output::{Place, check_file, write_file};
-use crate::report::table::fixed;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::fixed;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
 
 /// Makes the map and writes it.

@@ -28,7 +28,7 @@ use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
 
 /// Most model evaluations where a file names no limit.

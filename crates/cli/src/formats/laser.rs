@@ -8,7 +8,8 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::{Number, NumberList, number};
 use crate::diagnostic::Diagnostic;
-use crate::report::specimen::{AT_THE_RIM, Specimen, SpecimenReport};
+use slipgrid_export::{AT_THE_RIM, Specimen};
+use slipgrid_results::SpecimenReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
 
 /// The laser as a design writes it.

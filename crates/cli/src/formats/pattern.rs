@@ -7,10 +7,12 @@ use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
+use slipgrid_results::PatternReport;
+
 use super::document::Document;
 use super::values::{Number, Numbers, list, number};
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG, tidy};
+use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
 
 /// A pattern as a scene writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -81,21 +83,18 @@ impl PatternFile {
 impl From<&Pattern> for PatternFile {
     /// The pattern as it is written: what is plain is left out.
     fn from(pattern: &Pattern) -> Self {
-        let texture = pattern.texture();
-        let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
-        let given = |angle_deg: f64| (angle_deg != 0.0).then(|| number(tidy(angle_deg)));
-        let length_m = pattern.length_m().filter(|_| texture.planform() == Planform::Rectangle);
+        let written = PatternReport::from(pattern);
+        let named = |name: String| Spanned::new(0..0, name);
         Self {
-            width_um: micrometres(pattern.width_m()),
-            spacing_um: micrometres(pattern.spacing_m()),
-            depth_um: micrometres(pattern.depth_m()),
-            planform: Some(Spanned::new(0..0, texture.planform().name().to_owned())),
-            length_um: length_m.map(micrometres),
-            spacing_across_um: texture.spacing_across_m().map(micrometres),
-            arrangement: (texture.arrangement() != Arrangement::Square)
-                .then(|| Spanned::new(0..0, texture.arrangement().name().to_owned())),
-            angle_deg: given(texture.orientation_deg()),
-            sliding_angle_deg: given(texture.sliding_angle_deg()),
+            width_um: number(written.width_um),
+            spacing_um: number(written.spacing_um),
+            depth_um: number(written.depth_um),
+            planform: Some(named(written.planform)),
+            length_um: written.length_um.map(number),
+            spacing_across_um: written.spacing_across_um.map(number),
+            arrangement: written.arrangement.map(named),
+            angle_deg: written.angle_deg.map(number),
+            sliding_angle_deg: written.sliding_angle_deg.map(number),
         }
     }
 }

@@ -18,7 +18,7 @@ use super::unusual;
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::on_specimen::{self, SpecimenError};
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
 
 /// A scene as a file writes it.

@@ -23,8 +23,8 @@ use crate::formats::scene::SceneInput;
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::json;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::json;
 
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -9,7 +9,7 @@ use super::difference::{Difference, Mean, Quantity, SIGNIFICANT, difference, mea
 use super::front::{Point, better, front};
 use super::measure::{Run, runs_of};
 use super::plan::{Family, Role, Row};
-use crate::report::VERSION;
+use slipgrid_results::VERSION;
 use slipgrid_units::{STEP_NS, tidy};
 
 /// What `accuracy --json` prints.

@@ -7,7 +7,7 @@ use super::plan::Family;
 use super::report::{AccuracyReport, FrontReport, RowReport, ValueReport};
 use crate::CliError;
 use crate::charts::{self, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 const QUANTITIES: [Quantity; 3] = [Quantity::MuDynamic, Quantity::MuStatic, Quantity::Ratio];
 

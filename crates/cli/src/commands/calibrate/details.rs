@@ -10,8 +10,8 @@ use crate::CliError;
 use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use crate::commands::area_curve::persson_curve;
 use crate::formats::calibration::Calibration;
-use crate::report::Table;
-use crate::report::table::fixed;
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Names of fitted numbers.

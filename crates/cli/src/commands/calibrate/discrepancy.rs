@@ -16,8 +16,8 @@ use crate::formats::calibration::{Calibration, DiscrepancyForm};
 use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
 use crate::formats::measurements::Measurement;
 use crate::formats::values::number;
-use crate::report::Table;
-use crate::report::table::fixed;
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, SPEED_MM_S, tidy};
 
 /// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.

@@ -34,9 +34,9 @@ use crate::formats::{Document, material::MaterialFile};
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
-use crate::report::Table;
-use crate::report::table::fixed;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
@@ -464,7 +464,7 @@ fn summary(calibration: &Calibration, calibrated: &Calibrated) -> String {
 fn report(calibration: &Calibration, calibrated: &Calibrated) -> Result<Outputs, CliError> {
     let mut outputs =
         if calibration.traces.is_empty() { Outputs::default() } else { super::traces::outputs(&calibration.traces)? };
-    outputs.add("fit.json", crate::report::json(&calibrated.fit.details)?);
+    outputs.add("fit.json", slipgrid_results::json(&calibrated.fit.details)?);
     outputs.add("profiles.csv", calibrated.fit.details.profiles());
     outputs.add("residuals.svg", details::residuals(calibration, &calibrated.fit)?);
     if let Some(discrepancy) = &calibrated.discrepancy {

@@ -9,7 +9,7 @@ use crate::CliError;
 use crate::formats::calibration::{Calibration, Coefficients};
 use crate::formats::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
 use crate::formats::values::{Numbers, number, number_list};
-use crate::report::VERSION;
+use slipgrid_results::VERSION;
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// The material as TOML.

@@ -11,8 +11,8 @@ use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
 use crate::formats::material_uncertainty::MaterialUncertainty;
-use crate::report::errors::ErrorsReport;
-use crate::report::table::{fixed, with_error};
+use slipgrid_results::ErrorsReport;
+use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// What the design does at every condition.

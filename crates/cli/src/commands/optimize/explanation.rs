@@ -15,8 +15,8 @@ use crate::formats::design::Design;
 use crate::formats::limits::Measure;
 use crate::interruption::heed;
 use crate::progress::Progress;
-use crate::report::simulation::PatternReport;
 use crate::{CliError, Console};
+use slipgrid_results::PatternReport;
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Bisections of a limit whose relaxing suffices: it is then known to a thirtieth of its change.

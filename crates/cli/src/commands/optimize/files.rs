@@ -13,8 +13,8 @@ use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::run::RunFile;
 use crate::formats::scene::{LoadFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
-use crate::report::VERSION;
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
+use slipgrid_results::VERSION;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
 
 /// What design.toml is made of.

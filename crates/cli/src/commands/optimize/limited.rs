@@ -9,7 +9,7 @@ use super::near_trials::Effect;
 use super::study::Answer;
 use crate::formats::design::Design;
 use crate::formats::limits::Measure;
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
 
 /// What is measured of every design, with what that takes.
 #[derive(Clone, Debug, Default)]

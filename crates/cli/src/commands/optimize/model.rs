@@ -16,7 +16,7 @@ use super::study::{Answer, Study};
 use crate::formats::design::Design;
 use crate::interruption;
 use crate::on_specimen::{SpecimenError, density_share, on_face, onto};
-use crate::report::specimen::Specimen;
+use slipgrid_export::Specimen;
 
 /// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
 /// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.

@@ -5,7 +5,7 @@ use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 
 use super::rounds::Rounds;
 use crate::formats::design::Design;
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 use slipgrid_units::PRESSURE_MPA;
 
 /// What is to be said where the flat surface is better than any pattern.

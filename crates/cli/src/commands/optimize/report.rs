@@ -20,11 +20,11 @@ use super::table::TableReport;
 use super::target_report::{GoalReport, TargetReport};
 use super::trade_offs::TradeOffsReport;
 use crate::formats::target::quantity_name;
-use crate::report::Table;
-use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors};
-use crate::report::simulation::{LoadReport, MaterialReport, PatternReport};
-use crate::report::specimen::SpecimenReport;
-use crate::report::table::{fixed, with_error};
+use slipgrid_results::SpecimenReport;
+use slipgrid_results::Table;
+use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
+use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
+use slipgrid_results::{fixed, with_error};
 
 /// result.json of `optimize`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -292,7 +292,7 @@ impl DesignReport {
         for broken in &self.violations {
             text += &format!("! {broken}\n");
         }
-        for warning in crate::report::simulation::warnings(&self.confirmed) {
+        for warning in slipgrid_results::warnings(&self.confirmed) {
             text += &format!("! {warning}\n");
         }
         for note in &self.model {

@@ -3,10 +3,10 @@
 use serde::Serialize;
 use slipgrid_optimize::Spread;
 
-use crate::report::Table;
-use crate::report::errors::PartsReport;
-use crate::report::simulation::PatternReport;
-use crate::report::table::fixed;
+use slipgrid_results::PartsReport;
+use slipgrid_results::PatternReport;
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::tidy;
 
 /// What `_std_um` means.

@@ -5,7 +5,7 @@ use slipgrid_optimize::{ForwardModel, ModelFailure, sensitivities};
 use slipgrid_pattern::Pattern;
 
 use crate::CliError;
-use crate::report::Table;
+use slipgrid_results::Table;
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Step of the differences, in blocks: within a block kinks of the lattice show, beyond one curvature does.

@@ -18,7 +18,7 @@ use slipgrid_pattern::Pattern;
 use crate::CliError;
 use crate::diagnostic::Diagnostic;
 use crate::interruption;
-use crate::report::VERSION;
+use slipgrid_results::VERSION;
 
 /// What the model says of a design at the target's pressures. Numbers are kept as the file holds them, so that those
 /// read back are the same to the last bit.

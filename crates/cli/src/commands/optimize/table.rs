@@ -13,8 +13,8 @@ use crate::formats::target::quantity_name;
 use crate::interruption::heed;
 use crate::output::Outputs;
 use crate::progress::Progress;
-use crate::report::simulation::PatternReport;
 use crate::{CliError, Console};
+use slipgrid_results::PatternReport;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Step of the depth where no burst gives one, in metres.

@@ -3,7 +3,7 @@
 use super::report::DesignReport;
 use crate::CliError;
 use crate::charts::{self, Estimate, TargetChart, TargetPoint};
-use crate::report::errors::ErrorReport;
+use slipgrid_results::ErrorReport;
 
 /// Target, prediction and confirmation against pressure.
 ///

@@ -4,8 +4,8 @@ use serde::Serialize;
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 
 use crate::formats::target::{goal_name, quantity_name};
-use crate::report::errors::{ErrorsReport, PressureErrors};
-use crate::report::table::{fixed, with_error};
+use slipgrid_results::{ErrorsReport, PressureErrors};
+use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.

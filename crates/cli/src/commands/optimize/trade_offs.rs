@@ -19,7 +19,7 @@ use crate::formats::design::Design;
 use crate::formats::trade_offs::{TradeOffGoal, TradeOffsInput};
 use crate::output::Outputs;
 use crate::progress::Progress;
-use crate::report::simulation::PatternReport;
+use slipgrid_results::PatternReport;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Designs of the front that a report lists; the table beside it has all.

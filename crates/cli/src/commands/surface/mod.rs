@@ -11,8 +11,8 @@ use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::diagnostic::Diagnostic;
 use crate::output::{Outputs, Place, check_folder};
-use crate::report::json;
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
 
 /// What is written.

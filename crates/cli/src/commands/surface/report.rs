@@ -7,8 +7,8 @@ use slipgrid_topography::{CavityMetrology, CorrelationLengths, HeightMap, Materi
 
 use super::super::altitude_map::SurfaceMap;
 use crate::args::SurfaceArgs;
-use crate::report::table::fixed;
-use crate::report::{Table, VERSION};
+use slipgrid_results::fixed;
+use slipgrid_results::{Table, VERSION};
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// What `surface --json` prints.

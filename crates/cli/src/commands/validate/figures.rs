@@ -24,9 +24,10 @@ use crate::interruption::heed;
 use crate::output::Outputs;
 use crate::progress::Progress;
 use crate::report::csv;
-use crate::report::errors::{ErrorReport, PressureErrors, Solved};
-use crate::report::table::fixed;
+use crate::solved::Solved;
 use crate::{CliError, Console};
+use slipgrid_results::fixed;
+use slipgrid_results::{ErrorReport, PressureErrors};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Static over dynamic local coefficient where only dynamic friction was measured: the published pair, 0.30 and 0.27.

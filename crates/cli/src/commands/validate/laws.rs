@@ -13,8 +13,8 @@ use crate::formats::calibration::Calibration;
 use crate::formats::surface::Surface;
 use crate::interruption::heed;
 use crate::progress::Progress;
-use crate::report::table::fixed;
 use crate::{CliError, Console};
+use slipgrid_results::fixed;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// The area law of the surface with every height multiplied by one factor.

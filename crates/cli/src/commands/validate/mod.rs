@@ -27,8 +27,8 @@ use crate::formats::scene::DEFAULT_LAYER;
 use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_folder};
 use crate::progress::Progress;
-use crate::report::{VERSION, json, json_and_timings};
 use crate::{CliError, Console, exit_code};
+use slipgrid_results::{VERSION, json, json_and_timings};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 
 /// Lengths of the pattern: ten centimetres are more than any specimen.

@@ -2,7 +2,7 @@
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::report::{PublishedReport, ValidationReport};
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// How calibrations name the source of the statements.
 const SOURCE: &str = "J. Tribol. 144, 031704";

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::summary::Summary;
-use crate::report::simulation::PatternReport;
+use slipgrid_results::PatternReport;
 
 /// What `validate --json` prints.
 #[derive(Clone, Debug, Serialize)]

@@ -7,8 +7,8 @@ use super::report::ValidationReport;
 use crate::CliError;
 use crate::charts::{self, Estimate, RatioSeries, RatiosChart};
 use crate::formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
-use crate::report::Table;
-use crate::report::table::fixed;
+use slipgrid_results::Table;
+use slipgrid_results::fixed;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM};
 
 /// The report for people.

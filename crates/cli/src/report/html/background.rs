@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::page::{Page, each, number, plain};
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// Improvements of the best design, where the result holds them.
 pub(super) fn history(page: &mut Page, result: &Value) {

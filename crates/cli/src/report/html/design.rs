@@ -7,7 +7,7 @@ use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
 use super::{background, conditions, uncertainty};
 use crate::output::Outputs;
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// The page of a design: from `result`, the object of result.json, and the pictures and files in `outputs`.
 #[must_use]

@@ -1,6 +1,6 @@
 //! Two periods of a pattern in vertical section, both axes at one scale.
 
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// Width of the picture, and of the two periods in it.
 const WIDTH: f64 = 900.0;

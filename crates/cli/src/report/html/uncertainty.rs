@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use crate::output::Outputs;
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// Slopes at the design, where the result holds them.
 pub(super) fn sensitivities(page: &mut Page, result: &Value) {

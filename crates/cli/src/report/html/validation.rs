@@ -6,7 +6,7 @@ use slipgrid_export::NOT_MODELLED;
 use super::page::{Page, each, number, plain, text, texts, with_error};
 use super::section::section;
 use crate::output::Outputs;
-use crate::report::table::fixed;
+use slipgrid_results::fixed;
 
 /// The page of a validation: from `result`, the object of result.json, and the pictures in `outputs`.
 #[must_use]

@@ -1,14 +1,9 @@
 //! Errors of a simulated scene, and its numbers times the discrepancy of patterned samples.
 
 use serde::Serialize;
-use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
-use slipgrid_springblock::Simulation;
 
-use super::errors::{ErrorReport, ErrorsReport, Solved};
+use super::errors::ErrorReport;
 use super::table::{Table, fixed};
-use crate::CliError;
-use crate::formats::scene::SceneInput;
-use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Ratio and friction times measured over modelled ratio of patterned samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -38,51 +33,6 @@ pub struct CorrectedAt {
     pub ratio: Option<ErrorReport>,
     /// Dynamic friction times the factor.
     pub mu: ErrorReport,
-}
-
-/// Errors of the solved scene of `input`, and its numbers with the discrepancy where its material has one.
-///
-/// # Errors
-/// [`CliError::Material`] for an area law that cannot be moved by its errors.
-pub fn of_scene(
-    input: &SceneInput,
-    simulation: &Simulation,
-) -> Result<(ErrorsReport, Option<CorrectedReport>), CliError> {
-    let (scene, uncertainty) = (&input.scene, &input.uncertainty);
-    let knowledge = uncertainty.knowledge(scene.area_law.as_ref(), &scene.loads, input.condition.as_ref())?;
-    let slopes = Slopes::new(scene, &knowledge);
-    let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
-    let rows = solved.errors();
-    let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows), false);
-    let found = uncertainty.discrepancy_at(input.condition.map(|condition| condition.humidity));
-    let Some((found, pattern)) = found.zip(scene.pattern.as_ref()) else {
-        return Ok((errors, None));
-    };
-    let factors = DiscrepancyAt::each(&found, &scene.loads);
-    let aimed = Knowledge { discrepancy: Some(factors.clone()), ..knowledge.clone() };
-    let corrected = Solved { knowledge: &aimed, ..solved }.errors();
-    let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-    let planform = pattern.planform().name();
-    let by_pressure = corrected
-        .into_iter()
-        .zip(&factors)
-        .zip(&scene.loads)
-        .map(|((row, factor), load)| CorrectedAt {
-            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
-            factor: tidy(factor.factor),
-            factor_relative_std: tidy(factor.relative_std()),
-            outside_measured_range: found.is_outside_measured_range(load.pressure_pa),
-            ratio: row.ratio,
-            mu: row.mu,
-        })
-        .collect();
-    let report = CorrectedReport {
-        other_planform: (!samples.starts_with(planform)).then_some(planform),
-        pattern: samples,
-        degrees_of_freedom: found.degrees_of_freedom,
-        by_pressure,
-    };
-    Ok((errors, Some(report)))
 }
 
 impl CorrectedReport {

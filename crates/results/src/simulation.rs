@@ -2,16 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_material::Provenance;
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{LoadOutcome, Simulation, Status};
-use toml::Spanned;
+use slipgrid_pattern::{Arrangement, Pattern, Planform};
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
 
-use super::corrected::{CorrectedReport, of_scene};
+use super::corrected::CorrectedReport;
 use super::errors::{ErrorReport, ErrorsReport};
 use super::table::{Table, fixed};
-use crate::CliError;
-use crate::formats::pattern::PatternFile;
-use crate::formats::scene::SceneInput;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
@@ -121,19 +117,22 @@ pub struct PatternReport {
 }
 
 impl From<&Pattern> for PatternReport {
+    /// The pattern as it is written: what is plain is left out.
     fn from(pattern: &Pattern) -> Self {
-        // As a scene writes it.
-        let written = PatternFile::from(pattern);
+        let texture = pattern.texture();
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        let turned = |angle_deg: f64| (angle_deg != 0.0).then(|| tidy(angle_deg));
+        let arrangement = texture.arrangement();
         Self {
-            width_um: *written.width_um.get_ref(),
-            spacing_um: *written.spacing_um.get_ref(),
-            depth_um: *written.depth_um.get_ref(),
-            planform: pattern.planform().name().to_owned(),
-            length_um: written.length_um.map(Spanned::into_inner),
-            spacing_across_um: written.spacing_across_um.map(Spanned::into_inner),
-            arrangement: written.arrangement.map(Spanned::into_inner),
-            angle_deg: written.angle_deg.map(Spanned::into_inner),
-            sliding_angle_deg: written.sliding_angle_deg.map(Spanned::into_inner),
+            width_um: um(pattern.width_m()),
+            spacing_um: um(pattern.spacing_m()),
+            depth_um: um(pattern.depth_m()),
+            planform: texture.planform().name().to_owned(),
+            length_um: pattern.length_m().filter(|_| texture.planform() == Planform::Rectangle).map(um),
+            spacing_across_um: texture.spacing_across_m().map(um),
+            arrangement: (arrangement != Arrangement::Square).then(|| arrangement.name().to_owned()),
+            angle_deg: turned(texture.orientation_deg()),
+            sliding_angle_deg: turned(texture.sliding_angle_deg()),
             areal_density: tidy(pattern.areal_density()),
             section_density: tidy(pattern.section_density()),
         }
@@ -295,19 +294,24 @@ pub fn model_notes(pattern: Option<&Pattern>, provenance: &Provenance) -> Vec<St
 }
 
 impl SimulationReport {
-    /// The report on the solved scene of `input`.
-    ///
-    /// # Errors
-    /// [`CliError::Material`] for an area law that cannot be moved by its errors.
-    pub fn new(input: &SceneInput, simulation: &Simulation, wall_s: f64, threads: usize) -> Result<Self, CliError> {
-        let (scene, provenance) = (&input.scene, &input.material.provenance);
+    /// The report on `scene`, solved, with its errors and what a discrepancy makes of it; `outside` says of each load
+    /// whether its friction was extrapolated.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        provenance: &Provenance,
+        outside: &[bool],
+        simulation: &Simulation,
+        (errors, discrepancy): (ErrorsReport, Option<CorrectedReport>),
+        wall_s: f64,
+        threads: usize,
+    ) -> Self {
         let pattern = scene.pattern.as_ref();
-        let (errors, discrepancy) = of_scene(input, simulation)?;
         // What the vertical plane leaves out needs saying, and only of patterns that have it.
         let sectioned = pattern.filter(|_| scene.dimensions() == 2);
-        Ok(Self {
+        Self {
             program: "slipgrid",
-            version: super::VERSION,
+            version: crate::VERSION,
             fidelity: scene.run.fidelity.name(),
             extent: scene.run.extent.name(),
             dimensions: scene.dimensions(),
@@ -323,10 +327,10 @@ impl SimulationReport {
             draws: scene.run.draws,
             wall_s,
             threads,
-            results: load_reports(simulation, sectioned, &input.friction_extrapolated),
+            results: load_reports(simulation, sectioned, outside),
             errors,
             discrepancy,
-        })
+        }
     }
 
     /// The report for people.

@@ -7,8 +7,7 @@ use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::Value;
 
-use super::json;
-use crate::CliError;
+use super::{NoJsonForm, json};
 
 /// Keys of what differs from run to run.
 const TIMES: [&str; 4] = ["timings_s", "wall_s", "threads", "site_updates_per_s"];
@@ -26,9 +25,8 @@ enum Json {
 ///
 /// # Errors
 /// As [`json`].
-pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], CliError> {
-    let whole: Json = serde_json::from_str(&json(value)?)
-        .map_err(|error| CliError::Other(format!("the result has no JSON form: {error}")))?;
+pub fn json_and_timings(value: &impl Serialize) -> Result<[String; 2], NoJsonForm> {
+    let whole: Json = serde_json::from_str(&json(value)?).map_err(NoJsonForm)?;
     let (result, times) = split(whole);
     let program = ("program".to_owned(), Json::Leaf(Value::from("slipgrid")));
     let times = match times {

@@ -1,0 +1,182 @@
+//! The error beside every number of a solved scene.
+
+use slipgrid_calibrate::uncertainty::{Deviations, DiscrepancyAt, Drawn, Knowledge, Slopes, drawn};
+use slipgrid_material::{Condition, MaterialError};
+use slipgrid_results::errors::{
+    BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AND_DRAWS,
+    TIME_AVERAGE,
+};
+use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
+use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_units::{PRESSURE_MPA, tidy};
+
+use crate::formats::material_uncertainty::MaterialUncertainty;
+
+/// Name of the one error of a flat surface.
+const FLAT_FRICTION: &str = slipgrid_calibrate::uncertainty::Source::FlatFriction.name();
+
+/// A solved scene and what is known of its material.
+#[derive(Clone, Copy)]
+pub struct Solved<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// What came of it.
+    pub simulation: &'a Simulation,
+    /// How well its material is known at its loads; with a discrepancy, ratio and friction are corrected by it.
+    pub knowledge: &'a Knowledge,
+    /// How its ratios follow that.
+    pub slopes: &'a Slopes,
+}
+
+impl Solved<'_> {
+    /// Values at each load with their errors.
+    #[must_use]
+    pub fn errors(&self) -> Vec<PressureErrors> {
+        (0..self.simulation.loads.len()).map(|place| self.at(place)).collect()
+    }
+
+    /// What the material leaves open at load number `place`; `None` where the run has no friction or slopes are open.
+    #[must_use]
+    pub fn deviations(&self, place: usize) -> Option<Deviations> {
+        let load = &self.simulation.loads[place];
+        let (ratio, mu_flat) = match &load.flat {
+            Some(flat) => (load.ratio?, flat.mu_dynamic?),
+            None => (1.0, load.surface.mu_dynamic?),
+        };
+        self.slopes.deviations(place, ratio, mu_flat, self.knowledge)
+    }
+
+    fn at(&self, place: usize) -> PressureErrors {
+        let load = &self.simulation.loads[place];
+        let material = self.deviations(place);
+        let discrepancy = self.knowledge.discrepancy.as_ref().and_then(|all| all.get(place));
+        let factor = discrepancy.map_or(1.0, |found| found.factor);
+        let drawn = self.drawn(place, load);
+        let surface = &load.surface;
+        let mu = surface.mu_dynamic.map(|mu| mu * factor);
+        let flat_mu = load.flat.as_ref().and_then(|flat| flat.mu_dynamic);
+        // Of the ratio; of friction times that of the flat surface.
+        let of_specimen = |times: Option<f64>| {
+            // What errors of blocks hardly exceed, as two standard deviations.
+            let blocks = load.ratio_discretization_error.map(|error| 0.5 * error);
+            let each = [(LAYOUT, load.ratio_layout_error), (BEHIND, load.ratio_layer_error), (BLOCKS, blocks)];
+            let part = move |(input, std): (&str, Option<f64>)| {
+                Some(PartsReport { input: input.to_owned(), std: std? * factor * times? })
+            };
+            each.into_iter().filter_map(part)
+        };
+        let mut own_mu = self.of_run(mu, surface.mu_dynamic_stderr.map(|stderr| stderr * factor), drawn.mu);
+        own_mu.extend(of_specimen(flat_mu));
+        let material_mu = material.as_ref().map(|material| &material.mu);
+        let flat = load.flat.as_ref();
+        PressureErrors {
+            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+            predicted: None,
+            ratio: flat.map(|_| {
+                let ratio = load.ratio.map(|ratio| ratio * factor);
+                let mut own = self.of_run(ratio, load.ratio_stderr.map(|stderr| stderr * factor), drawn.ratio);
+                own.extend(of_specimen(Some(1.0)));
+                ErrorReport::new(ratio, own, material.as_ref().map(|material| &material.ratio))
+            }),
+            mu: ErrorReport::new(mu, own_mu, material_mu),
+            mu_flat: flat.map(|flat| {
+                let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
+                ErrorReport::new(flat.mu_dynamic, own, material.as_ref().map(|material| &material.flat))
+            }),
+            mu_static: self.of_static(place, surface, drawn.mu),
+            mu_static_flat: flat.and_then(|flat| self.of_static(place, flat, drawn.flat)),
+        }
+    }
+
+    /// What one draw of local coefficients leaves open; nothing of a cell at the mean coefficients.
+    fn drawn(&self, place: usize, load: &LoadOutcome) -> Drawn {
+        let run = &self.scene.run;
+        let is_drawn = run.fidelity != Fidelity::Steady || run.extent == Extent::Sample;
+        if is_drawn { drawn(load, self.scene.loads[place].friction.relative_std()) } else { Drawn::default() }
+    }
+
+    /// Parts of a run: how long it lasted, and what it drew.
+    fn of_run(&self, value: Option<f64>, stderr: Option<f64>, drawn: Option<f64>) -> Vec<PartsReport> {
+        let has_several = self.scene.run.draws > 1;
+        // The scatter of several draws is in their standard error.
+        let drawn = value.zip(drawn).filter(|_| !has_several).map(|(value, share)| value * share);
+        let parts = [(if has_several { TIME_AND_DRAWS } else { TIME_AVERAGE }, stderr), (DRAWS, drawn)];
+        let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
+        parts.into_iter().filter_map(part).collect()
+    }
+
+    /// A static peak: one event per draw, with what the static coefficients leave open.
+    fn of_static(&self, place: usize, surface: &SurfaceOutcome, drawn: Option<f64>) -> Option<ErrorReport> {
+        let coefficient = self.knowledge.static_friction.as_ref().and_then(|all| all.get(place));
+        let value = surface.mu_static?;
+        let times = |share: Option<f64>| share.map(|share| value * share);
+        let drawn = times(drawn.map(|share| share / (self.scene.run.draws as f64).sqrt()));
+        let parts = [(DRAWS, drawn), (STATIC, times(coefficient.map(|variance| variance.sqrt())))];
+        let part = |(input, std): (&str, Option<f64>)| Some(PartsReport { input: input.to_owned(), std: std? });
+        Some(ErrorReport::new(Some(value), parts.into_iter().filter_map(part).collect(), None))
+    }
+
+    /// What is not in the errors of `rows`, as the material of `uncertainty` does not say it.
+    #[must_use]
+    pub fn unknown(&self, uncertainty: &MaterialUncertainty, rows: &[PressureErrors]) -> Vec<String> {
+        let mut unknown = uncertainty.unknown(self.knowledge, self.scene.area_law.as_ref());
+        if self.scene.pattern.is_none() {
+            // The area law is in what was measured.
+            unknown.retain(|name| *name == FLAT_FRICTION);
+        }
+        if rows.iter().any(|row| row.mu_static.is_some()) && self.knowledge.static_friction.is_none() {
+            unknown.push(STATIC);
+        }
+        let has_friction = |place: usize| self.simulation.loads[place].surface.mu_dynamic.is_some();
+        if (0..rows.len()).any(|place| has_friction(place) && self.deviations(place).is_none()) {
+            unknown.push(NO_SLOPES);
+        }
+        unknown.into_iter().map(str::to_owned).collect()
+    }
+}
+
+/// Errors of `scene`, solved, and its numbers with the discrepancy where its material has one.
+///
+/// # Errors
+/// [`MaterialError`] for an area law that cannot be moved by its errors.
+pub fn of_scene(
+    scene: &Scene,
+    uncertainty: &MaterialUncertainty,
+    condition: Option<&Condition>,
+    simulation: &Simulation,
+) -> Result<(ErrorsReport, Option<CorrectedReport>), MaterialError> {
+    let knowledge = uncertainty.knowledge(scene.area_law.as_ref(), &scene.loads, condition)?;
+    let slopes = Slopes::new(scene, &knowledge);
+    let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
+    let rows = solved.errors();
+    let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows), false);
+    let found = uncertainty.discrepancy_at(condition.map(|condition| condition.humidity));
+    let Some((found, pattern)) = found.zip(scene.pattern.as_ref()) else {
+        return Ok((errors, None));
+    };
+    let factors = DiscrepancyAt::each(&found, &scene.loads);
+    let aimed = Knowledge { discrepancy: Some(factors.clone()), ..knowledge.clone() };
+    let corrected = Solved { knowledge: &aimed, ..solved }.errors();
+    let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();
+    let planform = pattern.planform().name();
+    let by_pressure = corrected
+        .into_iter()
+        .zip(&factors)
+        .zip(&scene.loads)
+        .map(|((row, factor), load)| CorrectedAt {
+            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+            factor: tidy(factor.factor),
+            factor_relative_std: tidy(factor.relative_std()),
+            outside_measured_range: found.is_outside_measured_range(load.pressure_pa),
+            ratio: row.ratio,
+            mu: row.mu,
+        })
+        .collect();
+    let report = CorrectedReport {
+        other_planform: (!samples.starts_with(planform)).then_some(planform),
+        pattern: samples,
+        degrees_of_freedom: found.degrees_of_freedom,
+        by_pressure,
+    };
+    Ok((errors, Some(report)))
+}

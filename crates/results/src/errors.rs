@@ -1,0 +1,157 @@
+//! One error beside every friction coefficient and ratio: what the run, the calibration and, where values are corrected
+//! by it, the discrepancy leave open, with its parts kept apart.
+
+use serde::Serialize;
+use slipgrid_calibrate::uncertainty::Deviation;
+use slipgrid_units::tidy;
+
+/// Part of a run: how long it lasted.
+pub const TIME_AVERAGE: &str = "time average";
+/// The same of a mean over several draws, whose scatter its error comes from.
+pub const TIME_AND_DRAWS: &str = "time average and local coefficients drawn";
+/// Part of a run: which local coefficients it drew.
+pub const DRAWS: &str = "local coefficients drawn";
+/// Part of a run: what stands for the specimen as it is laid out.
+pub const LAYOUT: &str = "layout on the specimen";
+/// Part of a ratio: how far it is from that of vanishing blocks.
+pub const BLOCKS: &str = "size of blocks";
+/// Part of a run: what is behind the layer that it holds, added by the steady cell.
+pub const BEHIND: &str = "specimen behind the layer";
+/// Part of a static peak, which follows them at most one to one.
+pub const STATIC: &str = "static coefficient";
+/// The 97.5 % point of the normal distribution.
+const NORMAL_95: f64 = 1.959_964;
+/// What is open where slopes could not be computed.
+pub const NO_SLOPES: &str = "what the material's errors make of friction: its neighbours cannot be computed";
+
+/// Errors of the numbers of one scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorsReport {
+    /// What the errors combine, in words.
+    pub meaning: String,
+    /// What is in them.
+    pub includes: Vec<String>,
+    /// What is not, because the material does not say it.
+    pub unknown: Vec<String>,
+    /// One per pressure.
+    pub by_pressure: Vec<PressureErrors>,
+}
+
+/// Values at one pressure, each with its error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PressureErrors {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// What a search took for its target's quantity.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<ErrorReport>,
+    /// Patterned over flat; of a patterned surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<ErrorReport>,
+    /// Dynamic friction.
+    pub mu: ErrorReport,
+    /// Dynamic friction of the flat surface beside a patterned one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_flat: Option<ErrorReport>,
+    /// Static friction, where the run has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_static: Option<ErrorReport>,
+    /// The same of the flat surface beside a patterned one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mu_static_flat: Option<ErrorReport>,
+}
+
+/// A value with one standard deviation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ErrorReport {
+    /// The value; null where the run gave none.
+    pub value: Option<f64>,
+    /// All parts together; null where none is known.
+    pub std: Option<f64>,
+    /// Ends of the 95 % interval, which reaches farther to one side where Young's modulus decides; null where none is known.
+    pub interval_95: Option<[f64; 2]>,
+    /// Each part alone.
+    pub parts: Vec<PartsReport>,
+}
+
+/// What one input alone would do.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartsReport {
+    /// The input.
+    pub input: String,
+    /// Standard deviation of the value.
+    pub std: f64,
+}
+
+impl ErrorReport {
+    /// `own` parts are independent of one another and of what the material leaves open.
+    #[must_use]
+    pub fn new(value: Option<f64>, own: Vec<PartsReport>, material: Option<&Deviation>) -> Self {
+        let known = material.filter(|known| !known.parts.is_empty());
+        let square =
+            own.iter().map(|part| part.std.powi(2)).sum::<f64>() + known.map_or(0.0, |known| known.std.powi(2));
+        let is_known = value.is_some() && (known.is_some() || !own.is_empty());
+        let of_run = own.iter().map(|part| part.std.powi(2)).sum::<f64>() * NORMAL_95 * NORMAL_95;
+        let interval = value.filter(|_| is_known).map(|value| {
+            let [below, above] =
+                known.map_or([0.0; 2], |known| known.reach_95).map(|reach| (reach * reach + of_run).sqrt());
+            [tidy(value - below), tidy(value + above)]
+        });
+        let of_material = known.into_iter().flat_map(|known| &known.parts);
+        let of_material = of_material.map(|&(source, std)| PartsReport { input: source.name().to_owned(), std });
+        let parts =
+            own.into_iter().chain(of_material).map(|part| PartsReport { std: tidy(part.std), ..part }).collect();
+        Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
+    }
+
+    /// The part of the run itself: how long it lasted and what it drew.
+    #[must_use]
+    pub fn std_of_run(&self) -> f64 {
+        let own = self
+            .parts
+            .iter()
+            .filter(|part| [TIME_AVERAGE, TIME_AND_DRAWS, DRAWS, LAYOUT, BEHIND].contains(&part.input.as_str()));
+        own.map(|part| part.std.powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+impl ErrorsReport {
+    /// The report on `rows`, whose material leaves `unknown` open; `corrected` values have the discrepancy in them.
+    #[must_use]
+    pub fn new(by_pressure: Vec<PressureErrors>, unknown: Vec<String>, corrected: bool) -> Self {
+        let mut includes: Vec<String> = Vec::new();
+        let values = |row: &PressureErrors| {
+            [row.ratio.clone(), Some(row.mu.clone()), row.mu_static.clone()].into_iter().flatten()
+        };
+        for part in by_pressure.iter().flat_map(values).flat_map(|value| value.parts) {
+            if !includes.contains(&part.input) {
+                includes.push(part.input);
+            }
+        }
+        let mut words = if includes.is_empty() {
+            "+-: nothing is known".to_owned()
+        } else {
+            format!("+-: one standard deviation of {}", includes.join(", "))
+        };
+        if !unknown.is_empty() {
+            words += &format!("; not known of this material: {}", unknown.join(", "));
+        }
+        words += if corrected { "" } else { "; how far the model itself is off is not in it" };
+        Self { meaning: words, includes, unknown, by_pressure }
+    }
+
+    /// The 95 % intervals of what `of` picks at each pressure, in one line; `None` where none is known.
+    #[must_use]
+    pub fn intervals(&self, name: &str, of: impl Fn(&PressureErrors) -> Option<ErrorReport>) -> Option<String> {
+        let ends = |row: &PressureErrors| of(row)?.interval_95.map(|[from, to]| format!("{from:.4} to {to:.4}"));
+        let all: Vec<String> = self.by_pressure.iter().map(|row| ends(row).unwrap_or_else(|| "-".to_owned())).collect();
+        let is_known = all.iter().any(|ends| ends != "-");
+        is_known.then(|| format!("95 % of {name}: {}", all.join(", ")))
+    }
+
+    /// The errors at one pressure.
+    #[must_use]
+    pub fn at(&self, row: usize) -> Option<&PressureErrors> {
+        self.by_pressure.get(row)
+    }
+}

@@ -1,0 +1,47 @@
+//! What was found: one record a concept, with units in the names of its fields, and the sentences that say it.
+//!
+//! A record is what `result.json` holds; tables for people, charts and pages are drawn from the same record by its type,
+//! so that a renamed field breaks the build and not the page.
+//!
+//! | type | holds |
+//! |---|---|
+//! | [`PatternReport`], [`MaterialReport`], [`SpecimenReport`] | what was solved |
+//! | [`SimulationReport`], [`LoadReport`] | a scene, and the numbers at one pressure |
+//! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | the error beside every number, and its parts |
+//! | [`CorrectedReport`] | the same numbers times the discrepancy of patterned samples |
+//! | [`Table`] | numbers in columns |
+//! | [`json`], [`json_and_timings`] | records as JSON, with and without what differs from run to run |
+//!
+//! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
+
+mod corrected;
+pub mod errors;
+mod simulation;
+mod specimen;
+mod table;
+mod timings;
+
+pub use corrected::{CorrectedAt, CorrectedReport};
+pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
+pub use simulation::{
+    LoadReport, MaterialReport, PatternReport, SimulationReport, load_reports, model_notes, warnings,
+};
+pub use specimen::SpecimenReport;
+pub use table::{Table, fixed, with_error};
+pub use timings::json_and_timings;
+
+/// The program's version, for everything that is written.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A record without a JSON form.
+#[derive(Debug, thiserror::Error)]
+#[error("the result has no JSON form: {0}")]
+pub struct NoJsonForm(serde_json::Error);
+
+/// `value` as indented JSON with a newline at the end; numbers that are not finite become null.
+///
+/// # Errors
+/// [`NoJsonForm`] if a value has none.
+pub fn json(value: &impl serde::Serialize) -> Result<String, NoJsonForm> {
+    serde_json::to_string_pretty(value).map(|text| text + "\n").map_err(NoJsonForm)
+}
