@@ -5,7 +5,7 @@ use serde::Serialize;
 use slipgrid_calibrate::uncertainty::{Deviation, Deviations, Drawn, Knowledge, Slopes, drawn};
 use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Part of a run: how long it lasted.

@@ -26,7 +26,7 @@ use super::area_statistics::{
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
+use crate::formats::material_uncertainty::read_known;
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_SPECIMEN;
 use crate::formats::surface::{MapOptions, Surface};
@@ -37,6 +37,7 @@ use crate::progress::Progress;
 use crate::report::Table;
 use crate::report::table::fixed;
 use crate::{CliError, Console, exit_code};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
 /// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.

@@ -9,11 +9,11 @@ use slipgrid_springblock::Load;
 use super::errors::DesignErrors;
 use super::near_trials::DomainReport;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::target::quantity_name;
 use crate::report::Table;
 use crate::report::errors::{ErrorReport, PressureErrors};
 use crate::report::table::{fixed, with_error};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Modelled values with and without the discrepancy of the calibration's patterned samples.

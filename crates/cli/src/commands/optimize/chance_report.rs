@@ -9,8 +9,8 @@ use super::errors::knowledge;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::ErrorsReport;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::tidy;
 
 /// Draws of the chance that is reported: a half is known to 0.4 %.

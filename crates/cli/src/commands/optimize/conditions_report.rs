@@ -10,9 +10,9 @@ use super::further::Setting;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::ErrorsReport;
 use crate::report::table::{fixed, with_error};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// What the design does at every condition.

@@ -7,8 +7,8 @@ use slipgrid_springblock::{Scene, Simulation};
 
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::report::errors::{ErrorReport, ErrorsReport, PressureErrors, Solved};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Errors of a design's values, in both readings.
 pub struct DesignErrors {

@@ -9,12 +9,12 @@ use toml::Spanned;
 use crate::CliError;
 use crate::formats::discrepancy::{DiscrepancyFile, EstimateFile, TrialFile};
 use crate::formats::material::{AreaLawFile, FrictionFile, MaterialFile};
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::run::RunFile;
 use crate::formats::scene::{LoadFile, SampleFile, SceneFile};
 use crate::formats::values::{Numbers, PathOr, number, number_list};
 use crate::report::VERSION;
 use crate::report::specimen::Specimen;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
 
 /// What design.toml is made of.

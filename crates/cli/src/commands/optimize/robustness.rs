@@ -18,11 +18,11 @@ use super::robustness_report::{
 };
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
 use crate::progress::Progress;
 use crate::report::errors::PartsReport;
 use crate::report::simulation::PatternReport;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// Draws from the first-order model, which cost nothing.
