@@ -56,6 +56,7 @@
 //! ```
 
 mod area_law_scale;
+mod discrepancies;
 mod discrepancy;
 mod emulator;
 mod fit;
@@ -69,6 +70,7 @@ mod trials;
 pub mod uncertainty;
 
 pub use area_law_scale::AreaLawScale;
+pub use discrepancies::Discrepancies;
 pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
 pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
 pub use marginal::{FlatLoad, marginal_relative_std};

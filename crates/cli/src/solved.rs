@@ -10,7 +10,7 @@ use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
 use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the one error of a flat surface.
 const FLAT_FRICTION: &str = slipgrid_calibrate::uncertainty::Source::FlatFriction.name();

@@ -2,6 +2,7 @@
 //!
 //! | type | role |
 //! |---|---|
+//! | [`MaterialUncertainty`] | how well the numbers of a material are known |
 //! | [`Knowledge`] | how well a material is known at the loads of a scene |
 //! | [`Slopes`] | how the ratio follows each number that is not known exactly |
 //! | [`Deviations`] | standard deviations of ratio, friction and flat friction at one load, with their parts |
@@ -12,10 +13,12 @@
 mod covariances;
 mod draws;
 mod first_order;
+mod material;
 
 pub use covariances::{Covariance, log_covariance, with_scale};
 pub use draws::{Drawn, drawn};
 pub use first_order::{Deviation, Deviations, Slopes, moved};
+pub use material::{CoefficientEstimate, MaterialUncertainty};
 
 use slipgrid_springblock::Load;
 

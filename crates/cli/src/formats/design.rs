@@ -20,7 +20,6 @@ use super::file_kind::FileKind;
 use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen};
 use super::limits::{LimitsFile, Measure, read_limited};
 use super::material::MaterialFile;
-use super::material_uncertainty::MaterialUncertainty;
 use super::pattern::{FurtherDirections, TextureFile, read_directions, read_texture, require_section};
 use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
 use super::target::{TargetFile, read_target};
@@ -28,6 +27,7 @@ use super::tolerances::{TolerancesFile, TolerancesInput, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, TradeOffsInput, read_trade_offs};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::Specimen;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, TIME_S};
 

@@ -1,12 +1,10 @@
 //! What a material file says of its own errors.
 
-use slipgrid_calibrate::uncertainty::{Covariance, Knowledge, ScaleError, with_scale};
-use slipgrid_calibrate::{Discrepancy, TrialDomain};
-use slipgrid_material::{AreaLaw, Condition, Material, MaterialError, between};
-use slipgrid_springblock::Load;
+use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use slipgrid_material::{Condition, Material};
 use toml::Spanned;
 
-use super::discrepancy::{Discrepancies, read_discrepancies, read_trials};
+use super::discrepancy::{read_discrepancies, read_trials};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
@@ -15,43 +13,6 @@ use crate::diagnostic::Diagnostic;
 use slipgrid_units::{
     EXCESS, FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA, PRESSURE_MPA, SPEED_MM_S,
 };
-
-/// Errors of a material's numbers, as far as its file has them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct MaterialUncertainty {
-    /// Fitted dynamic coefficients with their standard errors; empty where a file gives none.
-    friction: Vec<FrictionError>,
-    /// Fitted static coefficients likewise.
-    static_friction: Vec<FrictionError>,
-    /// Dynamic over steady friction of the flat sample beside the coefficients; empty where a file gives none.
-    excess: Vec<FrictionError>,
-    /// The file has errors of the coefficients at the given area law beside those whatever it is.
-    pub has_marginal_errors: bool,
-    /// Standard deviation of Young's modulus over itself.
-    pub modulus_relative_std: Option<f64>,
-    /// The area law's scale was fitted to friction: the modulus does not move it.
-    pub law_is_fitted: bool,
-    /// The law is measured flat friction itself: the modulus does not move it either.
-    pub law_is_measured: bool,
-    /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
-    pub scale_covariance: Option<[[f64; 2]; 2]>,
-    /// Measured over modelled ratio on patterned samples, at every humidity.
-    discrepancies: Option<Discrepancies>,
-    /// The patterned samples behind it, in words.
-    pub discrepancy_pattern: Option<String>,
-    /// The patterns that it is used for, where the file says what the samples were.
-    pub discrepancy_domain: Option<TrialDomain>,
-}
-
-/// A fitted coefficient.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct FrictionError {
-    /// `None` where it holds for any.
-    pressure_pa: Option<f64>,
-    condition: Option<Condition>,
-    mean: f64,
-    std_error: f64,
-}
 
 /// Reads `file`, in `document`, and what it says of its errors; `place` is where a table stands as a whole.
 ///
@@ -90,7 +51,7 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
     Ok(MaterialUncertainty {
         friction: friction_errors(document, file.friction.get_ref(), Column::Dynamic)?,
         static_friction: friction_errors(document, file.friction.get_ref(), Column::Static)?,
-        excess: friction_errors(document, file.friction.get_ref(), Column::Excess)?,
+        dynamic_over_steady: friction_errors(document, file.friction.get_ref(), Column::Excess)?,
         has_marginal_errors: {
             let friction = file.friction.get_ref();
             let tables = friction.conditions.iter().map(|table| &table.get_ref().dynamic_std_error_given_law);
@@ -138,7 +99,11 @@ enum Column {
 }
 
 /// Means of the static coefficients, or of the dynamic ones, with what stands in a column beside them.
-fn friction_errors(document: &Document, file: &FrictionFile, column: Column) -> Result<Vec<FrictionError>, Diagnostic> {
+fn friction_errors(
+    document: &Document,
+    file: &FrictionFile,
+    column: Column,
+) -> Result<Vec<CoefficientEstimate>, Diagnostic> {
     let mut errors = Vec::new();
     for table in &file.conditions {
         let table: &ConditionTable = table.get_ref();
@@ -177,173 +142,19 @@ fn rows(
     mean: &Spanned<Numbers>,
     (beside, column): (&Spanned<Numbers>, Column),
     condition: Option<Condition>,
-) -> Result<Vec<FrictionError>, Diagnostic> {
+) -> Result<Vec<CoefficientEstimate>, Diagnostic> {
     let pressures_pa = pressures.map(|list| increasing(document, list, PRESSURE_MPA)).transpose()?;
     let count = pressures_pa.as_ref().map_or(1, Vec::len);
     let means = for_each(document, mean, FRICTION, count, "pressure")?;
     let range = if column == Column::Excess { EXCESS } else { FRICTION_STD };
     let errors = for_each(document, beside, range, count, "pressure")?;
-    let row = |place: usize| FrictionError {
-        pressure_pa: pressures_pa.as_ref().map(|list| list[place]),
-        condition,
-        mean: means[place],
-        std_error: errors[place],
+    let row = |place: usize| {
+        let (value, std_error) =
+            if column == Column::Excess { (errors[place], 0.0) } else { (means[place], errors[place]) };
+        let pressure_pa = pressures_pa.as_ref().map(|list| list[place]);
+        CoefficientEstimate { pressure_pa, condition, value, std_error }
     };
     Ok((0..count).map(row).collect())
-}
-
-impl MaterialUncertainty {
-    /// Measured over modelled ratio on patterned samples at a humidity, from 0 to 1: its own where one was estimated, what
-    /// lies between those of two about it, that of all conditions otherwise.
-    #[must_use]
-    pub fn discrepancy_at(&self, humidity: Option<f64>) -> Option<Discrepancy> {
-        self.discrepancies.as_ref().map(|found| found.at(humidity))
-    }
-
-    /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,
-    /// what stands between two of them shares both, and one pair for all loads is off alike at all. `None` where the
-    /// file has no standard errors for the condition.
-    #[must_use]
-    pub fn friction_covariance(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
-        covariance(&self.friction, pressures_pa, condition)
-    }
-
-    /// Dynamic friction of the flat sample over that in steady sliding at `pressures_pa`, as the calibration found it: linear
-    /// between measurements. `None` where the file does not say it for the condition.
-    #[must_use]
-    pub fn excess(&self, pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Vec<f64>> {
-        let (known, weights) = shares(&self.excess, pressures_pa, condition)?;
-        let at = |row: &Vec<f64>| row.iter().zip(&known).map(|(share, known)| share * known.std_error).sum();
-        Some(weights.iter().map(at).collect())
-    }
-
-    /// What is known at `loads` under `condition` of a material with this `area_law`.
-    ///
-    /// # Errors
-    /// [`MaterialError`] where the law cannot be moved by its scale's error.
-    pub fn knowledge(
-        &self,
-        area_law: Option<&AreaLaw>,
-        loads: &[Load],
-        condition: Option<&Condition>,
-    ) -> Result<Knowledge, MaterialError> {
-        let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
-        let variance =
-            |known: Covariance| known.iter().enumerate().map(|(place, row)| row[place]).collect::<Vec<f64>>();
-        let count = loads.len();
-        let static_friction = covariance(&self.static_friction, &pressures_pa, condition).map(variance);
-        if let (Some(known), Some(law)) = (&self.scale_covariance, area_law) {
-            // Fitted together: flat friction and the law's scale are off together.
-            let joint = with_scale(known, law, loads)?;
-            let scale = ScaleError {
-                is_fitted: true,
-                variance: joint[count][count],
-                with_friction: joint[..count].iter().map(|row| row[count]).collect(),
-            };
-            let flat_friction = Some((0..count).map(|load| joint[load][load]).collect());
-            return Ok(Knowledge { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
-        }
-        Ok(Knowledge {
-            flat_friction: self.friction_covariance(&pressures_pa, condition).map(variance),
-            static_friction,
-            scale: self.modulus_std(area_law).map(|std| ScaleError::of_modulus(std, count)),
-            discrepancy: None,
-        })
-    }
-
-    /// Standard deviation of the logarithm of Young's modulus, where that moves `area_law`: ln(1 + x) of a relative one x is
-    /// x to first order.
-    #[must_use]
-    pub fn modulus_std(&self, area_law: Option<&AreaLaw>) -> Option<f64> {
-        self.modulus_relative_std
-            .filter(|std| *std > 0.0 && !self.law_is_fitted && !self.law_is_measured && area_law.is_some())
-    }
-
-    /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
-    #[must_use]
-    pub fn unknown(&self, knowledge: &Knowledge, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
-        let mut unknown = Vec::new();
-        if knowledge.flat_friction.is_none() {
-            unknown.push("flat friction");
-        }
-        let Some(law) = area_law else { return unknown };
-        let fitted_together = self.scale_covariance.is_some();
-        if self.law_is_fitted && !fitted_together {
-            unknown.push("scale of the area law");
-        }
-        if !self.law_is_fitted && !self.law_is_measured && !fitted_together && self.modulus_relative_std.is_none() {
-            unknown.push("Young's modulus");
-        }
-        if !fitted_together && law.factor_std().is_none() {
-            unknown.push("area law");
-        }
-        unknown
-    }
-}
-
-/// Those of `known` coefficients that stand for `condition`, and the share of each at each of `pressures_pa`.
-fn shares<'a>(
-    known: &'a [FrictionError],
-    pressures_pa: &[f64],
-    condition: Option<&Condition>,
-) -> Option<(Vec<&'a FrictionError>, Vec<Vec<f64>>)> {
-    let measured: Vec<Condition> = known.iter().filter_map(|row| row.condition).collect();
-    let shares: Vec<(Option<Condition>, f64)> = if measured.is_empty() {
-        vec![(None, 1.0)]
-    } else {
-        between(&measured, condition?)?.into_iter().map(|(own, share)| (Some(own), share)).collect()
-    };
-    let is_of = |row: &&FrictionError, own: &Option<Condition>| match (&row.condition, own) {
-        (Some(condition), Some(own)) => condition.matches(own),
-        (condition, own) => condition.is_none() && own.is_none(),
-    };
-    let groups: Vec<(Vec<&FrictionError>, f64)> =
-        shares.iter().map(|(own, share)| (known.iter().filter(|row| is_of(row, own)).collect(), *share)).collect();
-    let known: Vec<&FrictionError> = groups.iter().flat_map(|(rows, _)| rows.iter().copied()).collect();
-    let at = |at_pa: f64| -> Option<Vec<f64>> {
-        let each = groups.iter().map(|(rows, share)| {
-            Some(weights(rows, at_pa)?.into_iter().map(|weight| share * weight).collect::<Vec<f64>>())
-        });
-        Some(each.collect::<Option<Vec<_>>>()?.concat())
-    };
-    let weights: Vec<Vec<f64>> = pressures_pa.iter().map(|&at_pa| at(at_pa)).collect::<Option<_>>()?;
-    Some((known, weights))
-}
-
-/// Covariance of the relative errors of `known` coefficients at `pressures_pa` under `condition`.
-fn covariance(known: &[FrictionError], pressures_pa: &[f64], condition: Option<&Condition>) -> Option<Covariance> {
-    let (known, weights) = shares(known, pressures_pa, condition)?;
-    let mean = |row: &Vec<f64>| row.iter().zip(&known).map(|(w, known)| w * known.mean).sum::<f64>();
-    // cov(mu_i, mu_j) = sum_k w_ik w_jk s_k^2, relative to mu_i mu_j
-    let covariance = |left: &Vec<f64>, right: &Vec<f64>| {
-        let shared: f64 =
-            left.iter().zip(right).zip(&known).map(|((l, r), known)| l * r * known.std_error.powi(2)).sum();
-        shared / (mean(left) * mean(right))
-    };
-    Some(weights.iter().map(|left| weights.iter().map(|right| covariance(left, right)).collect()).collect())
-}
-
-/// The share of each of `known` in the coefficient at a pressure: linear between measurements, the nearest beyond.
-fn weights(known: &[&FrictionError], at_pa: f64) -> Option<Vec<f64>> {
-    let mut weights = vec![0.0; known.len()];
-    let pressure = |place: usize| known[place].pressure_pa;
-    let mut order: Vec<usize> = (0..known.len()).collect();
-    order.sort_by(|&a, &b| pressure(a).unwrap_or(0.0).total_cmp(&pressure(b).unwrap_or(0.0)));
-    let (&first, &last) = (order.first()?, order.last()?);
-    let (Some(first_pa), Some(last_pa)) = (pressure(first), pressure(last)) else {
-        weights[first] = 1.0;
-        return Some(weights);
-    };
-    if at_pa <= first_pa || at_pa >= last_pa {
-        weights[if at_pa <= first_pa { first } else { last }] = 1.0;
-        return Some(weights);
-    }
-    let next = order.partition_point(|&place| pressure(place).is_some_and(|own_pa| own_pa <= at_pa));
-    let (low, high) = (order[next - 1], order[next]);
-    let (low_pa, high_pa) = (pressure(low)?, pressure(high)?);
-    let t = (at_pa - low_pa) / (high_pa - low_pa);
-    (weights[low], weights[high]) = (1.0 - t, t);
-    Some(weights)
 }
 
 #[cfg(test)]

@@ -11,13 +11,14 @@ use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser::{SpecimenFile, read_specimen};
 use super::material::{ConditionFile, MaterialFile, read_condition};
-use super::material_uncertainty::{MaterialUncertainty, read_referenced};
+use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual;
 use super::values::{Number, Numbers, PathOr, list};
 use crate::diagnostic::Diagnostic;
 use crate::on_specimen::{self, SpecimenError};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::Specimen;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
 

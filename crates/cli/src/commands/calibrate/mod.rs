@@ -26,7 +26,7 @@ use super::area_statistics::{
 use crate::args::CalibrateArgs;
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
+use crate::formats::material_uncertainty::read_known;
 use crate::formats::measurements::Measurement;
 use crate::formats::scene::DEFAULT_SPECIMEN;
 use crate::formats::surface::{MapOptions, Surface};
@@ -35,6 +35,7 @@ use crate::interruption::heed;
 use crate::output::{Outputs, Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::{CliError, Console, exit_code};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};

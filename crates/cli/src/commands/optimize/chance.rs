@@ -16,7 +16,7 @@ use super::further::Further;
 use super::model::SteadyCell;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Width, spacing, depth: the inputs before the others.

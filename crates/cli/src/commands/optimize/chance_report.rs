@@ -9,7 +9,7 @@ use super::errors::knowledge;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
 use slipgrid_units::tidy;
 

@@ -10,7 +10,7 @@ use super::further::Setting;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
 use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};

@@ -7,8 +7,8 @@ use slipgrid_springblock::{Scene, Simulation};
 
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::solved::Solved;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
 
 /// Errors of a design's values, in both readings.

@@ -7,7 +7,7 @@ use slipgrid_springblock::{Load, Simulation};
 use super::aim::factors;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 /// Where friction is asked for.

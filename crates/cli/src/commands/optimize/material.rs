@@ -7,8 +7,8 @@ use slipgrid_material::Material;
 use crate::commands::calibrate::{Purpose, material, provisional};
 use crate::formats::calibration::{Calibration, DiscrepancyForm};
 use crate::formats::design::{Design, MaterialInput};
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::{CliError, Console};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// The material of `design` and what is known of its errors; the conditions of the design are known then.
 ///

@@ -9,8 +9,8 @@ use super::errors::knowledge;
 use super::rounds::Rounds;
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::progress::Progress;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// What designs within bounds and limits can do at one pressure.

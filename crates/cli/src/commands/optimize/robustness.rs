@@ -18,9 +18,9 @@ use super::robustness_report::{
 };
 use crate::CliError;
 use crate::formats::design::Design;
-use crate::formats::material_uncertainty::MaterialUncertainty;
 use crate::formats::tolerances::TolerancesInput;
 use crate::progress::Progress;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::PartsReport;
 use slipgrid_results::PatternReport;
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};

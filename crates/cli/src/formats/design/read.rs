@@ -11,8 +11,9 @@ use crate::formats::condition_ranges::{ConditionRangeFile, read_conditions};
 use crate::formats::document::Document;
 use crate::formats::file_kind::FileKind;
 use crate::formats::material::{MaterialFile, existing};
-use crate::formats::material_uncertainty::{MaterialUncertainty, read_known};
+use crate::formats::material_uncertainty::read_known;
 use crate::formats::values::{Numbers, PathOr, list};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_units::LENGTH_UM;
 
 /// Conditions with their places: the one designed for, then the further ones.
