@@ -8,7 +8,6 @@
 
 #![allow(clippy::print_stdout, clippy::expect_used, reason = "a bench reports and may fail")]
 
-use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use argmin::core::{CostFunction, Error, Executor};
@@ -18,6 +17,7 @@ use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use rayon::prelude::*;
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     Bound, Constraints, Demand, DesignSpace, Goal, Limit, Quantity, Response, SearchOptions, Target, Wanted, search,
 };
@@ -149,10 +149,9 @@ fn ours(case: &Case, seed: u64) -> Vec<f64> {
         response.ok_or(slipgrid_optimize::ModelFailure::Trial { reason: "not converged".to_owned() })
     };
     let options = SearchOptions { seed, max_evaluations: MOST_EVALUATIONS };
-    let carry_on = |_| ControlFlow::Continue(());
     // One thread: an evaluation is counted where it is made.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
-    pool.install(|| search(&case.target, &case.space, &case.constraints, &options, &model, &carry_on))
+    pool.install(|| search(&case.target, &case.space, &case.constraints, &options, &model, &Unwatched))
         .expect("a search");
     trace.close()
 }

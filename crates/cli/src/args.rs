@@ -7,6 +7,7 @@ use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use slipgrid_report::LaserFile;
 
 pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, SurfaceArgs, SynthesizeArgs};
 
@@ -252,7 +253,7 @@ pub struct ExportArgs {
     /// result.json of `optimize`, or the folder that holds it
     pub result: PathBuf,
     /// Formats, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = ExportFormat::ALL)]
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [ExportFormat::Dxf, ExportFormat::Svg, ExportFormat::Csv, ExportFormat::Process])]
     pub format: Vec<ExportFormat>,
     /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
     #[arg(long, value_name = "UM")]
@@ -450,9 +451,21 @@ pub enum ExportFormat {
     Stl,
 }
 
-impl ExportFormat {
-    /// The formats that need nothing but a pattern and a specimen: what `optimize` writes.
-    pub const ALL: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
+impl From<ExportFormat> for LaserFile {
+    fn from(format: ExportFormat) -> Self {
+        match format {
+            ExportFormat::Dxf => Self::Dxf,
+            ExportFormat::Svg => Self::Svg,
+            ExportFormat::Csv => Self::Csv,
+            ExportFormat::Process => Self::Process,
+            ExportFormat::Plt => Self::Plt,
+            ExportFormat::Gcode => Self::Gcode,
+            ExportFormat::Corners => Self::Corners,
+            ExportFormat::Hatch => Self::Hatch,
+            ExportFormat::Png => Self::Png,
+            ExportFormat::Stl => Self::Stl,
+        }
+    }
 }
 
 impl std::fmt::Display for ExportFormat {

@@ -1,7 +1,7 @@
 use slipgrid_material::MaterialError;
 
-use crate::diagnostic::Diagnostic;
 use crate::output::WriteError;
+use slipgrid_formats::Diagnostic;
 
 /// Why a command ended without a result.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +31,24 @@ pub enum CliError {
 
 impl From<slipgrid_results::NoJsonForm> for CliError {
     fn from(error: slipgrid_results::NoJsonForm) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+impl From<slipgrid_report::ChartError> for CliError {
+    fn from(error: slipgrid_report::ChartError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+impl From<serde_json::Error> for CliError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Other(format!("the result has no JSON form: {error}"))
+    }
+}
+
+impl From<slipgrid_formats::confirmed_scene::UnwritableScene> for CliError {
+    fn from(error: slipgrid_formats::confirmed_scene::UnwritableScene) -> Self {
         Self::Other(error.to_string())
     }
 }

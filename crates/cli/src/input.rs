@@ -1,10 +1,48 @@
-//! Input files: opened and read, or refused with what was expected in their place.
+//! Input files on disk.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::source::{Entry, Files, Source};
+
+/// Files as the system has them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+/// The disk, for readers of files.
+#[must_use]
+pub fn disk() -> Source {
+    Arc::new(Disk)
+}
+
+impl Files for Disk {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        fs::read(path)
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        let found = fs::metadata(path)?;
+        Ok(if found.is_dir() {
+            Entry::Folder
+        } else if found.is_file() {
+            Entry::File
+        } else {
+            Entry::Other
+        })
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    fn canonical(&self, path: &Path) -> PathBuf {
+        path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
 
 /// Opens the file at `path`; `expected` says what it should be.
 ///
@@ -14,29 +52,5 @@ pub fn open(path: &Path, expected: &str) -> Result<File, Diagnostic> {
     if path.is_dir() {
         return Err(Diagnostic::file(path, "is a folder").expected(expected));
     }
-    File::open(path).map_err(|error| unreadable(path, &error))
-}
-
-/// The content of the file at `path`.
-///
-/// # Errors
-/// As [`open`], or if reading fails.
-pub fn read_bytes(path: &Path, expected: &str) -> Result<Vec<u8>, Diagnostic> {
-    let mut bytes = Vec::new();
-    open(path, expected)?.read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
-    Ok(bytes)
-}
-
-/// The text of the file at `path`.
-///
-/// # Errors
-/// As [`read_bytes`], or if it is not UTF-8.
-pub fn read_text(path: &Path, expected: &str) -> Result<String, Diagnostic> {
-    let mut text = String::new();
-    open(path, expected)?.read_to_string(&mut text).map_err(|error| unreadable(path, &error))?;
-    Ok(text)
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> Diagnostic {
-    Diagnostic::file(path, format!("cannot be read: {error}"))
+    File::open(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))
 }

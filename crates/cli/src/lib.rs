@@ -26,28 +26,23 @@
 //! ```
 
 pub mod args;
-pub mod charts;
 pub mod commands;
-pub mod diagnostic;
-mod dynamic_excess;
+
 mod error;
-pub mod formats;
 pub mod input;
 pub mod interruption;
 pub mod lock;
-pub mod on_specimen;
+
 pub mod output;
-pub mod plausible;
 pub mod progress;
-pub mod report;
-pub mod solved;
+pub mod study_file;
 pub use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
 
 use clap::{CommandFactory, FromArgMatches};
 
-use diagnostic::printable_lines;
 pub use error::CliError;
+use slipgrid_formats::diagnostic::printable_lines;
 
 /// Exit codes of the program.
 pub mod exit_code {
@@ -70,7 +65,7 @@ pub struct Console<'a> {
     /// Results.
     pub out: &'a mut dyn Write,
     /// Notes.
-    pub err: &'a mut dyn Write,
+    pub err: &'a mut (dyn Write + Send),
     /// No progress bar and no notes.
     pub quiet: bool,
     /// Threads that compute.

@@ -10,8 +10,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::CliError;
-use crate::diagnostic::Diagnostic;
 use crate::output::WriteError;
+use slipgrid_formats::Diagnostic;
 
 /// Times that a file which its holder has just removed is made again.
 const ATTEMPTS: usize = 20;

@@ -6,12 +6,12 @@ mod written;
 use std::fs::{self, Permissions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use crate::CliError;
-use crate::diagnostic::Diagnostic;
 use crate::interruption;
+use slipgrid_formats::Diagnostic;
+use slipgrid_report::{Content, Outputs};
 use written::is_ours;
 
 /// Name of a file that is not finished, at its beginning and end.
@@ -35,109 +35,46 @@ impl WriteError {
     }
 }
 
-/// Writes a file's bytes, the same at every call.
-type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
-
-/// What a file holds.
-#[derive(Clone)]
-enum Content {
-    Bytes(Vec<u8>),
-    /// Made when it is written: files that would fill the memory.
-    Stream(Writer),
-}
-
-impl Content {
-    fn write(&self, to: &mut dyn Write) -> io::Result<()> {
-        match self {
-            Self::Bytes(bytes) => to.write_all(bytes),
-            Self::Stream(write) => write(to),
+/// Writes all of `outputs` into `folder`. A new folder appears with everything in it; in one that
+/// exists, files of the same names are replaced one by one once all are ready. Other files stay.
+///
+/// # Errors
+/// [`WriteError`] if the system refuses, or a file of one of the names is not slipgrid's; then the folder holds
+/// what it held before, unless a rename failed.
+pub fn write(outputs: &Outputs, folder: &Path) -> Result<(), WriteError> {
+    interruption::enter("writing");
+    let failed = WriteError::at(folder);
+    let parent = parent(folder);
+    fs::create_dir_all(parent).map_err(&failed)?;
+    if folder.is_dir() {
+        remove_abandoned(folder);
+        let mut ready = Vec::new();
+        // Looked at before the work; since then others may have come.
+        for (name, _) in outputs.iter() {
+            refuse_foreign(&folder.join(name))?;
         }
-    }
-}
-
-/// Files of one result: names and what they hold.
-#[derive(Clone, Default)]
-pub struct Outputs {
-    files: Vec<(String, Content)>,
-}
-
-impl std::fmt::Debug for Outputs {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_list().entries(self.names()).finish()
-    }
-}
-
-impl Outputs {
-    /// Adds a file.
-    pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
-        self.files.push((name.into(), Content::Bytes(bytes.into())));
-    }
-
-    /// Adds a file that `write` makes, piece by piece, when it is written.
-    pub fn add_stream(
-        &mut self,
-        name: impl Into<String>,
-        write: impl Fn(&mut dyn Write) -> io::Result<()> + Send + Sync + 'static,
-    ) {
-        self.files.push((name.into(), Content::Stream(Arc::new(write))));
-    }
-
-    /// The file `name` as text; `None` where there is none, or none that is text.
-    #[must_use]
-    pub fn text(&self, name: &str) -> Option<String> {
-        let (_, content) = self.files.iter().find(|(other, _)| other == name)?;
-        let mut bytes = Vec::new();
-        content.write(&mut bytes).ok()?;
-        String::from_utf8(bytes).ok()
-    }
-
-    /// Names of the files, in the order in which they were added.
-    #[must_use]
-    pub fn names(&self) -> Vec<&str> {
-        self.files.iter().map(|(name, _)| name.as_str()).collect()
-    }
-
-    /// Writes all files into `folder`. A new folder appears with everything in it; in one that
-    /// exists, files of the same names are replaced one by one once all are ready. Other files stay.
-    ///
-    /// # Errors
-    /// [`WriteError`] if the system refuses, or a file of one of the names is not slipgrid's; then the folder holds
-    /// what it held before, unless a rename failed.
-    pub fn write(&self, folder: &Path) -> Result<(), WriteError> {
-        interruption::enter("writing");
-        let failed = WriteError::at(folder);
-        let parent = parent(folder);
-        fs::create_dir_all(parent).map_err(&failed)?;
-        if folder.is_dir() {
-            remove_abandoned(folder);
-            let mut ready = Vec::new();
-            // Looked at before the work; since then others may have come.
-            for (name, _) in &self.files {
-                refuse_foreign(&folder.join(name))?;
-            }
-            for (name, content) in &self.files {
-                ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
-            }
-            let _whole = interruption::shield();
-            for (file, path) in ready {
-                file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
-            }
-            interruption::wrote(folder);
-            return Ok(());
-        }
-        remove_abandoned(parent);
-        let staging = builder().permissions(permissions(0o777)).tempdir_in(parent).map_err(&failed)?;
-        for (name, content) in &self.files {
-            let file = fs::File::create_new(staging.path().join(name)).map_err(&failed)?;
-            write_through(file, content).map_err(&failed)?;
+        for (name, content) in outputs.iter() {
+            ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
         }
         let _whole = interruption::shield();
-        fs::rename(staging.path(), folder).map_err(&failed)?;
-        // Renamed away: nothing is left to remove.
-        let _ = staging.keep();
+        for (file, path) in ready {
+            file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
+        }
         interruption::wrote(folder);
-        Ok(())
+        return Ok(());
     }
+    remove_abandoned(parent);
+    let staging = builder().permissions(permissions(0o777)).tempdir_in(parent).map_err(&failed)?;
+    for (name, content) in outputs.iter() {
+        let file = fs::File::create_new(staging.path().join(name)).map_err(&failed)?;
+        write_through(file, content).map_err(&failed)?;
+    }
+    let _whole = interruption::shield();
+    fs::rename(staging.path(), folder).map_err(&failed)?;
+    // Renamed away: nothing is left to remove.
+    let _ = staging.keep();
+    interruption::wrote(folder);
+    Ok(())
 }
 
 /// Writes one file whole, making its folder if needed.
@@ -382,20 +319,20 @@ mod tests {
         let mut outputs = Outputs::default();
         outputs.add("a.stl", "slipgrid one");
         outputs.add("b.stl", "slipgrid two");
-        outputs.write(&folder).unwrap();
+        write(&outputs, &folder).unwrap();
         assert_eq!(names(&folder), ["a.stl", "b.stl"]);
         fs::write(folder.join("notes.txt"), "foreign").unwrap();
 
         let mut outputs = Outputs::default();
         outputs.add("a.stl", "slipgrid three");
-        outputs.write(&folder).unwrap();
+        write(&outputs, &folder).unwrap();
         assert_eq!(names(&folder), ["a.stl", "b.stl", "notes.txt"]);
         assert_eq!(fs::read_to_string(folder.join("a.stl")).unwrap(), "slipgrid three");
         // Of a foreign file not even its neighbours are replaced.
         let mut outputs = Outputs::default();
         outputs.add("a.stl", "slipgrid four");
         outputs.add("notes.txt", "slipgrid five");
-        let refused = outputs.write(&folder).unwrap_err().to_string();
+        let refused = write(&outputs, &folder).unwrap_err().to_string();
         assert!(refused.contains("notes.txt: cannot be written: slipgrid did not write"), "{refused}");
         assert_eq!(fs::read_to_string(folder.join("a.stl")).unwrap(), "slipgrid three");
         assert_eq!(names(&place.path().join("deep")), ["out"]);
@@ -408,7 +345,7 @@ mod tests {
         let mut outputs = Outputs::default();
         outputs.add("a.txt", "one");
         outputs.add("missing/b.txt", "two");
-        assert!(outputs.write(&folder).is_err());
+        assert!(write(&outputs, &folder).is_err());
         assert!(names(place.path()).is_empty());
     }
 

@@ -1,13 +1,16 @@
 //! A bar on a terminal, and the clock of long runs.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipgrid_monitor::Monitor;
 
-use crate::interruption;
+use slipgrid_formats::diagnostic::printable_lines;
+
+use crate::{Console, interruption};
 
 /// Parts into which the work is counted.
 const PARTS: f64 = 1e6;
@@ -95,6 +98,58 @@ impl Monitor for Progress {
 
     fn cancelled(&self) -> bool {
         self.is_over()
+    }
+}
+
+/// A job of several stages: its monitor on the command line, with one bar for the stage under way.
+pub struct Job<'a> {
+    progress: Progress,
+    notes: Option<Mutex<&'a mut (dyn Write + Send)>>,
+}
+
+impl<'a> Job<'a> {
+    /// Starts the clock of a job that reports to `console`.
+    pub fn new<'b: 'a>(console: &'a mut Console<'b>) -> Self {
+        let quiet = console.quiet;
+        let err: &'a mut (dyn Write + Send) = console.err;
+        Self { progress: Progress::start("", quiet), notes: (!quiet).then(|| Mutex::new(err)) }
+    }
+}
+
+impl Monitor for Job<'_> {
+    fn stage(&self, name: &str) {
+        interruption::enter(name);
+        self.progress.done.store(0.0_f64.to_bits(), Ordering::Relaxed);
+        self.progress.bar.reset();
+        self.progress.say(name);
+    }
+
+    fn detail(&self, text: &str) {
+        self.progress.say(text);
+    }
+
+    fn stage_ended(&self) {
+        self.progress.bar.finish_and_clear();
+    }
+
+    fn advance(&self, share: f64) {
+        self.progress.advance(share);
+    }
+
+    fn cancelled(&self) -> bool {
+        interruption::asked()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.progress.elapsed_s()
+    }
+
+    fn note(&self, text: &str) {
+        if let Some(notes) = &self.notes {
+            let mut to = notes.lock().unwrap_or_else(PoisonError::into_inner);
+            // Notes are a courtesy: a closed stderr stops nothing.
+            let _ = writeln!(to, "{}", printable_lines(text));
+        }
     }
 }
 

@@ -9,8 +9,8 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use common::{CALIBRATION, FLAT, Place};
-use slipgrid_cli::formats::Document;
-use slipgrid_cli::formats::calibration::Calibration;
+use slipgrid_formats::Document;
+use slipgrid_formats::calibration::Calibration;
 
 /// Refusals come before anything is computed.
 const AT_ONCE: Duration = Duration::from_secs(5);

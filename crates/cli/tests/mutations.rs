@@ -10,13 +10,13 @@ use std::path::Path;
 
 use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 use slipgrid_calibrate::trace::{TraceOptions, analyse};
-use slipgrid_cli::formats::Document;
-use slipgrid_cli::formats::calibration::Calibration;
-use slipgrid_cli::formats::design::Design;
-use slipgrid_cli::formats::measurements;
-use slipgrid_cli::formats::run::Overrides;
-use slipgrid_cli::formats::scene::SceneInput;
-use slipgrid_cli::formats::trace_file;
+use slipgrid_formats::Document;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::design::Design;
+use slipgrid_formats::measurements;
+use slipgrid_formats::run::Overrides;
+use slipgrid_formats::scene::SceneInput;
+use slipgrid_formats::trace_file;
 use slipgrid_topography::{ReadOptions, read_map};
 
 /// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
@@ -197,11 +197,11 @@ fn scene(text: &str) -> Result<SceneInput, String> {
 
 fn spoil_everything(times: usize, seed: u64) {
     let place = Place::with(&[("flat.csv", FLAT)]);
-    let string = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string();
+    let string = |refused: slipgrid_formats::Diagnostic| refused.to_string();
     let near = |text: &str| Document::new(place.path("x.toml"), text);
     let folder = place.path("x.toml").display().to_string();
     let table = place.path("flat.csv").display().to_string();
-    let local = |refused: slipgrid_cli::diagnostic::Diagnostic| refused.to_string().replace(&folder, "x.toml");
+    let local = |refused: slipgrid_formats::Diagnostic| refused.to_string().replace(&folder, "x.toml");
     let accepted = [
         spoil_all(SCENE, times, seed, |text, _| scene(text)),
         spoil_all(DESIGN, times, seed + 1, |text, _| {

@@ -29,6 +29,9 @@ pub trait Monitor: Sync {
     /// A stage called `name` begins; shares of [`Monitor::advance`] count from 0 again.
     fn stage(&self, _name: &str) {}
 
+    /// What is being done within the stage.
+    fn detail(&self, _text: &str) {}
+
     /// The stage that began last is over.
     fn stage_ended(&self) {}
 
@@ -96,6 +99,10 @@ impl Monitor for Stage<'_> {
         self.job.stage(name);
     }
 
+    fn detail(&self, text: &str) {
+        self.job.detail(text);
+    }
+
     fn stage_ended(&self) {
         self.job.stage_ended();
     }
@@ -116,6 +123,46 @@ impl Monitor for Stage<'_> {
 
     fn note(&self, text: &str) {
         self.job.note(text);
+    }
+}
+
+/// A part of a stage: its whole is `share` of the stage's work. Everything else goes through as it is.
+pub struct Part<'a> {
+    stage: &'a dyn Monitor,
+    share: f64,
+}
+
+impl<'a> Part<'a> {
+    /// The part of `stage` that is `share` of its work, 0 to 1.
+    #[must_use]
+    pub const fn new(stage: &'a dyn Monitor, share: f64) -> Self {
+        Self { stage, share }
+    }
+}
+
+impl Monitor for Part<'_> {
+    fn stage(&self, name: &str) {
+        self.stage.stage(name);
+    }
+
+    fn stage_ended(&self) {
+        self.stage.stage_ended();
+    }
+
+    fn advance(&self, share: f64) {
+        self.stage.advance(share * self.share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.stage.cancelled()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.stage.seconds()
+    }
+
+    fn note(&self, text: &str) {
+        self.stage.note(text);
     }
 }
 
@@ -164,6 +211,8 @@ mod tests {
             }
         });
         assert!((*watch.done.lock().unwrap() - 1.0).abs() < 1e-9);
+        Part::new(&stage, 0.5).advance(0.1);
+        assert!((*watch.done.lock().unwrap() - 1.05).abs() < 1e-9, "a tenth of a half");
         stage.set(0.25);
         assert!((*watch.done.lock().unwrap() - 0.25).abs() < 1e-9, "a share that is set counts from where it stood");
     }

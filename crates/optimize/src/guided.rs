@@ -6,12 +6,12 @@ use crate::search::search_along;
 use crate::space::Grid;
 use crate::{
     Candidate, Constraints, DesignSpace, ForwardModel, ModelFailure, Response, SearchError, SearchOptions,
-    SearchOutcome, SearchProgress, Stage, Status, Target, summary,
+    SearchOutcome, Status, Target, summary,
 };
 use rayon::prelude::*;
+use slipgrid_monitor::{Monitor, Part};
 use slipgrid_pattern::Pattern;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Searches along the corrected guide. Differences that are smooth settle in three or four.
@@ -33,7 +33,7 @@ const FAILURE_REACH: f64 = 0.02;
 /// what that taught, until the model itself meets the target, or the corrected guide agrees with it at all
 /// these designs and still says that none does. The response of every design in the outcome is the model's own;
 /// `evaluations` counts its answers, `guide_evaluations` the designs that the guide was asked of, both limited
-/// by the options' `max_evaluations`. Where `progress` ends it before the model was asked of any design, it is asked of
+/// by the options' `max_evaluations`. Cancelled by `monitor` before the model was asked of any design, it asks the model of
 /// the best that the guide knows.
 ///
 /// # Errors
@@ -47,11 +47,13 @@ pub fn search_guided(
     model: &dyn ForwardModel,
     guide: &dyn ForwardModel,
     guidance: &mut Guidance,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
     let grid = Grid::new(space, constraints)?;
     let guide = Remembered { guide, answers: Mutex::new(BTreeMap::new()) };
-    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
+    // So many answers are allowed of each of the two.
+    let half = Part::new(monitor, 0.5);
+    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, &half);
     let mut judge = Judge { evaluator, ledger: Ledger::default(), failures: Vec::new() };
     // Had no round ended otherwise, guide and model would never have come to agree.
     let mut ending = Status::Budget;
@@ -64,7 +66,8 @@ pub fn search_guided(
         let correction = guidance.correction(&grid, target.values(), constraints.quantities.len());
         let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
         let along = SearchOptions { max_evaluations: left, ..*options };
-        let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, progress)?;
+        let part = Part::new(&half, left as f64 / options.max_evaluations as f64);
+        let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, &part)?;
         if found.status == Status::Cancelled {
             // Without a design of the model itself there would be nothing to report.
             if judge.ledger.records().is_empty()
@@ -160,7 +163,7 @@ impl Judge<'_> {
         if self.ledger.records().len() + designs.len() > evaluator.max_evaluations {
             return Err(Interruption::Budget);
         }
-        let answers: Vec<_> = designs.par_iter().map(|design| evaluator.evaluate(design, Stage::Judging)).collect();
+        let answers: Vec<_> = designs.par_iter().map(|design| evaluator.evaluate(design)).collect();
         let records = answers.into_iter().collect::<Result<Vec<Record>, Interruption>>()?;
         self.failures.extend(records.iter().filter_map(Record::failure).map(|failed| failed.design));
         self.ledger.absorb(records.clone());

@@ -1,13 +1,10 @@
 //! Evaluates designs, judges them, and remembers each.
 
-use crate::{
-    Candidate, Constraints, FailedTrial, ForwardModel, ModelFailure, Response, SearchError, SearchProgress, Stage,
-    Target,
-};
+use crate::{Candidate, Constraints, FailedTrial, ForwardModel, ModelFailure, Response, SearchError, Target};
+use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -62,9 +59,7 @@ pub(crate) struct Evaluator<'a> {
     pub(crate) target: &'a Target,
     pub(crate) constraints: &'a Constraints,
     pub(crate) max_evaluations: usize,
-    progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
-    /// Evaluations and the smallest cost so far, for the reader of the progress alone.
-    glance: Mutex<(usize, Option<f64>)>,
+    monitor: &'a dyn Monitor,
     cancelled: AtomicBool,
     /// What any thread has computed. It saves calls and changes no outcome, the model being a function
     /// of the design; a design that another thread is just computing is not waited for but computed
@@ -78,11 +73,10 @@ impl<'a> Evaluator<'a> {
         target: &'a Target,
         constraints: &'a Constraints,
         max_evaluations: usize,
-        progress: &'a (dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+        monitor: &'a dyn Monitor,
     ) -> Self {
-        let (glance, cancelled) = (Mutex::new((0, None)), AtomicBool::new(false));
-        let memory = Mutex::new(BTreeMap::new());
-        Self { model, target, constraints, max_evaluations, progress, glance, cancelled, memory }
+        let (cancelled, memory) = (AtomicBool::new(false), Mutex::new(BTreeMap::new()));
+        Self { model, target, constraints, max_evaluations, monitor, cancelled, memory }
     }
 
     pub(crate) fn is_cancelled(&self) -> bool {
@@ -90,7 +84,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// The record of `design`, computed unless some thread already has.
-    pub(crate) fn evaluate(&self, design: &Pattern, stage: Stage) -> Result<Record, Interruption> {
+    pub(crate) fn evaluate(&self, design: &Pattern) -> Result<Record, Interruption> {
         if self.is_cancelled() {
             return Err(Interruption::Cancelled);
         }
@@ -126,27 +120,15 @@ impl<'a> Evaluator<'a> {
             }
         };
         memory().insert(key(design), record.clone());
-        self.report(&record, stage);
+        self.monitor.advance(1.0 / self.max_evaluations as f64);
+        if self.monitor.cancelled() {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
         Ok(record)
     }
 
     fn judge(&self, design: &Pattern, response: Response) -> Candidate {
         Candidate::new(self.target, self.constraints, *design, response)
-    }
-
-    fn report(&self, record: &Record, stage: Stage) {
-        // The glance holds plain numbers: one left by a panicking thread is as good as any.
-        let mut glance = self.glance.lock().unwrap_or_else(PoisonError::into_inner);
-        glance.0 += 1;
-        if let Some(candidate) = record.candidate().filter(|candidate| candidate.violations.is_empty()) {
-            glance.1 = Some(glance.1.map_or(candidate.misfit.cost, |best: f64| best.min(candidate.misfit.cost)));
-        }
-        let (evaluations, best_cost) = *glance;
-        drop(glance);
-        let max_evaluations = self.max_evaluations;
-        if (self.progress)(SearchProgress { stage, evaluations, max_evaluations, best_cost }).is_break() {
-            self.cancelled.store(true, Ordering::Relaxed);
-        }
     }
 }
 
@@ -207,15 +189,14 @@ pub(crate) struct Notebook<'a> {
     evaluator: &'a Evaluator<'a>,
     ledger: &'a Ledger,
     own: Ledger,
-    stage: Stage,
     budget: usize,
     pub(crate) interruption: Option<Interruption>,
 }
 
 impl<'a> Notebook<'a> {
     /// A notebook for at most `budget` new evaluations.
-    pub(crate) fn new(evaluator: &'a Evaluator<'a>, ledger: &'a Ledger, stage: Stage, budget: usize) -> Self {
-        Self { evaluator, ledger, own: Ledger::default(), stage, budget, interruption: None }
+    pub(crate) fn new(evaluator: &'a Evaluator<'a>, ledger: &'a Ledger, budget: usize) -> Self {
+        Self { evaluator, ledger, own: Ledger::default(), budget, interruption: None }
     }
 
     /// The record of `design`, evaluated only where neither the ledger nor this notebook has it.
@@ -233,7 +214,7 @@ impl<'a> Notebook<'a> {
                 self.interruption = Some(Interruption::Budget);
                 return None;
             }
-            match self.evaluator.evaluate(design, self.stage) {
+            match self.evaluator.evaluate(design) {
                 Ok(record) => self.own.absorb(vec![record]),
                 Err(interruption) => {
                     self.interruption = Some(interruption);
@@ -262,6 +243,7 @@ impl<'a> Notebook<'a> {
 mod tests {
     use super::*;
     use crate::{Quantity, TargetPoint};
+    use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
     use std::sync::atomic::AtomicUsize;
 
@@ -279,11 +261,10 @@ mod tests {
         let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
         let constraints = Constraints::default();
-        let carry_on = |_| ControlFlow::Continue(());
-        let evaluator = Evaluator::new(&model, &target, &constraints, 10, &carry_on);
+        let evaluator = Evaluator::new(&model, &target, &constraints, 10, &Unwatched);
         let mut ledger = Ledger::default();
-        ledger.absorb(vec![evaluator.evaluate(&design(100.0), Stage::Sampling).unwrap()]);
-        let mut notebook = Notebook::new(&evaluator, &ledger, Stage::Polishing, 2);
+        ledger.absorb(vec![evaluator.evaluate(&design(100.0)).unwrap()]);
+        let mut notebook = Notebook::new(&evaluator, &ledger, 2);
         for width_um in [100.0, 110.0, 110.0, 120.0, 100.0] {
             assert!(notebook.look(&design(width_um)).is_some());
         }

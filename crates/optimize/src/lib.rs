@@ -13,7 +13,7 @@
 //! | [`Target`], [`Demand`], [`Goal`] | values, bands and weights at pressures; what is to be as good as possible |
 //! | [`DesignSpace`], [`Constraints`], [`Limit`] | bounds; manufacturing limits and limited quantities |
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
-//! | [`search`], [`SearchOptions`], [`SearchProgress`] | the search, how it is made, what it is doing |
+//! | [`search`], [`SearchOptions`] | the search, and how it is made |
 //! | [`search_near`] | the same about a design known to be near |
 //! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
@@ -38,14 +38,16 @@
 //! A design is evaluated once; only where two threads come to the same design at the same time do
 //! both call the model. Equal inputs and seeds give equal outcomes at any number of threads.
 //!
+//! A search reports to, and is cancelled by, a [`Monitor`](slipgrid_monitor::Monitor).
+//!
 //! This crate knows no files, no measurements, and nothing of how a model works.
 //!
 //! ```
 //! use slipgrid_optimize::{
 //!     Constraints, DesignSpace, Quantity, Response, SearchOptions, Status, Target, TargetPoint, search,
 //! };
+//! use slipgrid_monitor::Unwatched;
 //! use slipgrid_pattern::{Pattern, Planform};
-//! use std::ops::ControlFlow;
 //!
 //! // A surface whose friction is proportional to its land: ratio = 1 - width / pitch. With grooves
 //! // 100 um wide the ratio 0.75 takes a spacing of 300 um.
@@ -55,9 +57,8 @@
 //! let point = TargetPoint { pressure_pa: 1e6, value: 0.75 };
 //! let target = Target::new(Quantity::Ratio, vec![point], 0.01)?;
 //! let space = DesignSpace::new(Planform::Groove, [100e-6, 100e-6], [40e-6, 1000e-6], [5e-6, 5e-6])?;
-//! let carry_on = |_| ControlFlow::Continue(());
 //! let outcome =
-//!     search(&target, &space, &Constraints::default(), &SearchOptions::default(), &model, &carry_on)?;
+//!     search(&target, &space, &Constraints::default(), &SearchOptions::default(), &model, &Unwatched)?;
 //! assert_eq!(outcome.status, Status::Met);
 //! assert!((outcome.best.design.spacing_m() - 300e-6).abs() < 1e-6);
 //! # Ok::<(), slipgrid_optimize::SearchError>(())
@@ -93,7 +94,7 @@ pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use guidance::Guidance;
 pub use guided::search_guided;
-pub use model::{ForwardModel, ModelFailure, Response, SearchProgress, Stage};
+pub use model::{ForwardModel, ModelFailure, Response};
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
 pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
 pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};

@@ -1,4 +1,4 @@
-//! What the search asks of a model, and how it reports to whoever started it.
+//! What the search asks of a model.
 
 use slipgrid_pattern::Pattern;
 
@@ -64,32 +64,4 @@ where
     fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
         self(design)
     }
-}
-
-/// What a search is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
-    /// Evaluates a sample of the whole design space.
-    Sampling,
-    /// Descends from the best distinct designs.
-    Polishing,
-    /// Polishes width and spacing at neighbouring whole numbers of bursts.
-    Bursts,
-    /// Looks for the lowest and the highest value there is.
-    Extremes,
-    /// Asks the model itself of what its guide found.
-    Judging,
-}
-
-/// A glance at a running search, after an evaluation. Its numbers depend on timing; the outcome does not.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SearchProgress {
-    /// What the search is doing.
-    pub stage: Stage,
-    /// Designs evaluated.
-    pub evaluations: usize,
-    /// Most designs that will be evaluated.
-    pub max_evaluations: usize,
-    /// Smallest cost of a feasible design (see [`Misfit`](crate::Misfit)); `None` before the first.
-    pub best_cost: Option<f64>,
 }

@@ -275,9 +275,9 @@ impl CostFunction for &Problem<'_, '_> {
 mod tests {
     use super::*;
     use crate::ledger::{Evaluator, Interruption, Ledger};
-    use crate::{Constraints, DesignSpace, ModelFailure, Quantity, Response, Stage, Target, TargetPoint};
+    use crate::{Constraints, DesignSpace, ModelFailure, Quantity, Response, Target, TargetPoint};
+    use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
-    use std::ops::ControlFlow;
 
     /// Descends on value = section density, wanted 0.3 within 0.01, over width and spacing. Widths above
     /// 300 um fail. Returns the best design, the evaluations, and what interrupted them.
@@ -289,12 +289,11 @@ mod tests {
         let point = TargetPoint { pressure_pa: 1e6, value: 0.3 };
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
         let constraints = Constraints::default();
-        let carry_on = |_| ControlFlow::Continue(());
         let space = DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [50e-6, 900e-6], [5e-6; 2]).unwrap();
         let grid = Grid::new(&space, &constraints).unwrap();
-        let evaluator = Evaluator::new(&model, &target, &constraints, budget, &carry_on);
+        let evaluator = Evaluator::new(&model, &target, &constraints, budget, &Unwatched);
         let mut ledger = Ledger::default();
-        let mut notebook = Notebook::new(&evaluator, &ledger, Stage::Polishing, budget);
+        let mut notebook = Notebook::new(&evaluator, &ledger, budget);
         let cost = Cost { objective, tolerance: 0.01, comfortable: COMFORTABLE_RMS, penalty: 1.0 };
         let start = Pattern::new(Planform::Groove, 150e-6, 200e-6, 5e-6).unwrap();
         let rest = Descent::new(grid, start, cost, Method::Simplex).run(&mut notebook);

@@ -13,11 +13,11 @@ use crate::search::search_along;
 use crate::sensitivity::{AXES, lengths_m, with_lengths};
 use crate::{
     Bound, Candidate, Constraints, DesignSpace, ForwardModel, Guidance, Limit, Misfit, ModelFailure, Response,
-    SearchError, SearchOptions, SearchOutcome, SearchProgress, Target, Tolerances, Uncertainty, search_guided,
+    SearchError, SearchOptions, SearchOutcome, Target, Tolerances, Uncertainty, search_guided,
 };
 use rayon::prelude::*;
+use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use std::ops::ControlFlow;
 
 /// A made dimension is at least this share of the designed one.
 const LEAST_SHARE: f64 = 0.1;
@@ -51,16 +51,16 @@ pub fn search_robust(
     model: &dyn ForwardModel,
     guide: Option<&dyn ForwardModel>,
     nominal: &SearchOutcome,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<RobustOutcome, SearchError> {
     let samples = Samples::new(model, &constraints.quantities, tolerances)?;
     let of_samples = target.repeated(samples.count());
     let found = match guide {
-        None => search_along(&[], &of_samples, space, constraints, options, &samples, progress)?,
+        None => search_along(&[], &of_samples, space, constraints, options, &samples, monitor)?,
         Some(guide) => {
             let along = Samples { model: guide, displacements_m: samples.displacements_m.clone(), ..samples };
             let guidance = &mut Guidance::new();
-            search_guided(&of_samples, space, constraints, options, &samples, &along, guidance, progress)?
+            search_guided(&of_samples, space, constraints, options, &samples, &along, guidance, monitor)?
         }
     };
     let fatal = |failure: ModelFailure| SearchError::BrokenModel { reason: failure.to_string() };
@@ -151,6 +151,7 @@ impl ForwardModel for Samples<'_> {
 mod tests {
     use super::*;
     use crate::{Quantity, Status, TargetPoint, propagate, search};
+    use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
 
     fn space() -> DesignSpace {
@@ -159,10 +160,6 @@ mod tests {
 
     fn target(value: f64) -> Target {
         Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 1e6, value }], 0.01).unwrap()
-    }
-
-    fn carry_on(_: SearchProgress) -> ControlFlow<()> {
-        ControlFlow::Continue(())
     }
 
     fn tolerances(std_um: [f64; 3]) -> Tolerances {
@@ -179,9 +176,9 @@ mod tests {
             Ok(Response { value: vec![value], limited: Vec::new() })
         };
         let (constraints, options) = (Constraints::default(), SearchOptions::default());
-        let nominal = search(target, &space(), &constraints, &options, &model, &carry_on).unwrap();
+        let nominal = search(target, &space(), &constraints, &options, &model, &Unwatched).unwrap();
         let robust =
-            search_robust(target, &space(), &constraints, &options, tolerances, &model, None, &nominal, &carry_on);
+            search_robust(target, &space(), &constraints, &options, tolerances, &model, None, &nominal, &Unwatched);
         (nominal, robust.unwrap())
     }
 

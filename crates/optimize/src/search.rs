@@ -2,12 +2,12 @@ use crate::ledger::{Evaluator, Interruption, Ledger, Notebook};
 use crate::polish::{Cost, Descent, Method, Objective};
 use crate::space::Grid;
 use crate::{
-    Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, SearchProgress, Stage, Status,
-    Target, sequence, summary,
+    Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, Status, Target, sequence,
+    summary,
 };
 use rayon::prelude::*;
+use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use std::ops::ControlFlow;
 
 /// How the search is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,8 +75,8 @@ const STAGE_SHARE: f64 = 0.6;
 
 /// Searches `space` for a design that brings friction to `target` under `constraints`.
 ///
-/// `progress` is called after every evaluation, from any thread; on `Break` the search ends with
-/// what it has. The rayon pool of the caller is used.
+/// `monitor` hears of every evaluation, from any thread, as its share of those allowed; cancelled, the search ends
+/// with what it has. The rayon pool of the caller is used.
 ///
 /// # Errors
 /// [`SearchError`] where the input leaves nothing to search, or the model is broken or fails
@@ -87,9 +87,9 @@ pub fn search(
     constraints: &Constraints,
     options: &SearchOptions,
     model: &dyn ForwardModel,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
-    search_with(WHOLE, &[], target, space, constraints, options, model, progress)
+    search_with(WHOLE, &[], target, space, constraints, options, model, monitor)
 }
 
 /// As [`search`] along a guide, with the designs `known` beside the sample: those that earlier searches, when the
@@ -101,10 +101,10 @@ pub(crate) fn search_along(
     constraints: &Constraints,
     options: &SearchOptions,
     guide: &dyn ForwardModel,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
     let effort = if known.is_empty() { ALONG } else { AGAIN };
-    search_with(effort, known, target, space, constraints, options, guide, progress)
+    search_with(effort, known, target, space, constraints, options, guide, monitor)
 }
 
 /// As [`search`], beginning with the designs `known`, of which one is the best of much the same problem; only the
@@ -119,9 +119,9 @@ pub fn search_near(
     constraints: &Constraints,
     options: &SearchOptions,
     model: &dyn ForwardModel,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
-    search_with(NEAREST, known, target, space, constraints, options, model, progress)
+    search_with(NEAREST, known, target, space, constraints, options, model, monitor)
 }
 
 #[allow(clippy::too_many_arguments, reason = "those of search, and what it begins with")]
@@ -133,13 +133,13 @@ fn search_with(
     constraints: &Constraints,
     options: &SearchOptions,
     model: &dyn ForwardModel,
-    progress: &(dyn Fn(SearchProgress) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
     if options.max_evaluations == 0 {
         return Err(SearchError::OutOfRange { quantity: "max_evaluations", value: 0.0, expected: "at least 1" });
     }
     let grid = Grid::new(space, constraints)?;
-    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, progress);
+    let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, monitor);
     let mut search =
         Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0, effort };
     let sample_is_whole = search.sample(known, options)?;
@@ -198,8 +198,7 @@ impl Search<'_> {
                 designs.push(design);
             }
         }
-        let results: Vec<_> =
-            designs.par_iter().map(|design| self.evaluator.evaluate(design, Stage::Sampling)).collect();
+        let results: Vec<_> = designs.par_iter().map(|design| self.evaluator.evaluate(design)).collect();
         for result in results {
             match result {
                 Ok(record) => self.ledger.absorb(vec![record]),
@@ -232,11 +231,11 @@ impl Search<'_> {
         // 2. Width and spacing at the numbers of bursts near the best one.
         if !self.is_comfortable() {
             let most = if self.is_met() && !self.has_goal() { NEXT_BURSTS } else { self.effort.bursts };
-            self.run(self.burst_descents(most), Stage::Bursts, self.stage_budget())?;
+            self.run(self.burst_descents(most), self.stage_budget())?;
         }
         // Extremes mostly lie on bounds, and other bounds hold other ones.
         if self.has_goal() && !self.is_comfortable() {
-            self.run(self.bound_descents(), Stage::Polishing, self.stage_budget())?;
+            self.run(self.bound_descents(), self.stage_budget())?;
         }
         // 3. The least root-mean-square misfit, which descents go for, can hide a design whose largest misfit, which
         // decides, is less.
@@ -246,7 +245,7 @@ impl Search<'_> {
         let is_met = self.is_met();
         let looks_on = !is_met && !self.effort.nearest_alone;
         if looks_on {
-            self.run(self.extreme_descents(), Stage::Extremes, self.stage_budget())?;
+            self.run(self.extreme_descents(), self.stage_budget())?;
         }
         if looks_on || (self.has_goal() && !self.is_comfortable()) {
             tried.extend(self.ledger.best().map(|best| best.design));
@@ -257,7 +256,7 @@ impl Search<'_> {
         // 5. With all evaluations left, what was cut short.
         if !self.is_comfortable() {
             let descents = std::mem::take(&mut self.unfinished);
-            self.run(descents, Stage::Polishing, self.remaining())?;
+            self.run(descents, self.remaining())?;
         }
         if self.has_goal() && !self.is_comfortable() && self.unfinished.is_empty() {
             self.step_to_the_limits()?;
@@ -275,8 +274,7 @@ impl Search<'_> {
                 return Err(Interruption::Budget);
             }
             let evaluator = &self.evaluator;
-            let records: Vec<_> =
-                unknown.par_iter().map(|neighbour| evaluator.evaluate(neighbour, Stage::Polishing)).collect();
+            let records: Vec<_> = unknown.par_iter().map(|neighbour| evaluator.evaluate(neighbour)).collect();
             self.ledger.absorb(records.into_iter().collect::<Result<_, _>>()?);
             if self.ledger.best().is_some_and(|found| found.design == best) {
                 break;
@@ -292,10 +290,10 @@ impl Search<'_> {
             let descent = |&start: &Pattern| search.descent(search.grid, start, Objective::Target, method);
             starts.iter().map(descent).collect()
         };
-        self.run(from(self, starts, self.method()), Stage::Polishing, self.stage_budget())?;
+        self.run(from(self, starts, self.method()), self.stage_budget())?;
         if !self.is_comfortable() {
             let starts = self.distinct_starts(&[], self.effort.simplex_starts);
-            self.run(from(self, &starts, Method::Simplex), Stage::Polishing, self.stage_budget())?;
+            self.run(from(self, &starts, Method::Simplex), self.stage_budget())?;
         }
         Ok(())
     }
@@ -335,7 +333,7 @@ impl Search<'_> {
     /// Runs `descents` in rounds. In a round each has the same number of evaluations, fixed in
     /// advance, so that the outcome does not depend on the number of threads; what some leave
     /// unspent goes to the others in the next round.
-    fn run(&mut self, mut descents: Vec<Descent>, stage: Stage, budget: usize) -> Result<(), Interruption> {
+    fn run(&mut self, mut descents: Vec<Descent>, budget: usize) -> Result<(), Interruption> {
         let last = self.ledger.records().len() + budget;
         while !descents.is_empty() {
             let left = last.saturating_sub(self.ledger.records().len());
@@ -347,7 +345,7 @@ impl Search<'_> {
             let results: Vec<_> = descents
                 .par_iter()
                 .map(|descent| {
-                    let mut notebook = Notebook::new(&self.evaluator, &self.ledger, stage, share);
+                    let mut notebook = Notebook::new(&self.evaluator, &self.ledger, share);
                     let rest = descent.run(&mut notebook);
                     (notebook.close(), rest)
                 })
@@ -444,10 +442,10 @@ impl Search<'_> {
             let from = |start: &Pattern| search.descent(search.grid, *start, Objective::Largest, method);
             starts.iter().map(from).collect()
         };
-        self.run(descents(self, &starts, Method::GaussNewton), Stage::Polishing, self.stage_budget())?;
+        self.run(descents(self, &starts, Method::GaussNewton), self.stage_budget())?;
         let near = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
         let start: Vec<Pattern> = self.ledger.best().filter(near).map(|best| best.design).into_iter().collect();
-        self.run(descents(self, &start, Method::Simplex), Stage::Polishing, self.stage_budget())
+        self.run(descents(self, &start, Method::Simplex), self.stage_budget())
     }
 
     /// Descents to the lowest and the highest value, each from the feasible design nearest to it so far.

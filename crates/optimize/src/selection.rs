@@ -14,9 +14,9 @@ use crate::{
     summary,
 };
 use rayon::prelude::*;
+use slipgrid_monitor::{Monitor, Part};
 use slipgrid_pattern::Pattern;
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 /// What designs on target are chosen by. As with [`ForwardModel`], they are asked of from several threads at once and
 /// equal designs give equal answers.
@@ -96,7 +96,7 @@ const JUDGED: usize = 8;
 
 /// Chooses among the designs of `space` that meet `target` under `constraints`, those of `known` among them: the greatest
 /// chance by `merits`, of those alike the least effort, then the smallest largest residual. With no design on target the
-/// pool is empty. `progress` is told the share done; on `Break` the choice is made from what is known.
+/// pool is empty. Cancelled by `monitor`, the choice is made from what is known.
 ///
 /// # Errors
 /// [`SearchError`] where the space is empty, or the model is broken.
@@ -109,12 +109,12 @@ pub fn select(
     options: &SelectionOptions,
     model: &dyn ForwardModel,
     merits: &dyn Merits,
-    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<Selection, SearchError> {
     let grid = Grid::new(space, constraints)?;
     let mut shell = Shell::new(target, constraints, &grid, *options, model, merits);
     shell.take(known.to_vec())?;
-    shell.search(progress)?;
+    shell.search(monitor)?;
     let designs = shell.designs;
     Ok(selection(&grid, shell.into_pool(), designs, options.alike))
 }
@@ -135,12 +135,13 @@ pub fn select_guided(
     guide: &dyn ForwardModel,
     guidance: &mut Guidance,
     merits: &dyn Merits,
-    progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+    monitor: &dyn Monitor,
 ) -> Result<Selection, SearchError> {
     let grid = Grid::new(space, constraints)?;
     let mut judged: Vec<Candidate> = known.to_vec();
     let mut found: Vec<Pattern> = known.iter().map(|candidate| candidate.design).collect();
     let mut designs = 0;
+    let share = 1.0 / JUDGED_ROUNDS as f64;
     for round in 0..JUDGED_ROUNDS {
         let correction = guidance.correction(&grid, target.values(), constraints.quantities.len());
         let corrected = Corrected { guide, correction, grid: &grid, failures: &[] };
@@ -148,7 +149,9 @@ pub fn select_guided(
         let again = found.par_iter().filter_map(|design| shell.ask(design).transpose()).collect::<Result<_, _>>()?;
         shell.take(again)?;
         if round == 0 {
-            shell.search(progress)?;
+            shell.search(&Part::new(monitor, share))?;
+        } else {
+            monitor.advance(share);
         }
         designs += shell.designs;
         let pool = ranked(shell.into_pool(), options.alike);
@@ -162,7 +165,7 @@ pub fn select_guided(
                 judged.push(Candidate::new(target, constraints, *design, response));
             }
         }
-        if progress((round + 1) as f64 / JUDGED_ROUNDS as f64).is_break() {
+        if monitor.cancelled() {
             break;
         }
     }
@@ -253,7 +256,7 @@ impl<'a> Shell<'a> {
     }
 
     /// Looks for the shell in the whole space, then about the best designs.
-    fn search(&mut self, progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync)) -> Result<(), SearchError> {
+    fn search(&mut self, monitor: &dyn Monitor) -> Result<(), SearchError> {
         let stages = (1 + self.options.refinements) as f64;
         let free = self.grid.free_axes();
         let Some(line) = [1, 0, 2].into_iter().find(|axis| free.contains(axis)) else { return Ok(()) };
@@ -262,7 +265,8 @@ impl<'a> Shell<'a> {
         let at_nodes = nodes.into_iter().map(|shares| (shares, LINE.to_vec())).collect();
         self.along_lines(line, at_nodes)?;
         for refinement in 1..=self.options.refinements {
-            if progress(refinement as f64 / stages).is_break() {
+            monitor.advance(1.0 / stages);
+            if monitor.cancelled() {
                 break;
             }
             let share = 0.5_f64.powi(i32::try_from(refinement).unwrap_or(i32::MAX));

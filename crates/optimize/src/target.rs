@@ -27,6 +27,17 @@ pub enum Quantity {
     DynamicFriction,
 }
 
+impl Quantity {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Ratio => "ratio",
+            Self::DynamicFriction => "mu_dynamic",
+        }
+    }
+}
+
 /// The wanted value at one nominal pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPoint {
@@ -153,6 +164,21 @@ pub enum Goal {
     Highest,
     /// The least standard deviation over the pressures, relative to the mean.
     Even,
+}
+
+impl Goal {
+    /// All goals.
+    pub const ALL: [Self; 3] = [Self::Lowest, Self::Highest, Self::Even];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Lowest => "lowest",
+            Self::Highest => "highest",
+            Self::Even => "even",
+        }
+    }
 }
 
 /// What friction should be, and how nearly.

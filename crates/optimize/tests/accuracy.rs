@@ -4,13 +4,14 @@
 
 mod surface;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     COMFORTABLE_RMS, Constraints, ModelFailure, Quantity, Response, SearchOutcome, Status, Target, TargetPoint, search,
 };
 use slipgrid_pattern::Pattern;
 use surface::{
-    PRESSURES_PA, TOLERANCE, bursts, carry_on, depth_share, design, peak, ratio, respond, run, seeded, space, target,
-    target_of, unlimited,
+    PRESSURES_PA, TOLERANCE, bursts, depth_share, design, peak, ratio, respond, run, seeded, space, target, target_of,
+    unlimited,
 };
 
 const SEEDS: u64 = 20;
@@ -146,7 +147,7 @@ fn noise_and_kinks_of_a_ten_thousandth_do_no_harm() {
         Ok(response)
     };
     let wanted = target_of(&design(130.0, 370.0, 20.0));
-    let search = |seed| search(&wanted, &space(), &bursts(2.6), &seeded(seed), &rough, &carry_on).unwrap();
+    let search = |seed| search(&wanted, &space(), &bursts(2.6), &seeded(seed), &rough, &Unwatched).unwrap();
     let outcomes: Vec<_> = (0..SEEDS).map(search).collect();
     assert_eq!(failures(&outcomes), 0);
     assert!(mean_evaluations(&outcomes) < 110.0);
@@ -167,7 +168,7 @@ fn false_valleys_are_survived() {
         let index = PRESSURES_PA.iter().position(|&p| p == pressure_pa).unwrap();
         rippled(&known).unwrap().value[index]
     });
-    let search = |seed| search(&target(wanted), &space(), &unlimited(), &seeded(seed), &rippled, &carry_on).unwrap();
+    let search = |seed| search(&target(wanted), &space(), &unlimited(), &seeded(seed), &rippled, &Unwatched).unwrap();
     let outcomes: Vec<_> = (0..SEEDS).map(search).collect();
     assert_eq!(failures(&outcomes), 0);
     assert!(mean_evaluations(&outcomes) < 180.0);
@@ -181,7 +182,7 @@ fn a_largest_misfit_within_tolerance_is_found_where_the_mean_square_hides_it() {
     let even = |design: &Pattern| Ok(Response { value: vec![1.0 - design.section_density(); 4], limited: vec![1e6] });
     let wanted = target([0.75, 0.75, 0.75, 0.75 + 1.96 * TOLERANCE]);
     for seed in 0..SEEDS {
-        let outcome = search(&wanted, &space(), &unlimited(), &seeded(seed), &even, &carry_on).unwrap();
+        let outcome = search(&wanted, &space(), &unlimited(), &seeded(seed), &even, &Unwatched).unwrap();
         assert_eq!(outcome.status, Status::Met);
         assert!(outcome.best.misfit.max <= 1.0 && outcome.best.misfit.max >= 0.98 - 1e-9);
     }
@@ -198,7 +199,7 @@ fn a_single_pressure_is_met_up_to_the_edge_of_what_is_reachable() {
     let search = |value, seed| {
         let point = TargetPoint { pressure_pa: PRESSURES_PA[3], value };
         let wanted = Target::new(Quantity::Ratio, vec![point], TOLERANCE).unwrap();
-        search(&wanted, &space(), &unlimited(), &seeded(seed), &model, &carry_on).unwrap()
+        search(&wanted, &space(), &unlimited(), &seeded(seed), &model, &Unwatched).unwrap()
     };
     for seed in 0..SEEDS {
         for value in [0.97, 0.83, 0.5, 0.486, 0.4755] {

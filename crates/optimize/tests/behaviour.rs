@@ -4,15 +4,15 @@
 
 mod surface;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     Constraints, DesignSpace, ModelFailure, Response, SearchError, SearchOptions, Status, Violation, search,
 };
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 use std::collections::BTreeSet;
-use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use surface::{bursts, carry_on, design, peak, respond, run, seeded, space, target, target_of, unlimited};
+use surface::{StopAfter, bursts, design, peak, respond, run, seeded, space, target, target_of, unlimited};
 
 #[test]
 fn the_outcome_is_the_same_at_any_number_of_threads() {
@@ -44,7 +44,7 @@ fn every_design_is_evaluated_once_and_the_count_is_true() {
                 seen.lock().unwrap().insert(lengths.map(f64::to_bits));
                 respond(design)
             };
-            let outcome = search(&wanted, &space(), &constraints, &seeded(1), &model, &carry_on).unwrap();
+            let outcome = search(&wanted, &space(), &constraints, &seeded(1), &model, &Unwatched).unwrap();
             let distinct = seen.lock().unwrap().len();
             assert_eq!(outcome.evaluations, distinct);
             // Two threads can come to one design at the same time.
@@ -56,7 +56,7 @@ fn every_design_is_evaluated_once_and_the_count_is_true() {
                 counted.fetch_add(1, Ordering::Relaxed);
                 respond(design)
             };
-            pool.install(|| search(&wanted, &space(), &constraints, &seeded(1), &model, &carry_on).unwrap());
+            pool.install(|| search(&wanted, &space(), &constraints, &seeded(1), &model, &Unwatched).unwrap());
             assert_eq!(counted.load(Ordering::Relaxed), distinct);
         }
     }
@@ -92,7 +92,7 @@ fn a_budget_too_small_is_a_status() {
         assert!(outcome.evaluations * 20 >= max_evaluations * 19, "{} of {max_evaluations}", outcome.evaluations);
     }
     let none = SearchOptions { seed: 1, max_evaluations: 0 };
-    let refused = search(&wanted, &space(), &unlimited(), &none, &respond, &carry_on);
+    let refused = search(&wanted, &space(), &unlimited(), &none, &respond, &Unwatched);
     assert!(matches!(refused, Err(SearchError::OutOfRange { .. })));
 }
 
@@ -109,13 +109,13 @@ fn fixed_dimensions_stay_and_a_fixed_design_is_only_judged() {
     let wanted = target_of(&design(130.0, 370.0, 20.0));
     let fixed = |spacing_m| DesignSpace::new(Planform::Groove, [130e-6; 2], spacing_m, [20e-6; 2]).unwrap();
     let none = unlimited();
-    let line = search(&wanted, &fixed([40e-6, 1000e-6]), &none, &seeded(1), &respond, &carry_on).unwrap();
+    let line = search(&wanted, &fixed([40e-6, 1000e-6]), &none, &seeded(1), &respond, &Unwatched).unwrap();
     assert_eq!(line.status, Status::Met);
     assert_eq!((line.best.design.width_m(), line.best.design.depth_m()), (130e-6, 20e-6));
     assert!((line.best.design.spacing_m() - 370e-6).abs() < 1e-6);
     assert!(line.evaluations < 60, "{}", line.evaluations);
     for (spacing_m, status) in [(370e-6, Status::Met), (200e-6, Status::Unreachable)] {
-        let point = search(&wanted, &fixed([spacing_m; 2]), &none, &seeded(1), &respond, &carry_on).unwrap();
+        let point = search(&wanted, &fixed([spacing_m; 2]), &none, &seeded(1), &respond, &Unwatched).unwrap();
         assert_eq!((point.status, point.evaluations), (status, 1));
     }
 }
@@ -129,11 +129,11 @@ fn manufacturing_limits_are_never_crossed() {
         assert!(limits.violations(design).is_empty());
         respond(design)
     };
-    let outcome = search(&target([0.5; 4]), &space(), &constraints, &seeded(1), &model, &carry_on).unwrap();
+    let outcome = search(&target([0.5; 4]), &space(), &constraints, &seeded(1), &model, &Unwatched).unwrap();
     assert_eq!(outcome.status, Status::Unreachable);
     let impossible =
         Constraints { limits: ManufacturingLimits { depth_per_burst_m: Some(60e-6), ..limits }, ..constraints };
-    let refused = search(&target([0.5; 4]), &space(), &impossible, &seeded(1), &respond, &carry_on).unwrap_err();
+    let refused = search(&target([0.5; 4]), &space(), &impossible, &seeded(1), &respond, &Unwatched).unwrap_err();
     assert!(matches!(refused, SearchError::NoWholeBurst { nearest_m, .. } if nearest_m == 60e-6));
 }
 
@@ -162,7 +162,7 @@ fn failed_trials_are_counted_and_passed_by() {
     };
     for seed in 0..20 {
         let wanted = target_of(&design(190.0, 370.0, 20.0));
-        let outcome = search(&wanted, &space(), &unlimited(), &seeded(seed), &fragile, &carry_on).unwrap();
+        let outcome = search(&wanted, &space(), &unlimited(), &seeded(seed), &fragile, &Unwatched).unwrap();
         assert_eq!(outcome.status, Status::Met);
         assert!(outcome.failed_trials.iter().any(|trial| trial.reason.contains("too wide")));
         assert!(outcome.failed_trials.iter().any(|trial| trial.reason.contains("not finite")));
@@ -174,7 +174,7 @@ fn failed_trials_are_counted_and_passed_by() {
 fn a_broken_model_is_an_error() {
     let with = |answer: fn() -> Result<Response, ModelFailure>| {
         let model = move |_: &Pattern| answer();
-        search(&target([0.9; 4]), &space(), &unlimited(), &seeded(1), &model, &carry_on).unwrap_err()
+        search(&target([0.9; 4]), &space(), &unlimited(), &seeded(1), &model, &Unwatched).unwrap_err()
     };
     let trial = with(|| Err(ModelFailure::Trial { reason: "never".to_owned() }));
     assert_eq!(trial, SearchError::EveryTrialFailed { trials: 40, reason: "never".to_owned() });
@@ -188,14 +188,10 @@ fn a_broken_model_is_an_error() {
 #[test]
 fn cancelling_keeps_the_best_design() {
     for stop_at in [1, 30, 80, 300] {
-        let calls = AtomicUsize::new(0);
-        let progress = |progress: slipgrid_optimize::SearchProgress| {
-            assert_eq!(progress.max_evaluations, 2000);
-            let stop = calls.fetch_add(1, Ordering::Relaxed) + 1 >= stop_at;
-            if stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        };
+        // Of the 2000 evaluations allowed.
+        let stop = StopAfter::new(stop_at, 1.0 / 2000.0);
         let none = unlimited();
-        let outcome = search(&target([0.5; 4]), &space(), &none, &seeded(1), &respond, &progress).unwrap();
+        let outcome = search(&target([0.5; 4]), &space(), &none, &seeded(1), &respond, &stop).unwrap();
         assert_eq!(outcome.status, Status::Cancelled);
         assert!(outcome.evaluations >= stop_at && outcome.evaluations < stop_at + 64);
         assert_eq!(outcome.best.response, respond(&outcome.best.design).unwrap());

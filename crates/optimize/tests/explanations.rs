@@ -4,14 +4,14 @@
 
 mod surface;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     Constraints, DesignSpace, Dimension, Explanation, Restriction, SearchOutcome, Status, Target, explain, search,
     search_near,
 };
 use slipgrid_pattern::Planform;
 use surface::{
-    PRESSURES_PA, bursts, carry_on, depth_share, design, peak, ratio, respond, seeded, space, target, target_of,
-    unlimited,
+    PRESSURES_PA, bursts, depth_share, design, peak, ratio, respond, seeded, space, target, target_of, unlimited,
 };
 
 fn widest() -> DesignSpace {
@@ -22,7 +22,7 @@ fn explained(wanted: &Target, space: &DesignSpace, constraints: &Constraints) ->
     let mut searches = 0;
     let mut solve = |space: &DesignSpace, constraints: &Constraints| {
         searches += 1;
-        search(wanted, space, constraints, &seeded(1), &respond, &carry_on)
+        search(wanted, space, constraints, &seeded(1), &respond, &Unwatched)
     };
     let outcome = solve(space, constraints).unwrap();
     let found = explain(space, constraints, &outcome.best, &widest(), 5, &mut solve).unwrap();
@@ -111,15 +111,15 @@ fn about_the_best_design_the_same_reasons_are_found_with_fewer_answers() {
         (target_of(&design(100.0, 50.0, 18.0)), narrow, unlimited()),
         (target([0.2; 4]), space(), many),
     ] {
-        let outcome = search(&wanted, &space, &constraints, &seeded(1), &respond, &carry_on).unwrap();
+        let outcome = search(&wanted, &space, &constraints, &seeded(1), &respond, &Unwatched).unwrap();
         let explained = |near: bool| {
             let mut answers = 0;
             let mut solve = |space: &DesignSpace, constraints: &Constraints| {
                 let found = if near {
                     let known = [outcome.best.design];
-                    search_near(&known, &wanted, space, constraints, &seeded(1), &respond, &carry_on)?
+                    search_near(&known, &wanted, space, constraints, &seeded(1), &respond, &Unwatched)?
                 } else {
-                    search(&wanted, space, constraints, &seeded(1), &respond, &carry_on)?
+                    search(&wanted, space, constraints, &seeded(1), &respond, &Unwatched)?
                 };
                 answers += found.evaluations;
                 Ok(found)

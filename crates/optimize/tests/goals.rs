@@ -4,12 +4,13 @@
 
 mod surface;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     Bound, Constraints, Demand, Goal, Guidance, Limit, Quantity, Response, SearchError, SearchOptions, Status, Target,
     Wanted, search, search_guided,
 };
 use slipgrid_pattern::Pattern;
-use surface::{PRESSURES_PA, bursts, carry_on, design, peak, respond, run, seeded, space, unlimited};
+use surface::{PRESSURES_PA, bursts, design, peak, respond, run, seeded, space, unlimited};
 
 const SEEDS: u64 = 20;
 
@@ -123,7 +124,7 @@ fn a_goal_along_a_guide_ends_where_it_does_without() {
             let mut guidance = Guidance::new();
             let options = seeded(seed);
             let outcome =
-                search_guided(&target, &space(), &unlimited(), &options, &respond, &guide, &mut guidance, &carry_on)
+                search_guided(&target, &space(), &unlimited(), &options, &respond, &guide, &mut guidance, &Unwatched)
                     .unwrap();
             assert_eq!(outcome.status, Status::Met, "{goal:?} {seed}");
             let (own, alone) = (outcome.best.misfit.cost, alone.best.misfit.cost);
@@ -156,16 +157,16 @@ fn several_limits_bind_together() {
         [(aim(wanted, None), Status::Unreachable), (aim(Wanted::Anything, Some(Goal::Lowest)), Status::Met)]
     {
         for seed in 0..SEEDS {
-            let outcome = search(&target, &space(), &constraints, &seeded(seed), &model, &carry_on).unwrap();
+            let outcome = search(&target, &space(), &constraints, &seeded(seed), &model, &Unwatched).unwrap();
             assert_eq!(outcome.status, status);
             assert!(outcome.best.violations.is_empty());
             let [peak_pressure_pa, land] = outcome.best.response.limited[..] else { panic!() };
             assert!(peak_pressure_pa > 4.95e6 && land < 0.801, "{seed} {peak_pressure_pa} {land}");
         }
     }
-    let missing = search(&aim(wanted, None), &space(), &constraints, &seeded(1), &respond, &carry_on);
+    let missing = search(&aim(wanted, None), &space(), &constraints, &seeded(1), &respond, &Unwatched);
     assert_eq!(missing, Err(SearchError::WrongLimited { expected: 2, got: 1 }));
     let broken = |_: &Pattern| Ok(Response { value: vec![0.9; 4], limited: vec![1e6, f64::NAN] });
-    let failed = search(&aim(wanted, None), &space(), &constraints, &seeded(1), &broken, &carry_on);
+    let failed = search(&aim(wanted, None), &space(), &constraints, &seeded(1), &broken, &Unwatched);
     assert!(matches!(failed, Err(SearchError::EveryTrialFailed { .. })));
 }

@@ -5,15 +5,15 @@
 
 mod surface;
 
+use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
     Constraints, Guidance, ModelFailure, Response, SearchError, SearchOptions, SearchOutcome, Status, Target,
     search_guided,
 };
 use slipgrid_pattern::Pattern;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 use surface::{
-    PRESSURES_PA, TOLERANCE, bursts, carry_on, design, peak, ratio, respond, run, seeded, space, target, target_of,
+    PRESSURES_PA, StopAfter, TOLERANCE, bursts, design, peak, ratio, respond, run, seeded, space, target, target_of,
     unlimited,
 };
 
@@ -31,7 +31,7 @@ fn guide(design: &Pattern) -> Result<Response, ModelFailure> {
 
 fn guided(wanted: &Target, constraints: &Constraints, options: &SearchOptions) -> SearchOutcome {
     let mut guidance = Guidance::new();
-    search_guided(wanted, &space(), constraints, options, &respond, &guide, &mut guidance, &carry_on).unwrap()
+    search_guided(wanted, &space(), constraints, options, &respond, &guide, &mut guidance, &Unwatched).unwrap()
 }
 
 #[test]
@@ -103,7 +103,16 @@ fn the_outcome_and_what_was_learnt_are_the_same_at_any_number_of_threads() {
                 let options = SearchOptions { seed: 3, max_evaluations };
                 let outcome = pool.install(|| {
                     let constraints = bursts(2.6);
-                    search_guided(&wanted, &space(), &constraints, &options, &respond, &guide, &mut guidance, &carry_on)
+                    search_guided(
+                        &wanted,
+                        &space(),
+                        &constraints,
+                        &options,
+                        &respond,
+                        &guide,
+                        &mut guidance,
+                        &Unwatched,
+                    )
                 });
                 (outcome, guidance)
             });
@@ -122,7 +131,7 @@ fn what_one_search_learnt_spares_the_next_its_answers() {
         let known = design(130.0, 370.0, 20.0);
         let wanted = target(PRESSURES_PA.map(|pressure_pa| ratio(&known, pressure_pa) + shift));
         let outcome =
-            search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &carry_on).unwrap();
+            search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &Unwatched).unwrap();
         assert_eq!(outcome.status, Status::Met);
         answers.push(outcome.evaluations);
     }
@@ -150,27 +159,26 @@ fn budgets_failures_and_cancelling() {
     for seed in 0..5 {
         let mut guidance = Guidance::new();
         let outcome =
-            search_guided(&wanted, &space(), &none, &seeded(seed), &fragile, &guide, &mut guidance, &carry_on).unwrap();
+            search_guided(&wanted, &space(), &none, &seeded(seed), &fragile, &guide, &mut guidance, &Unwatched)
+                .unwrap();
         assert_eq!(outcome.status, Status::Met, "{seed}");
     }
     let never = |_: &Pattern| Err(ModelFailure::Trial { reason: "never".to_owned() });
     let mut guidance = Guidance::new();
-    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &never, &guide, &mut guidance, &carry_on);
+    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &never, &guide, &mut guidance, &Unwatched);
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
-    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut guidance, &carry_on);
+    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut guidance, &Unwatched);
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
     // Stopped while the guide is asked, the model is asked of the best that the guide knows.
-    let calls = AtomicUsize::new(0);
-    let stop = |_| {
-        if calls.fetch_add(1, Ordering::Relaxed) > 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    };
+    // Of each of the two 2000 answers are allowed.
+    let stop = StopAfter::new(22, 0.5 / 2000.0);
     let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &stop);
     let stopped = stopped.unwrap();
     assert!(matches!(stopped.status, Status::Cancelled | Status::Met), "{:?}", stopped.status);
     assert_eq!(stopped.evaluations, 1);
     assert_eq!(stopped.best.response, respond(&stopped.best.design).unwrap());
     // Where that is stopped, too, there is nothing of the model.
-    calls.store(0, Ordering::Relaxed);
+    stop.evaluations.store(0, Ordering::Relaxed);
     let cancelled = |_: &Pattern| Err(ModelFailure::Cancelled);
     let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &cancelled, &guide, &mut guidance, &stop);
     assert_eq!(stopped, Err(SearchError::CancelledAtStart));

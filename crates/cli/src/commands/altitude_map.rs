@@ -8,10 +8,11 @@ use slipgrid_topography::{
     Form, HeightMap, MapFormat, MapOption, MapWarning, ReadError, ReadMap, ReadOptions, limits, read_map,
 };
 
-use crate::diagnostic::Diagnostic;
-use crate::formats::file_kind::FileKind;
-use crate::formats::surface::{MapOptions, Missing};
 use crate::input;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::file_kind::FileKind;
+use slipgrid_formats::source::read_text;
+use slipgrid_formats::surface::{MapOptions, Missing};
 
 /// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
 /// period has about 1, a piece of a smooth surface many times that.
@@ -181,7 +182,10 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<ReadMap, Diagnostic> {
     let file = input::open(path, EXPECTED)?;
     read_map(BufReader::new(file), options).map_err(|error| {
         // A file of settings in place of a map is told by its name: maps may be large.
-        let text = path.extension().filter(|&extension| extension == "toml").map(|_| input::read_text(path, EXPECTED));
+        let text = path
+            .extension()
+            .filter(|&extension| extension == "toml")
+            .map(|_| read_text(&input::disk(), path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
             (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),

@@ -7,7 +7,7 @@ use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, Monitor,
 use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
 use slipgrid_topography::HeightMap;
 
-use crate::diagnostic::Diagnostic;
+use slipgrid_formats::Diagnostic;
 use slipgrid_units::PRESSURE_MPA;
 
 /// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.

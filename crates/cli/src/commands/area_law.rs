@@ -14,12 +14,13 @@ use super::area_statistics::{
     takes_default_windows, window_spread,
 };
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
-use crate::diagnostic::Diagnostic;
-use crate::formats::surface::{MapOptions, Missing};
 use crate::interruption::heed;
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::progress::Progress;
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::surface::{MapOptions, Missing};
+use slipgrid_report::Outputs;
 use slipgrid_results::{VERSION, json, json_and_timings};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
@@ -44,7 +45,7 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         outputs.add("timings.json", timings);
         outputs.add("area-law.csv", table_csv(&report));
         outputs.add("area-law.svg", picture(&report)?);
-        outputs.write(folder)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     if args.json {

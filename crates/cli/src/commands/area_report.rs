@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use crate::CliError;
-use crate::charts::{self, AreaLawChart};
+use slipgrid_report::charts::{self, AreaLawChart};
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::tidy;

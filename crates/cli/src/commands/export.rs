@@ -4,14 +4,16 @@ use std::path::Path;
 
 use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
 
-use super::drawings::{DrawingInput, draw_with};
-use super::optimize::StoredDesign;
 use crate::args::ExportArgs;
-use crate::diagnostic::Diagnostic;
-use crate::formats::file_kind::FileKind;
-use crate::input::read_text;
-use crate::output::{Outputs, Place, check_folder};
+use crate::input::disk;
+use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
+use slipgrid_design::StoredDesign;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::file_kind::FileKind;
+use slipgrid_formats::source::read_text;
+use slipgrid_report::Outputs;
+use slipgrid_report::{DrawingInput, LaserFile, draw_with};
 use slipgrid_results::PatternReport;
 use slipgrid_units::LENGTH_UM;
 
@@ -49,8 +51,9 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     // What the laser cannot make is not drawn for it.
     stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
-    draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
-    outputs.write(out)?;
+    let formats: Vec<LaserFile> = args.format.iter().map(|&format| format.into()).collect();
+    draw_with(&input, &formats, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
+    crate::output::write(&outputs, out)?;
     for name in outputs.names() {
         console.answer(&format!("{}\n", folder.join(name).display()))?;
     }
@@ -105,7 +108,7 @@ fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {
     if path.is_dir() {
         return Err(Diagnostic::file(path, "is a folder without result.json").expected(FileKind::Result.expected()));
     }
-    let text = read_text(path, FileKind::Result.expected())?;
+    let text = read_text(&disk(), path, FileKind::Result.expected())?;
     FileKind::Result.require(path, &text)?;
     serde_json::from_str(&text).map_err(|error| {
         let refused = Diagnostic::file(path, format!("is not a result of `slipgrid optimize`: {error}"));

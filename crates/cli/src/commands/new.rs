@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use crate::args::{NewArgs, TemplateName};
-use crate::diagnostic::Diagnostic;
-use crate::output::{Outputs, write_file};
+use crate::output::write_file;
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::Diagnostic;
+use slipgrid_report::Outputs;
 
 const SCENE: &str = include_str!("../templates/scene.toml");
 const DESIGN: &str = include_str!("../templates/design.toml");
@@ -31,7 +32,7 @@ pub fn run(args: &NewArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
             let mut files = Outputs::default();
             files.add("calibration.toml", CALIBRATION);
             files.add("flat.csv", FLAT);
-            files.write(path)?;
+            crate::output::write(&files, path)?;
         }
     }
     let (command, file) = match args.template {

@@ -4,8 +4,9 @@ use clap::{Command, CommandFactory};
 use clap_mangen::Man;
 
 use crate::args::{Arguments, CompletionsArgs, ManArgs};
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
+use slipgrid_report::Outputs;
 
 /// Prints the completions of a shell.
 pub fn completions(args: &CompletionsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -31,7 +32,7 @@ pub fn man(args: &ManArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         pages.add(format!("{name}.1"), page(command.clone())?);
     }
     pages.add("slipgrid.1", page(program)?);
-    pages.write(folder)?;
+    crate::output::write(&pages, folder)?;
     for name in pages.names() {
         writeln!(console.out, "{}", folder.join(name).display())?;
     }

@@ -1,18 +1,20 @@
 //! `simulate`: friction of a given surface at given loads.
 
 use super::announcement::announce;
-use super::pictures;
 use crate::args::SimulateArgs;
-use crate::dynamic_excess::correct;
-use crate::formats::run::Overrides;
-use crate::formats::scene::SceneInput;
+use crate::input::disk;
 use crate::interruption::heed;
-use crate::on_specimen::simulate_on;
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::progress::Progress;
-use crate::report::csv;
-use crate::solved::of_scene;
 use crate::{CliError, Console, exit_code};
+use slipgrid_design::correct;
+use slipgrid_design::of_scene;
+use slipgrid_design::simulate_on;
+use slipgrid_formats::run::Overrides;
+use slipgrid_formats::scene::SceneInput;
+use slipgrid_report::Outputs;
+use slipgrid_report::csv;
+use slipgrid_report::pictures;
 use slipgrid_results::SimulationReport;
 use slipgrid_results::{json, json_and_timings};
 
@@ -26,7 +28,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.scene))?;
     }
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
-    let input = SceneInput::read(&args.scene, overrides)?;
+    let input = SceneInput::read(&disk(), &args.scene, overrides)?;
     for told in &input.told {
         console.note(&format!("warning: {told}"));
     }
@@ -56,7 +58,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
             outputs.add("friction.csv", trace);
         }
         pictures::simulation(&input.scene, &simulation, &report.errors, &mut outputs)?;
-        outputs.write(folder)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     if args.json {

@@ -4,9 +4,9 @@ use slipgrid_topography::{CutPattern, CutShape, HeightMap, LengthUnit, MapError,
 
 use super::area_law::checked;
 use crate::args::{CutName, SynthesizeArgs};
-use crate::diagnostic::Diagnostic;
 use crate::output::{Place, check_file, write_file};
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::Diagnostic;
 use slipgrid_results::fixed;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::{Bound, CommonDraws, Limit, Linearization, Quantity, Response, TargetPoint, Tolerances, Uncertainty};
+use slipgrid_monitor::Unwatched;
 use slipgrid_pattern::{ManufacturingLimits, Planform};
 
 const PRESSURES_PA: [f64; 2] = [1e6, 2e6];
@@ -33,10 +34,6 @@ fn bursts() -> Constraints {
     Constraints { limits, ..Default::default() }
 }
 
-fn carry_on(_: f64) -> ControlFlow<()> {
-    ControlFlow::Continue(())
-}
-
 /// Dimensions scatter; effort is the volume removed.
 struct Made {
     uncertainty: Uncertainty,
@@ -67,7 +64,7 @@ impl Merits for Made {
 fn chosen_on(threads: usize) -> Selection {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let options = SelectionOptions::default();
-    pool.install(|| select(&target(), &space(), &bursts(), &[], &options, &respond, &Made::new(), &carry_on).unwrap())
+    pool.install(|| select(&target(), &space(), &bursts(), &[], &options, &respond, &Made::new(), &Unwatched).unwrap())
 }
 
 #[test]
@@ -119,10 +116,10 @@ fn a_design_beyond_a_limit_is_not_chosen_and_nothing_on_target_is_an_empty_pool(
     let limited = Constraints { quantities: vec![limit], ..bursts() };
     let options = SelectionOptions::default();
     let made = Made::new();
-    let found = select(&target(), &space(), &limited, &[], &options, &shallow, &made, &carry_on).unwrap();
+    let found = select(&target(), &space(), &limited, &[], &options, &shallow, &made, &Unwatched).unwrap();
     assert!(found.pool.iter().all(|choice| choice.candidate.design.depth_m() <= 10e-6) && !found.pool.is_empty());
     let flat = |_: &Pattern| Ok(Response { value: vec![1.0, 1.0], limited: Vec::new() });
-    let none = select(&target(), &space(), &bursts(), &[], &options, &flat, &made, &carry_on).unwrap();
+    let none = select(&target(), &space(), &bursts(), &[], &options, &flat, &made, &Unwatched).unwrap();
     assert!(none.pool.is_empty() && none.alternatives.is_empty());
 }
 
@@ -140,7 +137,7 @@ fn a_guide_that_is_off_leads_to_designs_that_the_model_has_judged() {
     let (options, made) = (SelectionOptions::default(), Made::new());
     let (target, space, limits) = (target(), space(), bursts());
     let found =
-        select_guided(&target, &space, &limits, &[], &options, &respond, &guide, &mut guidance, &made, &carry_on);
+        select_guided(&target, &space, &limits, &[], &options, &respond, &guide, &mut guidance, &made, &Unwatched);
     let found = found.unwrap();
     assert!(found.pool.len() <= JUDGED_ROUNDS * JUDGED && !found.pool.is_empty());
     for choice in &found.pool {

@@ -8,12 +8,13 @@
 
 #![allow(dead_code, reason = "each test crate uses its own part")]
 
+use slipgrid_monitor::{Monitor, Unwatched};
 use slipgrid_optimize::{
-    Bound, Constraints, DesignSpace, Limit, ModelFailure, Quantity, Response, SearchOptions, SearchOutcome,
-    SearchProgress, Target, TargetPoint, search,
+    Bound, Constraints, DesignSpace, Limit, ModelFailure, Quantity, Response, SearchOptions, SearchOutcome, Target,
+    TargetPoint, search,
 };
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
-use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub const PRESSURES_PA: [f64; 4] = [0.65e6, 1.3e6, 1.95e6, 2.6e6];
 pub const TOLERANCE: f64 = 0.01;
@@ -76,10 +77,31 @@ pub fn seeded(seed: u64) -> SearchOptions {
     SearchOptions { seed, ..Default::default() }
 }
 
-pub fn carry_on(_: SearchProgress) -> ControlFlow<()> {
-    ControlFlow::Continue(())
+/// Cancels a search after so many evaluations.
+pub struct StopAfter {
+    pub most: usize,
+    /// Share that an evaluation is to be of the search's work.
+    pub share: f64,
+    pub evaluations: AtomicUsize,
+}
+
+impl StopAfter {
+    pub const fn new(most: usize, share: f64) -> Self {
+        Self { most, share, evaluations: AtomicUsize::new(0) }
+    }
+}
+
+impl Monitor for StopAfter {
+    fn advance(&self, share: f64) {
+        assert!((share / self.share - 1.0).abs() < 1e-9, "{share}");
+        self.evaluations.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.evaluations.load(Ordering::Relaxed) >= self.most
+    }
 }
 
 pub fn run(target: &Target, constraints: &Constraints, options: &SearchOptions) -> SearchOutcome {
-    search(target, &space(), constraints, options, &respond, &carry_on).unwrap()
+    search(target, &space(), constraints, options, &respond, &Unwatched).unwrap()
 }

@@ -18,12 +18,13 @@ use plan::{Role, Size, rows};
 use report::{AccuracyReport, Machine, model_notes};
 
 use crate::args::AccuracyArgs;
-use crate::formats::run::Overrides;
-use crate::formats::scene::SceneInput;
 use crate::interruption::heed;
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::progress::Progress;
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::run::Overrides;
+use slipgrid_formats::scene::SceneInput;
+use slipgrid_report::Outputs;
 use slipgrid_results::json;
 
 /// Runs every row and reports.
@@ -34,7 +35,11 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let (scene, input) = match &args.scene {
         Some(path) => {
-            let input = SceneInput::read(path, Overrides { fidelity: Some(Fidelity::Reference), extent: None })?;
+            let input = SceneInput::read(
+                &crate::input::disk(),
+                path,
+                Overrides { fidelity: Some(Fidelity::Reference), extent: None },
+            )?;
             (input.scene.clone(), Some(input))
         }
         None => (scene::paper_scene()?, None),
@@ -64,7 +69,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
             outputs.add("accuracy.svg", picture);
         }
         outputs.add("result.json", json(&report)?);
-        outputs.write(folder)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     if args.json {

@@ -6,7 +6,7 @@ use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 
 use crate::CliError;
 use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
-use crate::formats::scene::DEFAULT_LAYER;
+use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_units::PRESSURE_MPA;
 
 /// Rms slope of the synthetic map that stands in for the unpublished one.

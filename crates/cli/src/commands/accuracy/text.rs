@@ -6,7 +6,7 @@ use super::difference::Quantity;
 use super::plan::Family;
 use super::report::{AccuracyReport, FrontReport, RowReport, ValueReport};
 use crate::CliError;
-use crate::charts::{self, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
+use slipgrid_report::charts::{self, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
 use slipgrid_results::fixed;
 
 const QUANTITIES: [Quantity; 3] = [Quantity::MuDynamic, Quantity::MuStatic, Quantity::Ratio];

@@ -7,9 +7,9 @@ use slipgrid_material::AreaLaw;
 
 use super::Fit;
 use crate::CliError;
-use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use crate::commands::area_curve::persson_curve;
-use crate::formats::calibration::Calibration;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_report::charts::{Estimate, ResidualsChart, residuals as draw};
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};

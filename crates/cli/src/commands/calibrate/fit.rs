@@ -13,10 +13,10 @@ use super::details::FitDetails;
 use super::{CalibrationInput, Fit, FittedPair};
 use crate::CliError;
 use crate::commands::area_curve::persson_curve;
-use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 use crate::progress::Progress;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::{Calibration, Coefficients};
+use slipgrid_formats::material::DEFAULT_STATIC_OVER_DYNAMIC;
 
 /// What is fitted to the measurements of `input`.
 ///

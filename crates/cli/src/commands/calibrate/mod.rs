@@ -24,18 +24,19 @@ use super::area_statistics::{
     DEFAULT_WINDOWS, LawRequest, WINDOW_STATEMENT, WindowSpread, takes_default_windows, window_spread,
 };
 use crate::args::CalibrateArgs;
-use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material_uncertainty::read_known;
-use crate::formats::measurements::Measurement;
-use crate::formats::scene::DEFAULT_SPECIMEN;
-use crate::formats::surface::{MapOptions, Surface};
-use crate::formats::{Document, material::MaterialFile};
 use crate::interruption::heed;
-use crate::output::{Outputs, Place, check_file, check_folder, write_file};
+use crate::output::{Place, check_file, check_folder, write_file};
 use crate::progress::Progress;
 use crate::{CliError, Console, exit_code};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::{Calibration, Coefficients};
+use slipgrid_formats::material_uncertainty::read_known;
+use slipgrid_formats::measurements::Measurement;
+use slipgrid_formats::scene::DEFAULT_SPECIMEN;
+use slipgrid_formats::surface::{MapOptions, Surface};
+use slipgrid_formats::{Document, material::MaterialFile};
+use slipgrid_report::Outputs;
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
@@ -147,7 +148,7 @@ const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "discrepa
 
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    let calibration = Calibration::read(&args.calibration)?;
+    let calibration = Calibration::read(&crate::input::disk(), &args.calibration)?;
     if let Some(path) = &args.output {
         check_file(Place::output(path), &calibration.inputs)?;
     }
@@ -163,7 +164,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     }
     if let Some(folder) = &args.report {
         let outputs = report(&calibration, &calibrated)?;
-        outputs.write(folder)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     console.answer(&summary(&calibration, &calibrated))?;

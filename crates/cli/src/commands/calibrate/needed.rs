@@ -3,8 +3,8 @@
 use slipgrid_material::{Condition, between};
 
 use super::Purpose;
-use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::measurements::Measurement;
+use slipgrid_formats::calibration::{Calibration, Coefficients};
+use slipgrid_formats::measurements::Measurement;
 
 /// A force within a part in a million of another is the same.
 const SAME_PRESSURE: f64 = 1e-6;

@@ -6,9 +6,9 @@ use toml::Spanned;
 use super::discrepancy::Report;
 use super::{CalibrationInput, Fit, FittedPair, SurfaceFacts};
 use crate::CliError;
-use crate::formats::calibration::{Calibration, Coefficients};
-use crate::formats::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
-use crate::formats::values::{Numbers, number, number_list};
+use slipgrid_formats::calibration::{Calibration, Coefficients};
+use slipgrid_formats::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
+use slipgrid_formats::values::{Numbers, number, number_list};
 use slipgrid_results::VERSION;
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 
@@ -26,7 +26,7 @@ pub fn material_toml(
     let mut notes = fit.notes.clone();
     notes.extend(facts.notes.iter().cloned());
     notes.extend(calibration.told.iter().cloned());
-    notes.extend(crate::formats::traces::notes(&calibration.traces));
+    notes.extend(slipgrid_formats::traces::notes(&calibration.traces));
     notes.extend(discrepancy.map(Report::note));
     if facts.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
@@ -173,10 +173,10 @@ fn unplaced<T>(value: T) -> Spanned<T> {
 mod tests {
     use super::*;
     use crate::commands::calibrate::details::FitDetails;
-    use crate::formats::Document;
-    use crate::formats::material::read_material;
-    use crate::formats::measurements::Measurement;
-    use crate::formats::surface::Surface;
+    use slipgrid_formats::Document;
+    use slipgrid_formats::material::read_material;
+    use slipgrid_formats::measurements::Measurement;
+    use slipgrid_formats::surface::Surface;
     use slipgrid_material::{AreaLaw, Elastic, Friction};
 
     fn measurement(force_n: f64, humidity: f64) -> Measurement {
@@ -208,7 +208,7 @@ mod tests {
             pattern: None,
             area_law_scale_pa: None,
             measured_law: None,
-            discrepancy: crate::formats::calibration::DiscrepancyForm::Constant,
+            discrepancy: slipgrid_formats::calibration::DiscrepancyForm::Constant,
             coefficients,
             relative_std: 0.05,
             placed: Vec::new(),
@@ -236,7 +236,7 @@ mod tests {
             measurements: calibration.flat.clone(),
             coefficients,
             relative_std: calibration.relative_std,
-            layer: crate::formats::scene::DEFAULT_LAYER,
+            layer: slipgrid_formats::scene::DEFAULT_LAYER,
             seed: 1,
             area_law_scale_pa: None,
         };

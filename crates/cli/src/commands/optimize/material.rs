@@ -1,56 +1,51 @@
-//! The material of a design, given or calibrated first.
+//! The material of a design, calibrated where its file names a calibration.
 
 use std::path::Path;
 
-use slipgrid_material::Material;
+use slipgrid_design::{DesignTask, KnownMaterial};
+use slipgrid_formats::calibration::{Calibration, DiscrepancyForm};
+use slipgrid_formats::design::{Design, MaterialInput};
 
 use crate::commands::calibrate::{Purpose, material, provisional};
-use crate::formats::calibration::{Calibration, DiscrepancyForm};
-use crate::formats::design::{Design, MaterialInput};
+use crate::input::disk;
 use crate::{CliError, Console};
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
-/// The material of `design` and what is known of its errors; the conditions of the design are known then.
+/// Gives the task of `design` its material where that has to be calibrated first.
 ///
 /// # Errors
 /// [`CliError`] for a calibration that is refused or fails.
-pub fn of_design(design: &mut Design, console: &mut Console<'_>) -> Result<(Material, MaterialUncertainty), CliError> {
-    let (mut material, uncertainty) = match design.material.clone() {
-        MaterialInput::Given(material) => (*material, design.uncertainty.clone()),
-        MaterialInput::Calibration(path) => calibrated(&path, design, console)?,
-    };
-    let conditions = design.condition.iter().chain(&design.also_at);
-    let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
-    material.provenance.notes.extend(interpolated);
-    Ok((material, uncertainty))
+pub fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<(), CliError> {
+    if let MaterialInput::Calibration(path) = design.material.clone() {
+        design.task.material = Some(calibrated(&path, design, console)?);
+    }
+    Ok(())
 }
 
 /// The material of the calibration file at `path`, as far as `design` needs it.
-fn calibrated(
-    path: &Path,
-    design: &mut Design,
-    console: &mut Console<'_>,
-) -> Result<(Material, MaterialUncertainty), CliError> {
-    let calibration = Calibration::read(path)?;
+fn calibrated(path: &Path, design: &mut Design, console: &mut Console<'_>) -> Result<KnownMaterial, CliError> {
+    let calibration = Calibration::read(&disk(), path)?;
     // A pressure or condition that was not measured is refused before anything is computed.
     let measured = provisional(&calibration)?;
-    design.resolve(&measured.friction)?;
-    design.loads(&measured)?;
+    let checked = design.task.resolve(&measured.friction);
+    checked.map_err(|refused| design.refuse(&refused))?;
+    let task = &design.task;
+    task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
     let has_patterned = calibration.pattern.is_some() && !calibration.patterned.is_empty();
-    if design.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
-        return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
+    if task.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
+        let reason = "needs patterned samples in the calibration, which has none";
+        return Err(design.refuse(&DesignTask::refuse_discrepancy(reason)).into());
     }
     let purpose = Purpose {
-        condition: design.condition,
-        also_at: &design.also_at,
-        pressures_pa: &design.pressures_pa(),
-        layer: design.layer,
-        seed: design.seed,
+        condition: task.condition,
+        also_at: &task.also_at,
+        pressures_pa: &task.pressures_pa(),
+        layer: task.layer,
+        seed: task.seed,
     };
     let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
-    if design.discrepancy && uncertainty.discrepancy_at(design.humidity()).is_none() {
+    if task.discrepancy && uncertainty.discrepancy_at(task.humidity()).is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";
-        return Err(design.refuse_discrepancy(reason).into());
+        return Err(design.refuse(&DesignTask::refuse_discrepancy(reason)).into());
     }
-    Ok((material, uncertainty))
+    Ok(KnownMaterial { material, uncertainty })
 }

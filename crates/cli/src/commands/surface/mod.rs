@@ -9,9 +9,10 @@ use self::report::SurfaceReport;
 use super::altitude_map::{SurfaceMap, despiked, open};
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
-use crate::diagnostic::Diagnostic;
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::Diagnostic;
+use slipgrid_report::Outputs;
 use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
 
@@ -66,7 +67,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
             outputs.add("cavities.csv", report::cavities_csv(cavities));
         }
         pictures::add(&mut outputs, &surface, &curve, &spectrum, column)?;
-        outputs.write(folder)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     if args.json {

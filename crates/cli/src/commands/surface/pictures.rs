@@ -4,8 +4,8 @@ use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatio
 
 use super::super::altitude_map::SurfaceMap;
 use crate::CliError;
-use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
-use crate::output::Outputs;
+use slipgrid_report::Outputs;
+use slipgrid_report::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
 
 /// Most pixels of the drawn map along a side.
 const MOST_PIXELS: usize = 700;

@@ -12,20 +12,20 @@ use slipgrid_springblock::{
 use super::laws::ScaledLaw;
 use super::model::{FlatPoint, knowledge, squares};
 use super::report::{AreaTable, TimeReport};
-use crate::charts::{
+use crate::interruption::heed;
+use crate::progress::Progress;
+use crate::{CliError, Console};
+use slipgrid_design::Solved;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_report::Outputs;
+use slipgrid_report::charts::{
     AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
     friction_trace, interface_pressure,
 };
-use crate::commands::pictures::{cavities_um, interface_map};
-use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::Calibration;
-use crate::formats::scene::DEFAULT_LAYER;
-use crate::interruption::heed;
-use crate::output::Outputs;
-use crate::progress::Progress;
-use crate::report::csv;
-use crate::solved::Solved;
-use crate::{CliError, Console};
+use slipgrid_report::csv;
+use slipgrid_report::pictures::{cavities_um, interface_map};
 use slipgrid_results::fixed;
 use slipgrid_results::{ErrorReport, PressureErrors};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};

@@ -8,12 +8,12 @@ use slipgrid_material::AreaLaw;
 use crate::commands::altitude_map::SurfaceMap;
 use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use crate::commands::calibrate::CONTACT_TOLERANCE;
-use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::Calibration;
-use crate::formats::surface::Surface;
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::{CliError, Console};
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::surface::Surface;
 use slipgrid_results::fixed;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 

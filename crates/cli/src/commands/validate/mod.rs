@@ -21,13 +21,14 @@ use summary::Summary;
 
 use super::area_law::checked;
 use crate::args::ValidateArgs;
-use crate::diagnostic::Diagnostic;
-use crate::formats::calibration::Calibration;
-use crate::formats::scene::DEFAULT_LAYER;
 use crate::interruption::heed;
-use crate::output::{Outputs, Place, check_folder};
+use crate::output::{Place, check_folder};
 use crate::progress::Progress;
 use crate::{CliError, Console, exit_code};
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_report::Outputs;
 use slipgrid_results::{VERSION, json, json_and_timings};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
 
@@ -59,7 +60,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let patterns = Patterns::read(args)?;
     let slope_factors = slope_factors(&args.slope_factors)?;
-    let calibration = Calibration::read(&args.calibration)?;
+    let calibration = Calibration::read(&crate::input::disk(), &args.calibration)?;
     let pairs = measured(args, &calibration)?;
     let sliding_m = match args.sliding_um {
         0.0 => None,
@@ -82,8 +83,8 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         outputs.add("timings.json", timings);
         outputs.add("ratios.csv", text::csv(&report));
         outputs.add("ratios.svg", text::picture(&report)?);
-        super::pages::validation(&report, &mut outputs)?;
-        outputs.write(folder)?;
+        slipgrid_report::pages::validation(&report, &mut outputs)?;
+        crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
     if args.json {

@@ -9,10 +9,10 @@ use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome, SolidModel};
 
 use crate::CliError;
-use crate::diagnostic::Diagnostic;
-use crate::formats::scene::DEFAULT_THICKNESS_M;
 use crate::interruption::heed;
 use crate::progress::Progress;
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::scene::DEFAULT_THICKNESS_M;
 
 /// A flat measurement, as the model needs it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,0 @@
-//! Results as files and people read them.
-
-pub mod csv;
-pub mod html;

@@ -1,0 +1,48 @@
+//! What the answers of the search's model depend on: the key of a cache of them.
+
+use serde_json::{Map, Value, json};
+use slipgrid_pattern::Texture;
+use slipgrid_springblock::Scene;
+
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
+
+/// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
+/// `further_deg` directions, too.
+#[must_use]
+pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
+    let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    let area_law = scene.area_law.as_ref().map(|law| {
+        let pressure_mpa: Vec<f64> =
+            law.pressures_pa().iter().map(|&pressure_pa| PRESSURE_MPA.from_si(pressure_pa)).collect();
+        json!({ "pressure_mpa": pressure_mpa, "factor": law.factors() })
+    });
+    let loads = scene.loads.iter().map(|load| {
+        json!({ "pressure_mpa": PRESSURE_MPA.from_si(load.pressure_pa), "dynamic_mean": load.friction.dynamic_mean() })
+    });
+    let mut layer = json!({ "layer_um": um(scene.layer.height_m), "block_um": um(scene.layer.block_m) });
+    if let Some(thickness_m) = scene.layer.thickness_m {
+        layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
+    }
+    let entries = [
+        ("area_law", json!(area_law)),
+        ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
+        ("layer", layer),
+        ("loads", loads.collect()),
+        (
+            "pattern",
+            json!({
+                "planform": texture.planform().name(),
+                "arrangement": texture.arrangement().name(),
+                "length_um": texture.length_m().map(um),
+                "spacing_across_um": texture.spacing_across_m().map(um),
+                "angle_deg": texture.orientation_deg(),
+                "sliding_angle_deg": match further_deg {
+                    [] => json!(texture.sliding_angle_deg()),
+                    _ => json!([&[texture.sliding_angle_deg()], further_deg].concat()),
+                },
+            }),
+        ),
+        ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
+    ];
+    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}

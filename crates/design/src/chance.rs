@@ -1,0 +1,445 @@
+//! The chance that a cut sample is on target, to first order: what scatters when it is cut, what is not known of the
+//! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
+
+use std::ops::Range;
+
+use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, log_covariance, moved, with_scale};
+use slipgrid_material::{Condition, MaterialError};
+use slipgrid_optimize::{
+    CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
+    Uncertainty, propagate,
+};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Scene;
+
+use crate::DesignError;
+use crate::operating_conditions::Further;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_units::{LENGTH_UM, tidy};
+
+/// Width, spacing, depth: the inputs before the others.
+const DIMENSIONS: usize = 3;
+/// Widest difference along a dimension over the dimension itself.
+const WIDEST_SHARE: f64 = 0.5;
+
+/// Something that is not known exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    /// What.
+    pub name: &'static str,
+    /// How well it is known, in words after the name.
+    pub known_to: String,
+    /// Its places among the inputs.
+    pub places: Range<usize>,
+}
+
+/// The model with everything that is not known exactly, at every condition.
+pub struct Chances<'a> {
+    target: Target,
+    is_ratio: bool,
+    /// What a ratio is multiplied by before it is compared with the target.
+    scale: Vec<f64>,
+    /// Loads with inputs of their own: those of one sliding direction, which all have in common.
+    inputs_of_loads: usize,
+    tolerances: Tolerances,
+    uncertainty: Uncertainty,
+    /// The model that dimensions are moved in.
+    still: SteadyModel<'a>,
+    /// The same in blocks half as large, in the vertical plane.
+    fine: Option<SteadyModel<'a>>,
+    /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
+    friction: Option<Along<'a>>,
+    law_scale: Option<Along<'a>>,
+    law: Option<Along<'a>>,
+    discrepancy: Option<Vec<DiscrepancyAt>>,
+    aims: bool,
+    inputs: Vec<Input>,
+    /// First place of the discrepancy's errors, and of the numerical ones.
+    first_discrepancy: usize,
+    first_numerical: usize,
+}
+
+/// Two models to both sides of the one that is used.
+struct Along<'a> {
+    above: SteadyModel<'a>,
+    below: SteadyModel<'a>,
+    /// Distance of either, one per value.
+    step: Vec<f64>,
+    first: usize,
+}
+
+/// What a linearization is made about.
+#[derive(Clone, Copy)]
+pub struct About<'a> {
+    /// The design.
+    pub design: &'a Pattern,
+    /// Values as they are compared with the target, one per load of each condition.
+    pub values: &'a [f64],
+    /// Standard deviations of the values by how exactly they were computed.
+    pub numerical: &'a [f64],
+    /// Values are also multiplied by the discrepancy's factor, with which the design does not aim.
+    pub corrected: bool,
+}
+
+impl<'a> Chances<'a> {
+    /// Of `design` with its `material`, by `model` at every condition, the one designed for first.
+    ///
+    /// # Errors
+    /// [`DesignError`] for errors of a material that mean nothing.
+    pub fn new(
+        design: &DesignTask,
+        material: &MaterialUncertainty,
+        model: &SteadyModel<'a>,
+        further: &[Further],
+    ) -> Result<Self, DesignError> {
+        let values = model.asked().loads.len();
+        // The same material in every direction: the loads of the first stand for those of the others.
+        let directions = 1 + design.directions.different_deg.len();
+        let count = values / directions;
+        let loads = &model.asked().loads[..count];
+        let conditions: Vec<Option<Condition>> =
+            std::iter::once(design.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+        let conditions = &conditions[..conditions.len() / directions];
+        let of_material = |error: MaterialError| DesignError::Failed(format!("errors of the material: {error}"));
+        let tolerances = design.tolerances.map(|input| input.tolerances).unwrap_or_default();
+        let mut parts = Parts { inputs: of_dimensions(&tolerances), blocks: Vec::new(), count: DIMENSIONS };
+
+        let law = model.area_law();
+        let (mut friction_at, mut scale_at) = (None, None);
+        if let (Some(known), Some(law)) = (&material.scale_covariance, law) {
+            let joint = with_scale(known, law, loads).map_err(of_material)?;
+            let first = parts.add(joint.clone());
+            parts.name("flat friction", percent(rms(&joint[..count])), first..first + count);
+            parts.name("scale of the area law", percent(joint[count][count].sqrt()), first + count..first + count + 1);
+            (friction_at, scale_at) = (Some(first), Some(first + count));
+        } else {
+            let each = conditions.iter().map(|at| material.friction_covariance(&design.pressures_pa(), at.as_ref()));
+            if let Some(blocks) = each.collect::<Option<Vec<Covariance>>>() {
+                let covariance = diagonal(&blocks);
+                let known_to = percent(rms(&covariance));
+                let first = parts.add(covariance);
+                parts.name("flat friction", known_to, first..first + count);
+                friction_at = Some(first);
+            }
+            if let Some(std) = material.modulus_std(law) {
+                let first = parts.add(vec![vec![std * std]]);
+                parts.name("Young's modulus", percent(std), first..first + 1);
+                scale_at = Some(first);
+            }
+        }
+        let mut law_at = None;
+        if law.is_some_and(|law| law.factor_std().is_some()) {
+            let first = parts.add(vec![vec![1.0]]);
+            parts.name("area law", "known to the scatter of its map's windows".to_owned(), first..first + 1);
+            law_at = Some(first);
+        }
+        let per_condition = count / conditions.len();
+        let found: Option<Vec<_>> = conditions
+            .iter()
+            .map(|at| material.discrepancy_at(at.as_ref().map(|condition| condition.humidity)))
+            .collect();
+        let own = |place: usize| &loads[place * per_condition..(place + 1) * per_condition];
+        let first_discrepancy = parts.count;
+        let discrepancy = found.map(|found| {
+            let blocks: Vec<Covariance> =
+                found.iter().enumerate().map(|(place, found)| log_covariance(found, own(place))).collect();
+            let covariance = diagonal(&blocks);
+            let known_to = percent(rms(&covariance));
+            let first = parts.add(covariance);
+            if design.discrepancy {
+                parts.name("discrepancy", known_to, first..first + count);
+            }
+            let each: Vec<DiscrepancyAt> =
+                found.iter().enumerate().flat_map(|(place, found)| DiscrepancyAt::each(found, own(place))).collect();
+            each.repeat(directions)
+        });
+        let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values]));
+        let covariance = diagonal(&parts.blocks);
+        let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
+        let uncertainty = Uncertainty::new(&tolerances, &covariance).map_err(refused)?;
+
+        let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
+            let Some(first) = first else { return Ok(None) };
+            let step: Vec<f64> = (0..values).map(|place| uncertainty.std(first + place % inputs)).collect();
+            let own = |side: f64| {
+                let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
+                let one = side * step[0];
+                model.beside(|scene: &Scene| moved(scene, &by, scale * one, law * one)).map_err(of_material)
+            };
+            Ok::<_, DesignError>(Some(Along { above: own(1.0)?, below: own(-1.0)?, step, first }))
+        };
+        Ok(Self {
+            target: design.target.clone(),
+            is_ratio: design.target.quantity() == Quantity::Ratio,
+            scale: (0..values).map(|load| model.scale(load)).collect(),
+            inputs_of_loads: count,
+            tolerances,
+            still: model.beside(|scene: &Scene| Ok::<_, DesignError>(scene.clone()))?,
+            fine: fine(model)?,
+            friction: along(friction_at, count, true, 0.0, 0.0)?,
+            law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
+            law: along(law_at, 1, false, 0.0, 1.0)?,
+            uncertainty,
+            discrepancy,
+            aims: design.discrepancy,
+            inputs: parts.inputs,
+            first_discrepancy,
+            first_numerical,
+        })
+    }
+
+    /// What is not known exactly, but for the numerical errors.
+    pub fn inputs(&self) -> &[Input] {
+        &self.inputs
+    }
+
+    /// Whether anything but the numerical errors is known to be off.
+    pub fn is_known(&self) -> bool {
+        !self.inputs.is_empty()
+    }
+
+    /// Whether patterned samples are known with which the design does not aim.
+    pub const fn has_unused_discrepancy(&self) -> bool {
+        self.discrepancy.is_some() && !self.aims
+    }
+
+    /// What ratios are multiplied by before they are compared with the target.
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// Places of the numerical errors.
+    pub fn numerical(&self) -> Range<usize> {
+        self.first_numerical..self.first_numerical + self.scale.len()
+    }
+
+    /// Standard deviations of the values of `design` by how exactly they are computed: `others`, and in the vertical plane how
+    /// far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed in either.
+    pub fn numerical_of(&self, design: &Pattern, others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let Some(fine) = &self.fine else { return Ok(others.to_vec()) };
+        let (own, fine) = (self.still.steady(design)?.ratio, fine.steady(design)?.ratio);
+        let most = own.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
+        // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
+        let std = 0.5 * most * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
+        Ok(self.scale.iter().zip(others).map(|(scale, other)| (scale * std).hypot(*other)).collect())
+    }
+
+    /// Seeded draws of everything.
+    pub fn draws(&self, draws: usize, seed: u64) -> CommonDraws {
+        CommonDraws::new(&self.uncertainty, draws, seed)
+    }
+
+    /// Share of `draws` in which the inputs that `of` names leave every value accepted.
+    pub fn share(&self, draws: &CommonDraws, about: &Linearization, of: &dyn Fn(usize) -> bool) -> Probability {
+        draws.probability_of(about, of, |values| self.target.accepts(values))
+    }
+
+    /// The values of a design to first order: by central differences over a standard deviation each way.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
+    pub fn linearize(&self, about: &About<'_>) -> Result<Linearization, ModelFailure> {
+        let count = self.scale.len();
+        let factor = |load: usize| match &self.discrepancy {
+            Some(all) if about.corrected => all[load].factor,
+            _ => 1.0,
+        };
+        let values: Vec<f64> = about.values.iter().enumerate().map(|(load, value)| value * factor(load)).collect();
+        let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
+        let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
+        for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
+            let per_m = self.along_axis(about.design, axis, std_m)?;
+            slopes[axis] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
+        }
+        let difference = |along: &Along| -> Result<Vec<f64>, ModelFailure> {
+            let (above, below) = (along.above.steady(about.design)?.ratio, along.below.steady(about.design)?.ratio);
+            let each = above.iter().zip(&below).zip(along.step.iter().zip(&scale));
+            Ok(each.map(|((above, below), (step, scale))| scale * (above - below) / (2.0 * step)).collect())
+        };
+        if let Some(along) = &self.friction {
+            for (load, slope) in difference(along)?.into_iter().enumerate() {
+                // mu = r mu_flat (1 + x)
+                slopes[along.first + load % self.inputs_of_loads][load] =
+                    slope + if self.is_ratio { 0.0 } else { values[load] };
+            }
+        }
+        let applies = self.discrepancy.as_ref().filter(|_| self.aims || about.corrected);
+        if let Some(along) = &self.law_scale {
+            // A stiffer surface would have left the fit of the discrepancy less to correct.
+            let falls = |load: usize| applies.map_or(0.0, |all| values[load] * all[load].modulus_sensitivity);
+            slopes[along.first] =
+                difference(along)?.into_iter().enumerate().map(|(load, slope)| slope - falls(load)).collect();
+        }
+        if let Some(along) = &self.law {
+            slopes[along.first] = difference(along)?;
+        }
+        for load in 0..count {
+            if applies.is_some() {
+                slopes[self.first_discrepancy + load % self.inputs_of_loads][load] = values[load];
+            }
+            slopes[self.first_numerical + load][load] = about.numerical[load];
+        }
+        Ok(Linearization::of_slopes(*about.design, values, slopes))
+    }
+
+    /// dr/dx of each ratio along one dimension, per metre.
+    fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Vec<f64>, ModelFailure> {
+        let lengths_m = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let step_m = std_m.min(WIDEST_SHARE * lengths_m[axis]);
+        let at = |by_m: f64| {
+            let mut made_m = lengths_m;
+            made_m[axis] += by_m;
+            let made = Pattern::new(*design.texture(), made_m[0], made_m[1], made_m[2]);
+            let made = made.map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+            self.still.ratios_made(&made, design)
+        };
+        let slope = |above: Vec<f64>, below: Vec<f64>, width_m: f64| -> Vec<f64> {
+            above.iter().zip(&below).map(|(above, below)| (above - below) / width_m).collect()
+        };
+        match (at(step_m), at(-step_m)) {
+            (Ok(above), Ok(below)) => Ok(slope(above, below, 2.0 * step_m)),
+            // One-sided beside designs that cannot be computed.
+            (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(slope(above, at(0.0)?, step_m)),
+            (Err(ModelFailure::Trial { .. }), Ok(below)) => Ok(slope(at(0.0)?, below, step_m)),
+            (Err(failure), _) | (_, Err(failure)) => Err(failure),
+        }
+    }
+}
+
+/// The steady model itself at every draw, about values that are known, with some of the inputs off.
+pub struct Sampled<'a> {
+    chances: &'a Chances<'a>,
+    about: About<'a>,
+    /// Ratios of the design by the steady model.
+    still: Vec<f64>,
+    of: &'a (dyn Fn(usize) -> bool + Sync),
+}
+
+impl<'a> Chances<'a> {
+    /// Share of `draws` of the steady model in which every value is accepted; a draw that cannot be computed is one that is not.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design or every draw cannot be computed.
+    pub fn sampled(
+        &self,
+        about: &About<'_>,
+        draws: usize,
+        seed: u64,
+        of: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Result<Probability, ModelFailure> {
+        let still = self.still.steady(about.design)?.ratio;
+        let model = Sampled { chances: self, about: *about, still, of };
+        let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
+        Ok(drawn.probability(|values| self.target.accepts(values)))
+    }
+}
+
+impl UncertainModel for Sampled<'_> {
+    fn respond_at(&self, made: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let (chances, about) = (self.chances, &self.about);
+        let off = |place: usize| if (self.of)(place) { deviations[place - DIMENSIONS] } else { 0.0 };
+        let length = |axis: usize, made_m: f64, own_m: f64| if (self.of)(axis) { made_m } else { own_m };
+        let own = about.design;
+        let made = Pattern::new(
+            *own.texture(),
+            length(0, made.width_m(), own.width_m()),
+            length(1, made.spacing_m(), own.spacing_m()),
+            length(2, made.depth_m(), own.depth_m()),
+        );
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let made = made.map_err(|error| trial(error.to_string()))?;
+        let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
+        let input = |load: usize| load % chances.inputs_of_loads;
+        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, input(load))).collect();
+        let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
+        let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, log_scale, law));
+        let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
+        let value = |load: usize| {
+            let by = chances.scale[load] * (ratio[load] - self.still[load]);
+            let physics = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
+            let corrected = match &chances.discrepancy {
+                Some(all) if chances.aims || about.corrected => {
+                    let own = if about.corrected { all[load].factor } else { 1.0 };
+                    let log = off(chances.first_discrepancy + input(load)) - all[load].modulus_sensitivity * log_scale;
+                    physics * own * log.exp()
+                }
+                _ => physics,
+            };
+            corrected + about.numerical[load] * off(chances.first_numerical + load)
+        };
+        Ok((0..self.still.len()).map(value).collect())
+    }
+}
+
+/// `model` in blocks half as large; `None` in space, where they are dear.
+fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
+    let change = |scene: &Scene| {
+        let mut fine = scene.clone();
+        fine.layer.block_m *= 0.5;
+        Ok::<_, DesignError>(fine)
+    };
+    if model.is_solid() { Ok(None) } else { model.beside(change).map(Some) }
+}
+
+/// Covariances under construction.
+struct Parts {
+    inputs: Vec<Input>,
+    blocks: Vec<Covariance>,
+    count: usize,
+}
+
+impl Parts {
+    /// Adds a block and returns the place of its first input.
+    fn add(&mut self, block: Covariance) -> usize {
+        let first = self.count;
+        self.count += block.len();
+        self.blocks.push(block);
+        first
+    }
+
+    fn name(&mut self, name: &'static str, known_to: String, places: Range<usize>) {
+        self.inputs.push(Input { name, known_to, places });
+    }
+}
+
+fn of_dimensions(tolerances: &Tolerances) -> Vec<Input> {
+    let named = ["width", "spacing", "depth"].into_iter().zip(tolerances.std_m).enumerate();
+    named
+        .filter(|(_, (_, std_m))| *std_m > 0.0)
+        .map(|(axis, (name, std_m))| Input {
+            name,
+            known_to: format!("made to {} um", tidy(LENGTH_UM.from_si(std_m))),
+            places: axis..axis + 1,
+        })
+        .collect()
+}
+
+/// Blocks along the diagonal.
+fn diagonal(blocks: &[Covariance]) -> Covariance {
+    let count = blocks.iter().map(Vec::len).sum();
+    let mut all = vec![vec![0.0; count]; count];
+    let mut first = 0;
+    for block in blocks {
+        for (row, entries) in block.iter().enumerate() {
+            all[first + row][first..first + block.len()].copy_from_slice(entries);
+        }
+        first += block.len();
+    }
+    all
+}
+
+/// Root mean square of the standard deviations on the diagonal.
+fn rms(covariance: &[Vec<f64>]) -> f64 {
+    let sum: f64 = covariance.iter().enumerate().map(|(place, row)| row[place]).sum();
+    (sum / covariance.len().max(1) as f64).sqrt()
+}
+
+fn percent(std: f64) -> String {
+    let percent = 100.0 * std;
+    if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
+}

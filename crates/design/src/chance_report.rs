@@ -1,0 +1,256 @@
+//! The chance that a cut sample is on target, as JSON and in words.
+
+use serde::Serialize;
+use slipgrid_optimize::{Linearization, ModelFailure};
+use slipgrid_springblock::Simulation;
+
+use crate::DesignError;
+use crate::chance::{About, Chances};
+use crate::multi_fidelity::MultiFidelityLoop;
+use crate::task::DesignTask;
+use crate::uncertainty_budget::knowledge;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_results::ErrorsReport;
+use slipgrid_units::tidy;
+
+/// Draws of the chance that is reported: a half is known to 0.4 %.
+const DRAWS: usize = 20_000;
+/// Draws of the steady model itself, in the vertical plane: a half is known to 1.6 %. And those of each part.
+const SAMPLED: usize = 1000;
+const SAMPLED_PARTS: usize = 300;
+/// How the numerical errors are called.
+const NUMERICAL: &str = "numerical error";
+/// What is never known unless a design aims with it.
+const MODEL: &str = "how far the model itself is off";
+
+/// The chance that a cut sample is on target, at all pressures and conditions at once.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ChanceReport {
+    /// Share of draws; null where nothing is known that could be drawn.
+    pub value: Option<f64>,
+    /// Its binomial standard error.
+    pub stderr: Option<f64>,
+    /// The chance in words, with what limits it most.
+    pub words: String,
+    /// What was drawn, with how well it is known.
+    pub included: Vec<String>,
+    /// What is not in it, because nobody says how well it is known.
+    pub not_known: Vec<String>,
+    /// The part without which the chance would be greatest; null where it is nearly certain.
+    pub limited_by: Option<PartReport>,
+    /// The same of every part, the greatest gain first.
+    pub parts: Vec<PartReport>,
+    /// Were the model as far off as on the calibration's patterned samples; null where there are none, and where the design
+    /// aims with them.
+    pub with_discrepancy: Option<f64>,
+    /// Draws of the steady model about the confirming runs; in space of its first-order form.
+    pub draws: usize,
+}
+
+/// Something that is not known exactly.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PartReport {
+    /// What.
+    pub input: String,
+    /// How well it is known.
+    pub known_to: String,
+    /// The chance were it known exactly.
+    pub chance_without: f64,
+}
+
+impl MultiFidelityLoop<'_> {
+    /// The chance of the design found, about its confirming runs; `None` where nothing is demanded, so that nothing can be
+    /// missed.
+    pub(super) fn chance(
+        &self,
+        design: &DesignTask,
+        material: &MaterialUncertainty,
+        chances: &Chances,
+        errors: &ErrorsReport,
+    ) -> Result<Option<ChanceReport>, DesignError> {
+        let (Some(best), Some(predicted)) = (&self.best, &self.predicted) else { return Ok(None) };
+        if !design.target.has_demands() {
+            return Ok(None);
+        }
+        let known = knowledge(design, material, &self.scene, design.condition.as_ref())?;
+        let mut not_known: Vec<String> = Vec::new();
+        if design.tolerances.is_none() {
+            not_known.push("tolerances of width, spacing and depth".to_owned());
+        }
+        not_known.extend(material.unknown(&known, self.model.area_law()).into_iter().map(str::to_owned));
+        let (numerical, discretization) = numerical(design, chances, predicted, errors);
+        if !discretization {
+            not_known.push("discretization".to_owned());
+        }
+        if !design.discrepancy {
+            not_known.push(MODEL.to_owned());
+        }
+        let values = self.confirmed_values();
+        let nothing = |words: &str, not_known| ChanceReport {
+            value: None,
+            stderr: None,
+            words: words.to_owned(),
+            included: Vec::new(),
+            not_known,
+            limited_by: None,
+            parts: Vec::new(),
+            with_discrepancy: None,
+            draws: 0,
+        };
+        let Some(values) = values else {
+            return Ok(Some(nothing(
+                "chance not known: the confirming run has no friction at some pressure",
+                not_known,
+            )));
+        };
+        if !chances.is_known() {
+            let words = "chance not known: neither tolerances nor errors of the material are given";
+            return Ok(Some(nothing(words, not_known)));
+        }
+        let about = |corrected: bool| {
+            let about = About { design: &best.design, values: &values, numerical: &numerical, corrected };
+            chances.linearize(&about)
+        };
+        let linear = match about(false) {
+            Ok(linear) => linear,
+            Err(ModelFailure::Trial { reason }) => {
+                let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
+                return Ok(Some(nothing(&words, not_known)));
+            }
+            Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
+        };
+        let is_sampled = !self.model.is_solid();
+        let draws = chances.draws(DRAWS, design.seed);
+        let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
+        let share_of = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
+            if !is_sampled {
+                return Ok(chances.share(&draws, &linear, of));
+            }
+            let about = About { design: &best.design, values: &values, numerical: &numerical, corrected: false };
+            chances.sampled(&about, count, design.seed, of).map_err(failed)
+        };
+        let all = share_of(SAMPLED, &|_| true)?;
+        let parts = parts(chances, &numerical, &|of| Ok(tidy(share_of(SAMPLED_PARTS, of)?.share)))?;
+        let corrected: Option<Linearization> = chances.has_unused_discrepancy().then(|| about(true).ok()).flatten();
+        let mut included: Vec<String> =
+            chances.inputs().iter().map(|input| format!("{} ({})", input.name, input.known_to)).collect();
+        included.push(if discretization {
+            format!("{NUMERICAL} (time average, discretization)")
+        } else {
+            format!("{NUMERICAL} (time average)")
+        });
+        let limited_by = parts.first().filter(|part| all.share < 0.995 && part.chance_without > all.share).cloned();
+        Ok(Some(ChanceReport {
+            words: words(all.share, limited_by.as_ref(), design.tolerances.is_some(), &not_known),
+            value: Some(tidy(all.share)),
+            stderr: Some(tidy(all.stderr)),
+            included,
+            not_known,
+            limited_by,
+            parts,
+            with_discrepancy: corrected.map(|corrected| tidy(chances.share(&draws, &corrected, &|_| true).share)),
+            draws: if is_sampled { SAMPLED } else { DRAWS },
+        }))
+    }
+}
+
+/// Standard deviations of the values by time average and discretization, at each load of each condition as at the same
+/// pressure of the condition designed for, and whether the latter is known.
+fn numerical(
+    design: &DesignTask,
+    chances: &Chances,
+    predicted: &Simulation,
+    errors: &ErrorsReport,
+) -> (Vec<f64>, bool) {
+    let count = design.target.points().len();
+    let is_ratio = design.target.quantity() == slipgrid_optimize::Quantity::Ratio;
+    let discretization = |row: usize| predicted.loads.get(row).and_then(|load| load.ratio_discretization_error);
+    let run = |row: usize| {
+        let at = errors.at(row)?;
+        let of = if is_ratio { at.ratio.as_ref()? } else { &at.mu };
+        Some(of.std_of_run())
+    };
+    let std = |place: usize| {
+        let row = place % count;
+        // What errors hardly exceed, as two standard deviations.
+        let of_blocks = 0.5 * chances.scale()[place] * discretization(row).unwrap_or(0.0);
+        run(row).unwrap_or(0.0).hypot(of_blocks)
+    };
+    ((0..chances.scale().len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
+}
+
+/// Which inputs are off.
+type Off<'a> = dyn Fn(usize) -> bool + Sync + 'a;
+
+/// What the chance would be without each part, the greatest first.
+fn parts(
+    chances: &Chances,
+    numerical: &[f64],
+    share: &dyn Fn(&Off<'_>) -> Result<f64, DesignError>,
+) -> Result<Vec<PartReport>, DesignError> {
+    let mut parts: Vec<PartReport> = Vec::new();
+    for input in chances.inputs() {
+        parts.push(PartReport {
+            input: input.name.to_owned(),
+            known_to: input.known_to.clone(),
+            chance_without: share(&|place| !input.places.contains(&place))?,
+        });
+    }
+    let places = chances.numerical();
+    parts.push(PartReport {
+        input: NUMERICAL.to_owned(),
+        known_to: format!("up to {:.4}", numerical.iter().copied().fold(0.0, f64::max)),
+        chance_without: share(&|place| !places.contains(&place))?,
+    });
+    // Stable: of equal gains the earlier first.
+    parts.sort_by(|a, b| b.chance_without.total_cmp(&a.chance_without));
+    Ok(parts)
+}
+
+/// A share in per cent, as one says it.
+#[must_use]
+pub fn percent(share: f64) -> String {
+    match 100.0 * share {
+        percent if percent < 0.5 => "less than 1 %".to_owned(),
+        percent if percent > 99.5 => "more than 99 %".to_owned(),
+        percent => format!("{percent:.0} %"),
+    }
+}
+
+fn words(share: f64, limited_by: Option<&PartReport>, has_tolerances: bool, not_known: &[String]) -> String {
+    let mut of = Vec::new();
+    if let Some(part) = limited_by {
+        of.push(format!("limited by {}, {}", part.input, part.known_to));
+    }
+    if !has_tolerances {
+        of.push("from the material alone: tolerances are not given".to_owned());
+    } else if ["flat friction", "Young's modulus", "scale of the area law"]
+        .iter()
+        .any(|name| not_known.iter().any(|unknown| unknown == name))
+    {
+        of.push("not all errors of the material are given".to_owned());
+    }
+    let of = if of.is_empty() { String::new() } else { format!(" ({})", of.join("; ")) };
+    format!("{} chance that a cut sample is on target{of}", percent(share))
+}
+
+impl ChanceReport {
+    /// What is in the chance and what is not, one line each.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if !self.included.is_empty() {
+            lines.push(format!("the chance includes {}", self.included.join(", ")));
+        }
+        if !self.not_known.is_empty() {
+            lines.push(format!("not in it, as nothing says how well it is known: {}", self.not_known.join(", ")));
+        }
+        if let Some(share) = self.with_discrepancy {
+            lines.push(format!(
+                "were the model as far off as on the calibration's patterned samples, the chance would be {}",
+                percent(share)
+            ));
+        }
+        lines
+    }
+}

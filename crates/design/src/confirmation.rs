@@ -1,0 +1,105 @@
+//! Confirming runs: the best design in time, at the condition designed for and at those further ones that decide.
+
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
+
+use crate::DesignError;
+use crate::dynamic_excess::correct;
+use crate::multi_fidelity::{CONFIRMATION, MultiFidelityLoop};
+use crate::specimen::{SpecimenError, simulate_on};
+use crate::task::DesignTask;
+use crate::timings::Timings;
+
+/// Contact blocks with coefficients of their own that a confirming run in space has at least, over all its draws:
+/// fewer scatter the ratio by more than a tenth of the usual tolerance.
+pub(super) const LEAST_CONTACTS: f64 = 400.0;
+
+/// Share of the tolerance up to which the error of blocks is left as it is.
+const OF_TOLERANCE: f64 = 0.2;
+
+/// Travel of runs from the sheared equilibrium, in metres: a hundred stick-slip cycles of a block. A confirming
+/// run goes on until its mean is stationary and its standard error small enough.
+pub(super) const WARM_TRAVEL_M: f64 = 0.4e-6;
+
+/// Whether both surfaces of `load` slid to a mean that means something.
+#[must_use]
+pub(super) fn trusted(load: &LoadOutcome) -> bool {
+    let surfaces = std::iter::once(&load.surface).chain(&load.flat);
+    let is_mean = |status: Status| matches!(status, Status::Converged | Status::NoFriction | Status::StderrNotReached);
+    surfaces.into_iter().all(|surface| is_mean(surface.status))
+}
+
+impl MultiFidelityLoop<'_> {
+    /// Runs `pattern` in time at the condition designed for.
+    pub(super) fn confirm(
+        &mut self,
+        design: &DesignTask,
+        pattern: &Pattern,
+        timings: &mut Timings,
+    ) -> Result<(), DesignError> {
+        let refuse = |error: SpecimenError| DesignError::refused(error.to_string());
+        let bar = self.stage("confirmation");
+        let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
+        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
+        // Once refined, always: what confirming runs correct must be the same from one to the next.
+        self.confirming.refine |= self.is_coarse(design, &predicted);
+        let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
+        let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
+        timings.confirm += bar.finish();
+        self.heed()?;
+        self.note_cut(&confirmed, CONFIRMATION);
+        let excess = self.excess.first().and_then(Option::as_deref);
+        correct(&mut predicted, &self.model.scene(pattern), excess);
+        correct(&mut confirmed, &scene, excess);
+        self.predicted = Some(predicted);
+        self.confirmed = Some(confirmed);
+        for further in &mut self.further {
+            further.confirmed = None;
+        }
+        Ok(())
+    }
+
+    /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
+    fn is_coarse(&self, design: &DesignTask, predicted: &Simulation) -> bool {
+        let each = predicted.loads.iter().enumerate();
+        let most = each.filter_map(|(place, load)| Some(load.ratio_discretization_error? * self.model.scale(place)));
+        most.fold(0.0, f64::max) > OF_TOLERANCE * design.target.tolerance()
+    }
+
+    /// Runs the best design in time at further conditions, each at its own speed: those of the lowest and the highest value at
+    /// some pressure and of the largest misfit, by what is known so far, and then for as long as the largest misfit stands
+    /// at one that was not run.
+    pub(super) fn confirm_further(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
+        let Some(pattern) = self.best.as_ref().map(|best| best.design) else { return Ok(()) };
+        let mut wanted = self.undecided(design);
+        while !wanted.is_empty() {
+            for place in wanted {
+                let at = &self.further[place];
+                let what = format!("confirmation at {}", at.at.in_words());
+                let bar = self.stage(&what);
+                let run = self.confirming;
+                let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
+                let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
+                let scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
+                let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
+                    .map_err(|error| DesignError::refused(error.to_string()))?;
+                timings.confirm_further += bar.finish();
+                self.heed()?;
+                correct(&mut confirmed, &scene, self.excess.get(1 + place).and_then(Option::as_deref));
+                self.note_cut(&confirmed, "confirmation at further conditions");
+                self.further[place].confirmed = Some(confirmed);
+            }
+            wanted = self.worst_undecided(design).into_iter().collect();
+        }
+        Ok(())
+    }
+
+    /// Notes that `run` was cut short, where it was: it confirms nothing.
+    fn note_cut(&mut self, run: &Simulation, stage: &'static str) {
+        let surfaces = run.loads.iter().flat_map(|load| std::iter::once(&load.surface).chain(&load.flat));
+        if surfaces.into_iter().any(|surface| surface.status == Status::Cancelled) {
+            self.cut(stage);
+            self.out_of_time = true;
+        }
+    }
+}

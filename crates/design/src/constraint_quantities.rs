@@ -1,0 +1,118 @@
+//! The quantities of a design that its limits hold, as the search's model gives them.
+
+use slipgrid_export::{Laser, Layout, laser_time_s};
+use slipgrid_optimize::ModelFailure;
+use slipgrid_pattern::Pattern;
+
+use crate::evaluation_cache::Answer;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::trial_domain::Effect;
+use slipgrid_export::Specimen;
+
+/// A quantity of a design that can be limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ConstraintQuantity {
+    /// Largest local pressure at any target pressure.
+    PeakPressure,
+    /// Share of the face that is land.
+    BearingArea,
+    /// Share of the face that is cavity.
+    ArealDensity,
+    /// Time under the laser for the specimen.
+    LaserTime,
+    /// Least height of a ceiling above the counterface at any target pressure.
+    Clearance,
+    /// Least local pressure over the nominal one, at any target pressure: negative under tension.
+    LeastPressure,
+    /// Share of the endless pattern that is cavity.
+    PatternDensity,
+    /// Depth of a cavity.
+    Depth,
+    /// 1 where no trial behind the discrepancy had the planform, 0 otherwise.
+    OtherPlanform,
+    /// Distance from the flat surface by the physics alone, in tolerances.
+    Effect,
+}
+
+/// What is measured of every design, with what that takes.
+#[derive(Clone, Debug, Default)]
+pub struct Limited {
+    measures: Vec<ConstraintQuantity>,
+    laser: Laser,
+    outline: Option<Specimen>,
+    effect: Effect,
+}
+
+impl Limited {
+    /// The quantities that `design` limits, whose values `model` gives.
+    pub fn of(design: &DesignTask, model: &SteadyModel) -> Self {
+        Self {
+            measures: design.quantities.clone(),
+            laser: design.laser,
+            outline: Some(design.specimen),
+            effect: Effect::new(design, model),
+        }
+    }
+
+    /// Whether by the physics behind `values` a pattern does less than limits demand.
+    pub fn does_too_little(&self, values: &[f64]) -> bool {
+        self.measures.contains(&ConstraintQuantity::Effect) && self.effect.of(values) < 1.0
+    }
+
+    /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where no cavity fits, or far too many do.
+    pub fn check(&self, pattern: &Pattern) -> Result<(), ModelFailure> {
+        let laid = self.outline.map_or(Ok(()), |outline| outline.check(*pattern));
+        laid.map_err(|error| ModelFailure::Trial { reason: error.to_string() })
+    }
+
+    /// Whether a closed cavity breaks a limit, and so needs no other refusal.
+    pub fn judges_clearance(&self) -> bool {
+        self.measures.contains(&ConstraintQuantity::Clearance)
+    }
+
+    /// The quantities of `pattern`, of which the model says `answer` and gives `values` of the target's quantity, in the order of
+    /// the limits, SI units.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the specimen cannot take the pattern.
+    pub fn values(&self, pattern: &Pattern, answer: &Answer, values: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        self.measures
+            .iter()
+            .map(|measure| {
+                Ok(match measure {
+                    ConstraintQuantity::PeakPressure => answer.peak_pressure_pa(),
+                    ConstraintQuantity::BearingArea => 1.0 - self.areal_density(pattern)?,
+                    ConstraintQuantity::ArealDensity => self.areal_density(pattern)?,
+                    ConstraintQuantity::LaserTime => self.laser_time_s(pattern)?,
+                    // Where nothing is left that could sag, nothing does.
+                    ConstraintQuantity::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
+                    ConstraintQuantity::LeastPressure => answer.least_pressure,
+                    ConstraintQuantity::PatternDensity => pattern.areal_density(),
+                    ConstraintQuantity::Depth => pattern.depth_m(),
+                    ConstraintQuantity::OtherPlanform => 1.0,
+                    ConstraintQuantity::Effect => self.effect.of(values),
+                })
+            })
+            .collect()
+    }
+
+    fn layout(&self, pattern: &Pattern) -> Result<Layout, ModelFailure> {
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let outline = self.outline.ok_or_else(|| trial("there is no specimen".to_owned()))?;
+        outline.layout(*pattern).map_err(|error| trial(error.to_string()))
+    }
+
+    /// Of the specimen as it is cut, not of the endless pattern.
+    fn areal_density(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
+        Ok(self.layout(pattern)?.areal_density())
+    }
+
+    fn laser_time_s(&self, pattern: &Pattern) -> Result<f64, ModelFailure> {
+        laser_time_s(&self.layout(pattern)?, &self.laser)
+            .ok_or_else(|| ModelFailure::Trial { reason: "the laser's time is not known".to_owned() })
+    }
+}

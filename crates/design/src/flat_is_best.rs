@@ -1,0 +1,84 @@
+//! Targets that no pattern is needed for, or that none can meet, because the model only lowers friction.
+
+use serde::Serialize;
+use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
+
+use crate::multi_fidelity::MultiFidelityLoop;
+use crate::task::DesignTask;
+use slipgrid_results::fixed;
+use slipgrid_units::PRESSURE_MPA;
+
+/// What is to be said where the flat surface is better than any pattern.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlatReport {
+    /// In words, with the numbers.
+    pub words: String,
+    /// The flat surface does what is asked; otherwise nothing does.
+    pub suffices: bool,
+}
+
+/// The status of a design whose flat surface is the best.
+pub const FLAT_IS_BEST: &str = "flat_is_best";
+
+impl MultiFidelityLoop<'_> {
+    /// What the flat surface does about the target of `design`, where it is better than any pattern.
+    pub(super) fn flat_is_best(&self, design: &DesignTask) -> Option<FlatReport> {
+        let target = &design.target;
+        // The discrepancy is one of patterned samples: it lowers what patterns reach, not the flat surface.
+        let most: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
+        let flat: Vec<f64> = most.iter().enumerate().map(|(load, most)| most / self.model.factor(load)).collect();
+        let quantity = match target.quantity() {
+            Quantity::Ratio => "ratio",
+            Quantity::DynamicFriction => "dynamic friction",
+        };
+        let points = target.points();
+        let asked = |of: &[f64]| -> Vec<(Demand, f64)> {
+            of.iter().enumerate().map(|(place, value)| (points[place % points.len()], *value)).collect()
+        };
+        // The demand that lies highest above what no pattern exceeds.
+        let above = asked(&most)
+            .into_iter()
+            .filter_map(|(point, most)| Some((point, most, point.wanted.band()[0]? - most)))
+            .filter(|(_, _, by)| *by > 0.0)
+            .max_by(|a, b| a.2.total_cmp(&b.2));
+        if let Some((point, most, by)) = above.filter(|_| self.status == Status::Unreachable) {
+            let limit = if design.discrepancy {
+                "with the discrepancy no pattern exceeds"
+            } else {
+                "the flat surface, which no pattern exceeds, has"
+            };
+            return Some(FlatReport {
+                words: format!(
+                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and {limit} {}",
+                    PRESSURE_MPA.from_si(point.pressure_pa),
+                    fixed(Some(most + by), 4),
+                    fixed(Some(most), 4),
+                ),
+                suffices: false,
+            });
+        }
+        if !target.misfit(&flat).is_met() {
+            return None;
+        }
+        let found = &self.best.as_ref()?.response.value;
+        let list = |values: &[f64]| values.iter().map(|value| fixed(Some(*value), 4)).collect::<Vec<_>>().join(", ");
+        let goes_up = |wanted: &Wanted, flat: f64| matches!(wanted, Wanted::Near { value, .. } if *value > flat);
+        let is_best = match target.goal() {
+            Some(Goal::Highest) => {
+                let (flat, found) = (target.goal_value(&flat)?, target.goal_value(found)?);
+                flat - found <= target.tolerance()
+            }
+            Some(Goal::Lowest | Goal::Even) => false,
+            None => asked(&flat).iter().all(|(point, flat)| goes_up(&point.wanted, *flat)),
+        };
+        is_best.then(|| FlatReport {
+            words: format!(
+                "the flat surface is the best: this model only lowers friction, the flat surface has a {quantity} of {}, and the search \
+                 ended at almost no pattern ({})",
+                list(&flat),
+                list(found),
+            ),
+            suffices: true,
+        })
+    }
+}

@@ -1,0 +1,283 @@
+//! Why a target is out of reach, in the words of the design file.
+
+use serde::Serialize;
+use slipgrid_monitor::Part;
+use slipgrid_optimize::{
+    Bound, Candidate, DesignSpace, Dimension, Explanation, ForwardModel, Limit, Relief, Restriction, SearchError,
+    SearchOptions, Status, explain, search, search_near,
+};
+use std::cell::Cell;
+
+use crate::DesignError;
+use crate::constraint_quantities::ConstraintQuantity;
+use crate::multi_fidelity::MultiFidelityLoop;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::timings::Timings;
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_results::PatternReport;
+use slipgrid_units::{LENGTH_UM, tidy};
+
+/// Bisections of a limit whose relaxing suffices: it is then known to a thirtieth of its change.
+const HALVINGS: usize = 5;
+/// Designs that each of these searches may ask of.
+const MOST_EVALUATIONS: usize = 1500;
+/// Bounds are relaxed by this factor.
+const BOUND_FACTOR: f64 = 2.0;
+/// Least depth tried where no burst says it, in metres.
+const LEAST_DEPTH_M: f64 = 1e-6;
+/// Digits of limits that suffice, rounded to the loose side.
+const DIGITS: i32 = 3;
+
+/// Why a target is out of reach.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ExplanationReport {
+    /// Limits and bounds that bind: relaxing each alone brings a design nearer. Those that suffice first.
+    pub binding: Vec<ReliefReport>,
+    /// Largest distance of the nearest design from the target, in tolerances, by the search's model as it stands
+    /// after the last confirming run.
+    pub misfit: f64,
+    /// Limits, and bounds on which the nearest design rests, that were relaxed one by one.
+    pub relaxed: usize,
+    /// The nearest design with all of them relaxed, where none suffices alone.
+    pub together: Option<NearestReport>,
+    /// Designs asked for.
+    pub evaluations: usize,
+}
+
+/// What relaxing one limit or bound gives.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReliefReport {
+    /// The limit or bound, in words.
+    pub what: String,
+    /// Unit of the limits; may be empty.
+    pub unit: &'static str,
+    /// As it is.
+    pub limit: f64,
+    /// What suffices, rounded to the loose side; else what the design below has.
+    pub relaxed: f64,
+    /// Whether the target is met then, by the search's model.
+    pub suffices: bool,
+    /// The design then.
+    pub nearest: NearestReport,
+}
+
+/// A design, and by how much it misses.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NearestReport {
+    /// The design.
+    pub design: PatternReport,
+    /// Largest distance from the target, in tolerances.
+    pub misfit: f64,
+}
+
+impl From<&Candidate> for NearestReport {
+    fn from(candidate: &Candidate) -> Self {
+        Self { design: (&candidate.design).into(), misfit: candidate.misfit.max }
+    }
+}
+
+impl MultiFidelityLoop<'_> {
+    /// Says why the target is out of reach, where it is.
+    pub(super) fn explain(
+        &mut self,
+        design: &DesignTask,
+        timings: &mut Timings,
+    ) -> Result<Option<ExplanationReport>, DesignError> {
+        let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
+        // No limit is the reason where physics is.
+        if self.flat_is_best(design).is_some() || design.quantities.contains(&ConstraintQuantity::OtherPlanform) {
+            return Ok(None);
+        }
+        let bar = self.stage("why not");
+        let explanation = explanation(design, &self.model, &self.model.judged(design, best), &bar);
+        let is_cut = bar.is_out_of_time();
+        timings.explain = bar.finish();
+        self.heed()?;
+        if is_cut {
+            self.cut("why the target is out of reach");
+        }
+        explanation.map_err(|error| DesignError::Failed(error.to_string()))
+    }
+}
+
+/// Relaxes what may keep `best` from the target of `design`. In space the guide alone is asked.
+///
+/// # Errors
+/// [`SearchError`] where the model is broken.
+pub fn explanation(
+    design: &DesignTask,
+    model: &SteadyModel,
+    best: &Candidate,
+    bar: &Stage<'_>,
+) -> Result<Option<ExplanationReport>, SearchError> {
+    let burst_m = design.constraints.limits.depth_per_burst_m;
+    let block_m = design.layer.block_m;
+    let [widths, spacings, depths] = [design.space.width_m(), design.space.spacing_m(), design.space.depth_m()];
+    let along = |[lower_m, upper_m]: [f64; 2]| [lower_m.min(block_m), BOUND_FACTOR * upper_m];
+    let deepest_m = (BOUND_FACTOR * depths[1]).min(design.layer.height_m - block_m).max(depths[1]);
+    let shallowest_m = depths[0].min(burst_m.unwrap_or(LEAST_DEPTH_M));
+    let Ok(widest) =
+        DesignSpace::new(*design.space.texture(), along(widths), along(spacings), [shallowest_m, deepest_m])
+    else {
+        return Ok(None);
+    };
+    let options = SearchOptions { seed: design.seed, max_evaluations: MOST_EVALUATIONS };
+    let guide = model.guide().map(|(guide, _)| guide);
+    let asked: &dyn ForwardModel = guide.as_ref().map_or(model as &dyn ForwardModel, |guide| guide);
+    let evaluations = Cell::new(0);
+    let found = explain(
+        &design.space,
+        &design.constraints,
+        best,
+        &widest,
+        if model.is_solid() { 0 } else { HALVINGS },
+        &mut |space, constraints| {
+            if bar.cancelled() {
+                return Err(SearchError::CancelledAtStart);
+            }
+            bar.detail(&format!("why not ({})", evaluations.get()));
+            // How many searches there will be is not known.
+            let unshown = Part::new(bar, 0.0);
+            let target = &design.target;
+            // In space a design costs a hundred times as much.
+            let outcome = if model.is_solid() {
+                search_near(&[best.design], target, space, constraints, &options, asked, &unshown)?
+            } else {
+                search(target, space, constraints, &options, asked, &unshown)?
+            };
+            evaluations.set(evaluations.get() + outcome.evaluations);
+            Ok(outcome)
+        },
+    )?;
+    let Explanation { reliefs, tried, together } = found;
+    let quantities = &design.constraints.quantities;
+    Ok(Some(ExplanationReport {
+        binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
+        misfit: best.misfit.max,
+        relaxed: tried,
+        together: together.as_ref().map(NearestReport::from),
+        evaluations: evaluations.get(),
+    }))
+}
+
+fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
+    let length = |name: &str, is_least: bool| (name.to_owned(), "um", LENGTH_UM.from_si(1.0).recip(), is_least);
+    let (what, unit, unit_si, is_least) = match relief.restriction {
+        Restriction::Quantity(place) => {
+            let limit = &quantities[place];
+            (limit.name.to_owned(), limit.unit, limit.unit_si, matches!(limit.bound, Bound::AtLeast(_)))
+        }
+        Restriction::SmallestLand => length("land between cavities", true),
+        Restriction::Spot => length("spot of the laser", true),
+        Restriction::LowerBound(dimension) => length(&format!("lower bound of the {}", name(dimension)), true),
+        Restriction::UpperBound(dimension) => length(&format!("upper bound of the {}", name(dimension)), false),
+    };
+    let relaxed = relief.relaxed / unit_si;
+    ReliefReport {
+        what,
+        unit,
+        limit: tidy(relief.limit / unit_si),
+        relaxed: if relief.suffices { loosened(relaxed, is_least) } else { tidy(relaxed) },
+        suffices: relief.suffices,
+        nearest: (&relief.best).into(),
+    }
+}
+
+const fn name(dimension: Dimension) -> &'static str {
+    match dimension {
+        Dimension::Width => "width",
+        Dimension::Spacing => "spacing",
+        Dimension::Depth => "depth",
+    }
+}
+
+/// `value` to [`DIGITS`] digits, down where it is a least allowed value and up where it is a largest.
+fn loosened(value: f64, is_least: bool) -> f64 {
+    if value == 0.0 {
+        return 0.0;
+    }
+    let step = 10.0_f64.powi(value.abs().log10().floor() as i32 + 1 - DIGITS);
+    // Numbers that are whole steps but for rounding stay.
+    let steps = value / step;
+    let whole = if (steps - steps.round()).abs() < 1e-6 {
+        steps.round()
+    } else if is_least {
+        steps.floor()
+    } else {
+        steps.ceil()
+    };
+    tidy(whole * step)
+}
+
+impl ExplanationReport {
+    /// The reasons, one line each.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines: Vec<String> = self.binding.iter().map(|relief| relief.words(self.misfit)).collect();
+        if self.binding.is_empty() {
+            lines.push(format!(
+                "no single limit or bound is the reason: relaxing each of {} brings no design nearer",
+                self.relaxed
+            ));
+        }
+        if let Some(together) = &self.together {
+            lines.push(if together.misfit <= 1.0 {
+                format!("with all {} relaxed together the target is met: {}", self.relaxed, lengths(&together.design))
+            } else {
+                format!(
+                    "even with all {} relaxed the nearest design, {}, misses by {:.2} tolerances",
+                    self.relaxed,
+                    lengths(&together.design),
+                    together.misfit
+                )
+            });
+        }
+        lines
+    }
+}
+
+impl ReliefReport {
+    fn words(&self, missed: f64) -> String {
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
+        let change = format!("with {} {}{unit} instead of {}{unit}", self.what, short(self.relaxed), self.limit);
+        let design = lengths(&self.nearest.design);
+        if self.suffices {
+            format!("{change} the target is met: {design}")
+        } else {
+            format!(
+                "{change} the nearest design, {design}, misses by {:.2} tolerances, not {missed:.2}",
+                self.nearest.misfit
+            )
+        }
+    }
+}
+
+/// Four significant digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+fn lengths(design: &PatternReport) -> String {
+    format!("{} / {} / {} um", design.width_um, design.spacing_um, design.depth_um)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_suffices_is_rounded_to_the_loose_side() {
+        for (value, least, most) in [
+            (29.96, 29.9, 30.0),
+            (0.612_34, 0.612, 0.613),
+            (1234.5, 1230.0, 1240.0),
+            (30.0, 30.0, 30.0),
+            (0.0, 0.0, 0.0),
+        ] {
+            assert_eq!((loosened(value, true), loosened(value, false)), (least, most), "{value}");
+        }
+        // A depth of 12 bursts of 2.6 um.
+        assert_eq!(loosened(2.6 * 12.0, false), 31.2);
+    }
+}

@@ -1,0 +1,225 @@
+//! The job, from a task to a design: search, confirm, explain.
+
+use slipgrid_monitor::Monitor;
+use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure, Status, TradeOffs};
+use slipgrid_pattern::Pattern;
+use slipgrid_results::{MaterialReport, PatternReport, VERSION, load_reports, model_notes};
+use slipgrid_springblock::{Load, Scene, Simulation};
+use slipgrid_units::tidy;
+
+use crate::chance::Chances;
+use crate::discrepancy_correction::DiscrepancyReport;
+use crate::evaluation_cache::EvaluationCache;
+use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
+use crate::outcome::{DesignReport, MisfitReport, patterns};
+use crate::target_report::{GoalReport, TargetReport};
+use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
+use crate::time_budget::TimeBudget;
+use crate::timings::Timings;
+use crate::{
+    DesignError, flat_is_best, lattice_table, operating_conditions, reachable_range, robustness, selection,
+    sensitivity, trade_offs, trial_domain, uncertainty_budget,
+};
+
+/// What a job found.
+#[derive(Clone, Debug)]
+pub struct DesignOutcome {
+    /// Everything that is reported, as result.json holds it.
+    pub report: DesignReport,
+    /// How the search ended.
+    pub status: Status,
+    /// The flat surface does what is wanted as well as any pattern.
+    pub flat_suffices: bool,
+    /// The design.
+    pub pattern: Pattern,
+    /// The task with its conditions known and, where it aims with the discrepancy, kept near the trials behind that.
+    pub task: DesignTask,
+    /// The material as it was used.
+    pub material: KnownMaterial,
+    /// The loads at the condition designed for.
+    pub loads: Vec<Load>,
+    /// The scene of the confirming run at that condition.
+    pub scene: Scene,
+    /// What came of it.
+    pub confirmed: Simulation,
+    /// Every design of a lattice, where the task asks for them.
+    pub lattice: Option<Lattice>,
+    /// Designs compared by goals, where the task asks for that.
+    pub compared: Option<Compared>,
+}
+
+/// Every design of a lattice with what the model says of it.
+#[derive(Clone, Debug)]
+pub struct Lattice {
+    /// The designs.
+    pub patterns: Vec<Pattern>,
+    /// What the model says of each.
+    pub answers: Vec<Result<Candidate, ModelFailure>>,
+}
+
+/// Designs compared by goals.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// The goals.
+    pub wanted: TradeOffsWanted,
+    /// Those that no other beats in every goal, and the others.
+    pub found: TradeOffs,
+    /// Some could be compared.
+    pub is_drawn: bool,
+}
+
+/// The pattern that does what `task` asks for, confirmed in time, with the chance that a cut sample is on target, what
+/// limits it, and what else could be had. `cache` keeps the answers of the search's model beyond this run; `monitor` is told
+/// of every stage, and ends any of them. Same task and seed give the same outcome but for times.
+///
+/// # Errors
+/// [`DesignError`] for a task that is refused, that the monitor cancels, or whose time is spent before there is a design.
+pub fn run(
+    task: &DesignTask,
+    cache: &mut dyn EvaluationCache,
+    monitor: &dyn Monitor,
+) -> Result<DesignOutcome, DesignError> {
+    let started_s = monitor.seconds();
+    let budget = TimeBudget::new(monitor, task.max_seconds);
+    let mut timings = Timings::default();
+    let mut task = task.clone();
+    let known = task.material.clone().ok_or_else(|| DesignError::refused("has no material"))?;
+    task.check(&known)?;
+    let KnownMaterial { mut material, uncertainty } = known;
+    let conditions = task.condition.iter().chain(&task.also_at);
+    let interpolated = conditions.filter_map(|condition| material.friction.interpolation(Some(condition)));
+    material.provenance.notes.extend(interpolated);
+    let (loads, outside) = task.loads(&material)?;
+    let further = operating_conditions::further(&task, &material)?;
+    task.target = task.target.at_conditions(1 + further.len());
+    trial_domain::keep_near(&mut task, uncertainty.discrepancy_domain.as_ref());
+    if task.table {
+        lattice_table::check(&task)?;
+    }
+    let (design, uncertainty) = (&task, &uncertainty);
+
+    let factors = operating_conditions::all_factors(design, uncertainty, &loads, &further);
+    let mut found = MultiFidelityLoop::new(design, &material, loads.clone(), further, budget, monitor, &mut timings)?;
+    found.model.aim_with(factors);
+    found.chances = Some(Chances::new(design, uncertainty, &found.model, &found.further)?);
+    let conditions = std::iter::once(design.condition).chain(found.further.iter().map(|further| further.at.condition));
+    let excess = conditions.map(|condition| uncertainty.excess(&design.pressures_pa(), condition.as_ref()));
+    found.excess = excess.collect();
+    found.keep_answers(design, cache)?;
+    found.announce(design)?;
+    found.run(design, &mut timings)?;
+    let explanation = found.explain(design, &mut timings)?;
+    let lattice = if design.table { found.compare(design, &mut timings)? } else { None };
+    let (table, lattice) = lattice.unzip();
+    let (Some(best), Some(predicted), Some(confirmed)) = (&found.best, &found.predicted, &found.confirmed) else {
+        return Err(DesignError::Failed("the search ended without a design".to_owned()));
+    };
+
+    let pattern = best.design;
+    let probing = budget.stage("slopes and tolerances");
+    let target: TargetReport = (&design.target).into();
+    let watched =
+        |at: &Pattern| if probing.cancelled() { Err(ModelFailure::Cancelled) } else { found.model.respond(at) };
+    let slopes = sensitivity::report(&watched, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    let (model, choice) = (&found.model, found.choice.as_ref());
+    let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
+    let spread = robustness::of_design(design, uncertainty, &about)?;
+    let value = &best.response.value;
+    let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
+    let errors = uncertainty_budget::of_design(design, uncertainty, &confirming, confirmed, value)?;
+    // What a sample does whose discrepancy nobody knows has no chance that could be said.
+    let is_far = design.discrepancy
+        && uncertainty.discrepancy_domain.as_ref().is_some_and(|domain| !domain.far(&pattern).is_empty());
+    let chance = match found.chances.as_ref().filter(|_| !is_far) {
+        Some(chances) => found.chance(design, uncertainty, chances, &errors.report)?,
+        None => None,
+    };
+    let conditions = found.conditions_report(design, uncertainty, &errors.report, &outside)?;
+    let reachable = reachable_range::of_search(design, uncertainty, &found, &probing)?;
+    let mut cut_short = found.cut_short.clone();
+    cut_short.extend(probing.is_out_of_time().then_some("slopes and tolerances"));
+    timings.uncertainty = probing.finish();
+    found.heed()?;
+
+    let comparing = budget.stage("trade-offs");
+    let selection = found.selection.as_ref();
+    let traded = trade_offs::report(design, &found.model, (&pattern, value), selection, &comparing)?;
+    cut_short.extend((comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"));
+    timings.trade_offs = comparing.finish();
+    found.heed()?;
+    let (traded, compared) = traded.unzip();
+
+    let flat = found.flat_is_best(design);
+    let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
+    let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
+    // What the vertical plane leaves out needs saying, and only of patterns that have it.
+    let is_solid = found.model.is_solid();
+    let sectioned = Some(&pattern).filter(|_| !is_solid);
+    let mut model = confirmed.model.clone();
+    model.extend(found.condition_statements(design));
+    model.extend(found.statements());
+    model.extend(time_statement(&cut_short));
+    model.extend(model_notes(sectioned, &material.provenance));
+    let report = DesignReport {
+        program: "slipgrid",
+        version: VERSION,
+        name: design.name.clone(),
+        status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() },
+        flat,
+        chance,
+        selection: found.selection.as_ref().and_then(selection::Chosen::report),
+        design: PatternReport::from(&pattern),
+        specimen_areal_density: tidy(laid.areal_density()),
+        bursts: design.laser.bursts(pattern.depth_m()),
+        passes: design.laser.passes(pattern.depth_m()),
+        dimensions: if is_solid { 3 } else { 2 },
+        section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
+        fidelity: found.confirming.fidelity.name(),
+        extent: found.confirming.extent.name(),
+        target,
+        predicted: load_reports(predicted, sectioned, &outside),
+        predicted_value: value[..loads.len()].to_vec(),
+        confirmed: load_reports(confirmed, sectioned, &outside),
+        discrepancy: DiscrepancyReport::new(design, uncertainty, &loads, &errors, &pattern),
+        goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors.report),
+        errors: errors.report,
+        conditions,
+        misfit: MisfitReport { predicted: best.misfit.max, confirmed: found.confirmed_misfit(design) },
+        violations: best.violations.iter().map(ToString::to_string).collect(),
+        sensitivities: slopes,
+        robustness: spread,
+        trade_offs: traded,
+        reachable,
+        explanation,
+        table,
+        alternatives: patterns(&found.alternatives),
+        evaluations: found.evaluations,
+        solid_evaluations: found.solid_evaluations,
+        out_of_time: found.out_of_time,
+        cut_short,
+        failed_trials: found.failed_trials,
+        rounds: found.rounds,
+        history: found.history.clone(),
+        model,
+        material: MaterialReport::from(&material.provenance),
+        specimen: (&design.specimen).into(),
+        laser: design.laser,
+        timings_s: timings,
+        wall_s: monitor.seconds() - started_s,
+        threads: rayon::current_num_threads(),
+        seed: design.seed,
+    };
+    Ok(DesignOutcome {
+        report,
+        status: found.status,
+        flat_suffices: suffices,
+        pattern,
+        loads,
+        scene: confirming,
+        confirmed: confirmed.clone(),
+        lattice,
+        compared,
+        material: KnownMaterial { material, uncertainty: uncertainty.clone() },
+        task: task.clone(),
+    })
+}

@@ -1,0 +1,80 @@
+//! The main job: the pattern that brings dynamic friction to a target, confirmed in time, with the chance that a cut sample is
+//! on target and what limits it.
+//!
+//! ```text
+//! task -> [search by the steady model <-> confirming run in time] -> chance, slopes, robustness, trade-offs -> outcome
+//! ```
+//!
+//! [`run`] is the job. It needs a [`DesignTask`], a place for the answers of its model that may outlive the run
+//! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`](slipgrid_monitor::Monitor) that shows progress, tells the time
+//! and may cancel.
+//!
+//! | module | role |
+//! |---|---|
+//! | `task`, `job`, `outcome` | what is asked, how it is answered, what is found |
+//! | `steady_model` | the model that the search asks: the steady cell, corrected by confirming runs |
+//! | `multi_fidelity` | searches and confirming runs in turn |
+//! | `confirmation`, `flat_sample`, `dynamic_excess` | runs in time: of the design, of the flat sample, and how both agree with calibration |
+//! | `specimen` | a pattern solved on the specimen that it is cut into |
+//! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
+//! | `constraint_quantities`, `trial_domain` | what limits hold, and where a discrepancy may be used |
+//! | `selection`, `chance`, `chance_report` | the choice among designs on target by their chance |
+//! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
+//! | `robustness`, `robust_search`, `sensitivity` | what tolerances make of the design, and its slopes |
+//! | `infeasibility`, `flat_is_best`, `reachable_range` | why a target is out of reach, and what is within |
+//! | `lattice_table`, `trade_offs` | every design of a lattice; what can be had for what |
+//! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
+//! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
+//!
+//! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
+
+mod cache_key;
+mod chance;
+mod chance_report;
+mod conditions_report;
+mod confirmation;
+mod constraint_quantities;
+mod cost_estimate;
+mod decisive_conditions;
+mod discrepancy_correction;
+mod dynamic_excess;
+mod error;
+mod evaluation_cache;
+mod flat_is_best;
+mod flat_sample;
+mod infeasibility;
+mod job;
+mod lattice_table;
+mod multi_fidelity;
+mod operating_conditions;
+mod outcome;
+mod reachable_range;
+mod robust_search;
+mod robustness;
+mod robustness_report;
+mod scene_errors;
+mod selection;
+mod sensitivity;
+mod specimen;
+mod steady_model;
+mod target_report;
+mod task;
+mod time_budget;
+mod timings;
+mod trade_offs;
+mod trial_domain;
+mod uncertainty_budget;
+
+pub use constraint_quantities::ConstraintQuantity;
+pub use cost_estimate::cost_line;
+pub use dynamic_excess::correct;
+pub use error::{DesignError, Refusal, TaskPart};
+pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
+pub use job::{Compared, DesignOutcome, Lattice, run};
+pub use outcome::{DesignReport, MisfitReport, StoredDesign};
+pub use scene_errors::{Solved, of_scene};
+pub use specimen::{SpecimenError, simulate_on, solved_as};
+pub use task::{
+    DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
+    TradeOffGoal, TradeOffsWanted, loads,
+};

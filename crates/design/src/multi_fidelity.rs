@@ -1,0 +1,350 @@
+//! Searches and confirming runs in turn.
+
+use slipgrid_material::Material;
+use slipgrid_optimize::{
+    Candidate, Goal, Guidance, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome, Status, search,
+    search_guided,
+};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
+
+use crate::DesignError;
+use crate::cache_key::cache_key;
+use crate::chance::Chances;
+use crate::confirmation::WARM_TRAVEL_M;
+use crate::constraint_quantities::ConstraintQuantity;
+use crate::constraint_quantities::Limited;
+use crate::evaluation_cache::{EvaluationCache, Evaluations};
+use crate::flat_sample::flat_friction;
+use crate::operating_conditions::Further;
+use crate::robust_search::{self, RobustChoice};
+use crate::selection::Chosen;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::time_budget::{SEARCH_SHARE, TimeBudget};
+use crate::timings::{ImprovementReport, Timings};
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_units::{LENGTH_UM, tidy};
+
+/// Searches made at most: each after the first takes what the confirming run before it found the
+/// steady model to miss. Two suffice where the miss hardly depends on the design.
+const MOST_ROUNDS: usize = 4;
+
+/// Searches and confirmations in turn, until a confirmed design meets the target.
+pub(super) struct MultiFidelityLoop<'a> {
+    pub(super) model: SteadyModel<'a>,
+    pub(super) guidance: Guidance,
+    pub(super) confirming: RunOptions,
+    pub(super) scene: Scene,
+    pub(super) status: Status,
+    pub(super) rounds: usize,
+    pub(super) evaluations: usize,
+    pub(super) solid_evaluations: usize,
+    pub(super) failed_trials: usize,
+    /// The seconds allowed for searches were spent.
+    pub(super) out_of_time: bool,
+    pub(super) best: Option<Candidate>,
+    pub(super) predicted: Option<Simulation>,
+    /// The confirming run at the condition designed for.
+    pub(super) confirmed: Option<Simulation>,
+    /// The other conditions, with confirming runs of their own where they decide.
+    pub(super) further: Vec<Further>,
+    pub(super) alternatives: Vec<Pattern>,
+    pub(super) reachable: Vec<ReachableRange>,
+    pub(super) history: Vec<ImprovementReport>,
+    /// How the best design was chosen, where samples decided.
+    pub(super) choice: Option<RobustChoice>,
+    /// The seconds that the job may take.
+    pub(super) budget: TimeBudget<'a>,
+    /// Whom the job reports to.
+    pub(super) monitor: &'a dyn Monitor,
+    /// Stages that these did not suffice for.
+    pub(super) cut_short: Vec<&'static str>,
+    /// What the chance of designs rests on.
+    pub(super) chances: Option<Chances<'a>>,
+    /// Largest change of the model by the last confirming run; 0 before.
+    pub(super) missed: f64,
+    /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
+    /// further one; absent where the material does not say it.
+    pub(super) excess: Vec<Option<Vec<f64>>>,
+    /// What the best design was chosen from by its chance.
+    pub(super) selection: Option<Chosen>,
+}
+
+/// How the names of confirming stages begin.
+pub(super) const CONFIRMATION: &str = "confirmation";
+
+/// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
+const CONFIRMED_STDERR: f64 = 0.001;
+
+/// Ends the job once `monitor` has cancelled.
+fn heed(monitor: &dyn Monitor) -> Result<(), DesignError> {
+    if monitor.cancelled() { Err(DesignError::Cancelled) } else { Ok(()) }
+}
+
+/// That the seconds allowed did not suffice for `stages`, where there are any.
+pub(super) fn time_statement(stages: &[&str]) -> Option<String> {
+    (!stages.is_empty()).then(|| format!("cut short by max_seconds: {}", stages.join(", ")))
+}
+
+impl<'a> MultiFidelityLoop<'a> {
+    /// Nothing tried yet. Where the target is dynamic friction itself, the flat sample is run first.
+    pub(super) fn new(
+        design: &DesignTask,
+        material: &Material,
+        loads: Vec<Load>,
+        further: Vec<Further>,
+        budget: TimeBudget<'a>,
+        monitor: &'a dyn Monitor,
+        timings: &mut Timings,
+    ) -> Result<Self, DesignError> {
+        let is_solid = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
+        let from_rest = RunOptions {
+            fidelity: Fidelity::Dynamic,
+            // A whole specimen in space is hundreds of cells and a billion blocks.
+            extent: if is_solid { Extent::Cell } else { Extent::Sample },
+            seed: design.seed,
+            dimensions: if is_solid { design.dimensions } else { Some(2) },
+            ..RunOptions::default()
+        };
+        // Nobody asked for static friction: start where sliding is about to begin.
+        let warm =
+            RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
+        let confirming = if design.from_rest { from_rest } else { warm };
+        let scene = Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern: None,
+            layer: design.layer,
+            loads,
+            speed_m_s: design.speed_m_s,
+            run: confirming,
+        };
+        let started_s = monitor.seconds();
+        let flat_mu = match design.target.quantity() {
+            Quantity::Ratio => None,
+            Quantity::DynamicFriction => {
+                let flat = flat_friction(&scene, budget)?;
+                heed(monitor)?;
+                if budget.is_spent() {
+                    let reason = "the seconds allowed were spent on the flat sample: nothing was searched";
+                    return Err(DesignError::OutOfTime(reason.to_owned()));
+                }
+                Some(flat.ok_or_else(|| DesignError::Failed("the flat sample does not slide in the model".to_owned()))?)
+            }
+        };
+        timings.flat = monitor.seconds() - started_s;
+        let elsewhere: Vec<&[Load]> = further.iter().map(|at| &at.loads[..]).collect();
+        Ok(Self {
+            model: SteadyModel::new(&scene, &elsewhere, &design.directions.different_deg, &design.space, flat_mu)
+                .watched_by(monitor)
+                .on(design.specimen),
+            guidance: Guidance::new(),
+            confirming,
+            scene,
+            status: Status::Budget,
+            rounds: 0,
+            evaluations: 0,
+            solid_evaluations: 0,
+            failed_trials: 0,
+            out_of_time: false,
+            best: None,
+            predicted: None,
+            confirmed: None,
+            further,
+            alternatives: Vec::new(),
+            reachable: Vec::new(),
+            history: Vec::new(),
+            choice: None,
+            budget,
+            monitor,
+            cut_short: Vec::new(),
+            chances: None,
+            missed: 0.0,
+            excess: Vec::new(),
+            selection: None,
+        })
+    }
+
+    pub(super) fn run(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
+        while self.rounds < MOST_ROUNDS && self.evaluations < design.max_evaluations && !self.out_of_time {
+            let outcome = self.search(design, timings)?;
+            let pattern = outcome.best.design;
+            let misfit = outcome.best.misfit;
+            let feasible = outcome.best.violations.is_empty();
+            let unchanged = self.best.as_ref().is_some_and(|best| best.design == pattern);
+            self.best = Some(outcome.best);
+            if !unchanged {
+                self.confirm(design, &pattern, timings)?;
+            }
+            // Further runs are as dear: not of a design that misses by what is known already.
+            if self.is_confirmed(design) {
+                self.confirm_further(design, timings)?;
+            }
+            let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
+            // What is even by the steady model need not be in time: searched again with what the first run taught.
+            let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
+            let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
+            if feasible && has_ended && is_settled && is_whole && self.is_confirmed(design) {
+                self.status = Status::Met;
+                return Ok(());
+            }
+            let missed = self.correct();
+            // A target missed by less than twice what the model misses may still be reached.
+            let doubtful = missed > 0.5 * (misfit.max - 1.0) * design.target.tolerance();
+            let again = match outcome.status {
+                Status::Met => true,
+                Status::Unreachable => doubtful,
+                Status::Budget | Status::Cancelled => false,
+            };
+            self.status = match outcome.status {
+                // What was not confirmed may be reached yet.
+                Status::Unreachable if is_whole => Status::Unreachable,
+                Status::Unreachable | Status::Met | Status::Budget | Status::Cancelled => Status::Budget,
+            };
+            // Where the design stays the same the model is exact already.
+            if !again || unchanged {
+                break;
+            }
+        }
+        // No evaluation more would change the planform.
+        if self.status == Status::Budget && design.quantities.contains(&ConstraintQuantity::OtherPlanform) {
+            self.status = Status::Unreachable;
+        }
+        // What is reported stands on them, too.
+        self.confirm_further(design, timings)
+    }
+
+    /// Keeps every answer in `cache`, and begins with those that it holds.
+    pub(super) fn keep_answers(
+        &mut self,
+        design: &DesignTask,
+        cache: &'a mut dyn EvaluationCache,
+    ) -> Result<(), DesignError> {
+        let asked = self.model.asked();
+        let key = cache_key(asked, design.space.texture(), &design.directions.different_deg);
+        let place = cache.place();
+        let (evaluations, known) = Evaluations::cached(cache, &key, asked.loads.len())?;
+        if known > 0 {
+            self.monitor.note(&format!("took over {known} answers from {place}"));
+        }
+        self.model.keep(Limited::of(design, &self.model), evaluations);
+        Ok(())
+    }
+
+    /// A stage that may take all the time that is left.
+    pub(super) fn stage(&self, name: &str) -> Stage<'a> {
+        self.budget.stage(name)
+    }
+
+    /// Ends the job between two stages, and after one that ended early.
+    ///
+    /// # Errors
+    /// [`DesignError::Cancelled`] once the monitor has cancelled.
+    pub(super) fn heed(&self) -> Result<(), DesignError> {
+        heed(self.monitor)
+    }
+
+    /// How designs were searched in space, beside what the confirming run says of itself.
+    pub(super) fn statements(&self) -> Vec<String> {
+        if !self.model.is_solid() {
+            return Vec::new();
+        }
+        let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
+        let block_um = um(self.scene.layer.block_m);
+        let mut statements = vec![match self.model.guide() {
+            Some((_, guide_m)) => format!(
+                "searched in space: steady cells in blocks of {block_um} um judge {} designs, which cells in blocks of {} um, corrected by them, found among {}",
+                self.solid_evaluations,
+                um(guide_m),
+                self.evaluations,
+            ),
+            None => format!("searched in space: steady cells in blocks of {block_um} um"),
+        }];
+        statements.push(format!(
+            "confirmed in time on one cell in space, taken for the specimen in proportion to its cavities: a specimen {} um long and as wide is beyond reach",
+            um(self.scene.layer.length_m),
+        ));
+        statements
+    }
+
+    /// Corrects the model at the confirmed design; returns the largest change.
+    pub(super) fn correct(&mut self) -> f64 {
+        let confirmed = self.confirmed_each();
+        self.missed = self.best.as_ref().map_or(0.0, |best| self.model.correct(&best.response.value, &confirmed));
+        self.missed
+    }
+
+    pub(super) fn search(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<SearchOutcome, DesignError> {
+        let options = SearchOptions { seed: design.seed, max_evaluations: design.max_evaluations - self.evaluations };
+        let bar = self.budget.stage_of_share("search", SEARCH_SHARE);
+        let (target, space, constraints) = (&design.target, &design.space, &design.constraints);
+        let outcome = match self.model.guide() {
+            None => search(target, space, constraints, &options, &self.model, &bar),
+            Some((guide, _)) => {
+                let guidance = &mut self.guidance;
+                search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &bar)
+            }
+        };
+        let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &bar));
+        let out_of_time = bar.is_out_of_time();
+        timings.search += bar.finish();
+        self.heed()?;
+        let failed = |error: SearchError| match error {
+            SearchError::EveryTrialFailed { .. } | SearchError::CancelledAtStart if out_of_time => {
+                DesignError::OutOfTime(format!("the seconds allowed were spent before a design was found: {error}"))
+            }
+            SearchError::EveryTrialFailed { .. } | SearchError::BrokenModel { .. } | SearchError::CancelledAtStart => {
+                DesignError::Failed(error.to_string())
+            }
+            _ => DesignError::refused(error.to_string()),
+        };
+        let (outcome, choice) = outcome.map_err(failed)?;
+        self.rounds += 1;
+        self.history.extend(outcome.history.iter().map(|point| ImprovementReport {
+            round: self.rounds,
+            evaluation: point.evaluation,
+            misfit: point.misfit.max,
+            feasible: point.feasible,
+        }));
+        self.choice = choice;
+        if out_of_time {
+            self.out_of_time = true;
+            self.cut("search");
+        }
+        let outcome = self.choose(design, outcome, timings).map_err(failed)?;
+        self.heed()?;
+        self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
+        if self.model.is_solid() {
+            self.solid_evaluations += outcome.evaluations;
+        }
+        self.failed_trials += outcome.failed_trials.len();
+        self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
+        self.reachable.clone_from(&outcome.reachable);
+        Ok(outcome)
+    }
+
+    /// Notes that the seconds allowed did not suffice for `stage`.
+    pub(super) fn cut(&mut self, stage: &'static str) {
+        if !self.cut_short.contains(&stage) {
+            self.cut_short.push(stage);
+        }
+    }
+
+    /// Largest distance of the confirming runs from the target, at all conditions, in tolerances; `None` where one has no
+    /// value at some pressure.
+    pub(super) fn confirmed_misfit(&self, design: &DesignTask) -> Option<f64> {
+        Some(design.target.misfit(&self.confirmed_values()?).max)
+    }
+
+    /// The target's quantity by the confirming runs, at each pressure of each condition; `None` where one has no value at
+    /// some pressure.
+    pub(super) fn confirmed_values(&self) -> Option<Vec<f64>> {
+        self.confirmed_each().into_iter().collect::<Option<Vec<f64>>>().filter(|values| !values.is_empty())
+    }
+
+    pub(super) fn is_confirmed(&self, design: &DesignTask) -> bool {
+        let does_enough = |values: &Vec<f64>| !self.model.does_too_little(values);
+        self.confirmed_values().filter(does_enough).is_some_and(|values| design.target.misfit(&values).max <= 1.0)
+    }
+}

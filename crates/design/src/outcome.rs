@@ -1,0 +1,374 @@
+//! What `optimize` found, as JSON and as text.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_export::Laser;
+use slipgrid_optimize::Quantity;
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Extent, Fidelity};
+
+use crate::chance_report::ChanceReport;
+use crate::conditions_report::ConditionsReport;
+use crate::discrepancy_correction::DiscrepancyReport;
+use crate::flat_is_best::FlatReport;
+use crate::infeasibility::ExplanationReport;
+use crate::lattice_table::TableReport;
+use crate::reachable_range::ReachableReport;
+use crate::robustness_report::{MEANING, RobustnessReport};
+use crate::selection::SelectionReport;
+use crate::sensitivity::SensitivityReport;
+use crate::target_report::{GoalReport, TargetReport};
+use crate::timings::{ImprovementReport, Timings};
+use crate::trade_offs::TradeOffsReport;
+use slipgrid_results::SpecimenReport;
+use slipgrid_results::Table;
+use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
+use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
+use slipgrid_results::{fixed, with_error};
+
+/// result.json of `optimize`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DesignReport {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Name of the design.
+    pub name: String,
+    /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
+    pub status: &'static str,
+    /// The chance that a cut sample is on target; null where nothing is demanded.
+    pub chance: Option<ChanceReport>,
+    /// Why the flat surface is better than any pattern; null where one is.
+    pub flat: Option<FlatReport>,
+    /// How the design was chosen among those on target; null where none meets the target, and with a goal.
+    pub selection: Option<SelectionReport>,
+    /// The best design.
+    pub design: PatternReport,
+    /// Share of the specimen's face that is cavity, as they are laid out.
+    pub specimen_areal_density: f64,
+    /// Bursts per cavity; null where the design file gives no depth per burst.
+    pub bursts: Option<u32>,
+    /// Passes over the lines of a hatch; null where the laser's settings do not give them.
+    pub passes: Option<u32>,
+    /// Dimensions of the model.
+    pub dimensions: u8,
+    /// The vertical plane took a section of a planform that needs three dimensions.
+    pub section_model: bool,
+    /// What confirmed the design.
+    pub fidelity: &'static str,
+    /// On how much of the specimen.
+    pub extent: &'static str,
+    /// What was asked for.
+    pub target: TargetReport,
+    /// The steady cell at the target's pressures.
+    pub predicted: Vec<LoadReport>,
+    /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
+    /// sample's dynamic friction where that is wanted, times the discrepancy where designs aim with it, with what an
+    /// earlier confirming run corrected; at the condition designed for.
+    pub predicted_value: Vec<f64>,
+    /// The confirming run at the target's pressures.
+    pub confirmed: Vec<LoadReport>,
+    /// Values as they are compared with the target, each with one error and its parts.
+    pub errors: ErrorsReport,
+    /// What patterned samples of the calibration say of the model's error, and what comes of it; null where none are
+    /// known.
+    pub discrepancy: Option<DiscrepancyReport>,
+    /// What the design does at every condition; null where there is one.
+    pub conditions: Option<ConditionsReport>,
+    /// What became of the goal; null without one.
+    pub goal: Option<GoalReport>,
+    /// Largest distance from the target in tolerances.
+    pub misfit: MisfitReport,
+    /// Constraints that the best design breaks.
+    pub violations: Vec<String>,
+    /// How the target's quantity moves with the dimensions; null where designs beside it have no response.
+    pub sensitivities: Option<SensitivityReport>,
+    /// What samples made after the design do; null where the design file has no tolerances.
+    pub robustness: Option<RobustnessReport>,
+    /// The designs that no other beats in every goal; null where the design file names no goals.
+    pub trade_offs: Option<TradeOffsReport>,
+    /// Lowest and highest value among the designs tried that respect every constraint, at the condition designed for.
+    pub reachable: Vec<ReachableReport>,
+    /// Which limits and bounds keep designs from a target out of reach; null otherwise.
+    pub explanation: Option<ExplanationReport>,
+    /// Every design of a lattice beside the one found; null unless asked for.
+    pub table: Option<TableReport>,
+    /// Other designs that the search's model found to meet the target.
+    pub alternatives: Vec<PatternReport>,
+    /// Designs that the search's model, or its guide, was asked of.
+    pub evaluations: usize,
+    /// Designs solved in space at the layer's own block size.
+    pub solid_evaluations: usize,
+    /// Seconds, not evaluations, were spent.
+    pub out_of_time: bool,
+    /// Stages that the seconds allowed did not suffice for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cut_short: Vec<&'static str>,
+    /// Designs that the model could not compute.
+    pub failed_trials: usize,
+    /// Searches made: each after the first corrected by the confirming run before it.
+    pub rounds: usize,
+    /// Improvements during the searches.
+    pub history: Vec<ImprovementReport>,
+    /// What was modelled and why.
+    pub model: Vec<String>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// Seconds by stage.
+    pub timings_s: Timings,
+    /// Seconds in all.
+    pub wall_s: f64,
+    /// Threads that computed.
+    pub threads: usize,
+    /// Seed of search and local coefficients.
+    pub seed: u64,
+}
+
+/// The part of result.json that `export` needs.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct StoredDesign {
+    /// Name of the design.
+    pub name: String,
+    /// Version that made it.
+    pub version: String,
+    /// The design.
+    pub design: PatternReport,
+    /// The material.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// Seed.
+    pub seed: u64,
+}
+
+/// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MisfitReport {
+    /// Of the search's model.
+    pub predicted: f64,
+    /// Of the confirming runs; null where one has no value at some pressure.
+    pub confirmed: Option<f64>,
+}
+
+impl DesignReport {
+    /// The target's quantity by the confirming run at a pressure, as it is compared with the target.
+    #[must_use]
+    pub fn confirmed_at(&self, row: usize) -> Option<&ErrorReport> {
+        let at = self.errors.at(row)?;
+        if self.is_ratio() { at.ratio.as_ref() } else { Some(&at.mu) }
+    }
+
+    /// Whether the target is a ratio to the flat surface.
+    #[must_use]
+    pub fn is_ratio(&self) -> bool {
+        self.target.quantity == Quantity::Ratio.name()
+    }
+
+    /// The report for people.
+    #[must_use]
+    pub fn summary(&self) -> String {
+        let design = &self.design;
+        let mut text = format!(
+            "{}: {}{}{}\n\n",
+            self.name,
+            self.chance_words(),
+            if self.goal.is_some() { "" } else { "target " },
+            self.verdict()
+        );
+        text += &format!(
+            "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n\n",
+            design.planform,
+            design.width_um,
+            design.spacing_um,
+            (design.depth_um * 1e4).round() / 1e4,
+            design.texture_words(),
+            self.exposure_words(),
+            100.0 * self.specimen_areal_density,
+            100.0 * design.areal_density,
+        );
+        if let Some(selection) = &self.selection {
+            text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
+        }
+        for line in self.chance.iter().flat_map(ChanceReport::lines) {
+            text.insert_str(text.len() - 1, &format!("  {line}\n"));
+        }
+        let mut table = Table::new([
+            "P MPa",
+            "target",
+            "predicted",
+            "+-",
+            "confirmed",
+            "+-",
+            "mu",
+            "+-",
+            "mu flat",
+            "+-",
+            "peak MPa",
+        ]);
+        for (row, pressure_mpa) in self.target.pressure_mpa.iter().enumerate() {
+            let at = self.errors.at(row);
+            let value = [
+                at.and_then(|at| at.predicted.as_ref()),
+                self.confirmed_at(row),
+                at.map(|at| &at.mu),
+                at.and_then(|at| at.mu_flat.as_ref()),
+            ];
+            let cells = value.into_iter().flat_map(|of| [of.and_then(|of| of.value), of.and_then(|of| of.std)]);
+            let first = [pressure_mpa.to_string(), self.target.wanted(row)];
+            let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
+            table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
+        }
+        let aims = self.discrepancy.as_ref().is_some_and(|found| found.used);
+        text += &format!(
+            "  {}{} (predicted: steady cell{}; confirmed: {})\n{table}",
+            self.target.quantity,
+            if aims { ", aimed with the discrepancy of patterned samples" } else { "" },
+            self.in_space(),
+            self.confirmation()
+        );
+        text += &format!("  {}\n", self.errors.meaning);
+        let confirmed = |row: &PressureErrors| if self.is_ratio() { row.ratio.clone() } else { Some(row.mu.clone()) };
+        if let Some(line) = self.errors.intervals("confirmed", confirmed) {
+            text += &format!("  {line}\n");
+        }
+        if let Some(found) = &self.discrepancy {
+            text += &found.text();
+        }
+        for line in self.conditions.iter().flat_map(ConditionsReport::lines) {
+            text += &format!("  {line}\n");
+        }
+        if let Some(goal) = &self.goal {
+            text += &format!("\n  {}\n", goal.words());
+        }
+        if self.target.has_demands() {
+            text += &format!(
+                "\n  misfit {} of {} predicted, {} confirmed\n",
+                fixed(Some(self.misfit.predicted), 2),
+                self.target.tolerance_words(),
+                fixed(self.misfit.confirmed, 2),
+            );
+        }
+        if let Some(sensitivities) = &self.sensitivities {
+            text += &format!("\n{}\n", sensitivities.text());
+        }
+        if let Some(robustness) = &self.robustness {
+            text += &format!("{}\n", robustness.text());
+        }
+        if let Some(trade_offs) = &self.trade_offs {
+            text += &format!("{}\n", trade_offs.text());
+        }
+        if self.status != "met" {
+            for range in &self.reachable {
+                text += &format!(
+                    "  at {} MPa designs within bounds and limits reach {} to {}{}\n",
+                    range.pressure_mpa,
+                    with_error(range.lowest, range.lowest_std, 4),
+                    with_error(range.highest, range.highest_std, 4),
+                    if self.conditions.is_some() { ", at the condition designed for" } else { "" },
+                );
+            }
+        }
+        for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
+            text += &format!("  why: {}\n", conflict.words);
+        }
+        let restriction =
+            self.discrepancy.as_ref().filter(|_| self.status != "met").and_then(DiscrepancyReport::restriction);
+        if let Some(reason) = restriction {
+            text += &format!("  why: {reason}\n");
+        }
+        for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
+            text += &format!("  why: {reason}\n");
+        }
+        for line in self.table.iter().flat_map(|table| table.lines(self.timings_s.table)) {
+            text += &format!("  {line}\n");
+        }
+        for broken in &self.violations {
+            text += &format!("! {broken}\n");
+        }
+        for warning in slipgrid_results::warnings(&self.confirmed) {
+            text += &format!("! {warning}\n");
+        }
+        for note in &self.model {
+            text += &format!("- {note}\n");
+        }
+        if let Some(found) = &self.discrepancy {
+            text += &format!("- {}\n", found.meaning());
+        }
+        if self.robustness.is_some() {
+            text += &format!("- {MEANING}\n");
+        }
+        text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
+        text += &format!(
+            "\ndesigns tried: {}{}, searches: {}; {}\n",
+            self.evaluations,
+            if self.dimensions == 3 { format!(" ({} in space)", self.solid_evaluations) } else { String::new() },
+            self.rounds,
+            self.timings_s.words(),
+        );
+        text
+    }
+
+    /// The chance, before the verdict.
+    fn chance_words(&self) -> String {
+        self.chance.as_ref().map_or_else(String::new, |chance| format!("{}; ", chance.words))
+    }
+
+    /// What ran out, in words.
+    fn spent(&self) -> &'static str {
+        if self.out_of_time { "the seconds allowed were spent" } else { "the evaluations allowed were spent" }
+    }
+
+    /// How often the laser goes over a cavity; empty where nothing says so.
+    fn exposure_words(&self) -> String {
+        match (self.bursts, self.passes) {
+            (Some(bursts), _) => format!(" (bursts: {bursts})"),
+            (None, Some(passes)) => format!(" (passes: {passes})"),
+            (None, None) => String::new(),
+        }
+    }
+
+    fn in_space(&self) -> &'static str {
+        if self.dimensions == 3 { " in space" } else { "" }
+    }
+
+    /// What confirmed the design, in words.
+    #[must_use]
+    pub fn confirmation(&self) -> String {
+        let extent = if self.extent == Extent::Sample.name() { "whole sample" } else { "cell" };
+        let time = if self.fidelity == Fidelity::Steady.name() { ", steady" } else { " in time" };
+        format!("{extent}{}{time}", self.in_space())
+    }
+
+    /// The status in words, with what it holds for where a section stands for the planform.
+    fn verdict(&self) -> String {
+        let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
+        if let Some(flat) = &self.flat {
+            let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
+            return format!(
+                "{name}{scope}: {}. What follows is the pattern that lowers it least, not an advice",
+                flat.words
+            );
+        }
+        match self.status {
+            "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
+            "met" => format!("met by the model{scope}"),
+            "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
+            _ if self.goal.is_some() && self.misfit.predicted <= 1.0 => {
+                format!("best so far{scope}: {} before the search had ended", self.spent())
+            }
+            _ => format!("not met{scope} before {}; nearest design:", self.spent()),
+        }
+    }
+}
+
+/// The patterns of `candidates`.
+#[must_use]
+pub fn patterns<'a>(candidates: impl IntoIterator<Item = &'a Pattern>) -> Vec<PatternReport> {
+    candidates.into_iter().map(PatternReport::from).collect()
+}

@@ -1,0 +1,67 @@
+//! What designs within bounds and limits reach.
+
+use serde::Serialize;
+use slipgrid_calibrate::uncertainty::Slopes;
+use slipgrid_optimize::{Quantity, ReachableRange, Status};
+use slipgrid_pattern::Pattern;
+
+use crate::DesignError;
+use crate::multi_fidelity::MultiFidelityLoop;
+use crate::task::DesignTask;
+use crate::uncertainty_budget::knowledge;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_units::{PRESSURE_MPA, tidy};
+
+/// What designs within bounds and limits can do at one pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ReachableReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Lowest value.
+    pub lowest: f64,
+    /// Its standard deviation by what is known of the material; null where nothing is, and where the target is met.
+    pub lowest_std: Option<f64>,
+    /// Highest value.
+    pub highest: f64,
+    /// Its standard deviation.
+    pub highest_std: Option<f64>,
+}
+
+/// What designs within bounds and limits reach at each pressure of the condition designed for, with errors where the target
+/// is not met, as far as there is time: then they decide.
+///
+/// # Errors
+/// [`DesignError::Material`] for an area law that cannot be moved.
+pub(super) fn of_search(
+    design: &DesignTask,
+    material: &MaterialUncertainty,
+    found: &MultiFidelityLoop<'_>,
+    bar: &Stage<'_>,
+) -> Result<Vec<ReachableReport>, DesignError> {
+    let is_open = found.status != Status::Met;
+    let knowledge = knowledge(design, material, &found.scene, design.condition.as_ref())?;
+    let std = |place: usize, pattern: &Pattern, value: f64| {
+        if bar.cancelled() {
+            return None;
+        }
+        let slopes = Slopes::new(&found.model.scene(pattern), &knowledge);
+        // A value is a ratio times what the target's quantity takes it by.
+        let (scale, factor) = (found.model.scale(place), found.model.factor(place));
+        let of = slopes.deviations(place, value / scale, scale / factor, &knowledge)?;
+        Some(match design.target.quantity() {
+            Quantity::Ratio => of.ratio,
+            Quantity::DynamicFriction => of.mu,
+        })
+        .filter(|of| !of.parts.is_empty())
+        .map(|of| tidy(of.std))
+    };
+    let report = |(place, range): (usize, &ReachableRange)| ReachableReport {
+        pressure_mpa: PRESSURE_MPA.from_si(range.pressure_pa),
+        lowest: range.lowest,
+        lowest_std: is_open.then(|| std(place, &range.lowest_design, range.lowest)).flatten(),
+        highest: range.highest,
+        highest_std: is_open.then(|| std(place, &range.highest_design, range.highest)).flatten(),
+    };
+    Ok(found.reachable.iter().enumerate().map(report).collect())
+}

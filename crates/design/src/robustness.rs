@@ -1,0 +1,435 @@
+//! What tolerances of manufacture and errors of the calibration make of a design's friction.
+
+use slipgrid_calibrate::Discrepancy;
+use slipgrid_calibrate::uncertainty::{Covariance, log_covariance, moved, with_scale};
+use slipgrid_material::MaterialError;
+use slipgrid_optimize::{
+    Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
+    propagate,
+};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Scene, Simulation};
+
+use crate::DesignError;
+use crate::robust_search::RobustChoice;
+use crate::robustness_report::{
+    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PressureParts, PressureReport,
+    RobustnessReport, ScatterReport, SpreadReport, distribution,
+};
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::task::SampleScatter;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_results::PartsReport;
+use slipgrid_results::PatternReport;
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
+
+/// Draws from the first-order model, which cost nothing.
+const LINEAR_DRAWS: usize = 20_000;
+/// Width, spacing, depth: the inputs before the model's parameters.
+const DIMENSIONS: usize = 3;
+
+/// A confirmed design.
+pub struct About<'a> {
+    /// The model of the search.
+    pub model: &'a SteadyModel<'a>,
+    /// The design.
+    pub pattern: &'a Pattern,
+    /// Its confirming run: friction is taken to lie about it.
+    pub confirmed: &'a Simulation,
+    /// How it was chosen, where samples decided.
+    pub choice: Option<&'a RobustChoice>,
+    /// Says when to stop.
+    pub bar: &'a Stage<'a>,
+}
+
+/// What is propagated through which design.
+struct Request<'a> {
+    about: &'a About<'a>,
+    target: &'a Target,
+    /// Target values are ratios to the flat surface.
+    is_ratio: bool,
+    /// Values are those that the discrepancy corrects.
+    aims: bool,
+    /// How samples scatter.
+    tolerances: &'a SampleScatter,
+    /// How well the material is known.
+    material: &'a MaterialUncertainty,
+    /// Relative covariance of the loads' coefficients; `None` where it is not known.
+    friction_covariance: Option<Vec<Vec<f64>>>,
+    /// Measured over modelled ratio on patterned samples.
+    discrepancy: Option<Discrepancy>,
+    /// Seed of the draws.
+    seed: u64,
+}
+
+/// What tolerances and the errors of `material` make of the friction of `design`; `None` where the design file has no
+/// tolerances, the confirming run has no friction at some pressure, or there is no time left.
+///
+/// # Errors
+/// [`DesignError::Failed`] where no draw can be computed.
+pub fn of_design(
+    design: &DesignTask,
+    material: &MaterialUncertainty,
+    about: &About<'_>,
+) -> Result<Option<RobustnessReport>, DesignError> {
+    let Some(tolerances) = &design.tolerances else { return Ok(None) };
+    match report(&Request::new(design, material, about, tolerances)) {
+        Err(_) if about.bar.cancelled() => Ok(None),
+        found => found,
+    }
+}
+
+impl<'a> Request<'a> {
+    /// The errors of `material` and `tolerances` through `design` as `about` has it.
+    fn new(
+        design: &'a DesignTask,
+        material: &'a MaterialUncertainty,
+        about: &'a About<'a>,
+        tolerances: &'a SampleScatter,
+    ) -> Self {
+        Self {
+            about,
+            target: &design.target,
+            is_ratio: design.target.quantity() == Quantity::Ratio,
+            aims: design.discrepancy,
+            tolerances,
+            material,
+            friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
+            discrepancy: material.discrepancy_at(design.humidity()),
+            seed: design.seed,
+        }
+    }
+}
+
+/// The model about a confirmed design, with the parameters that are not known exactly.
+struct AboutDesign<'a> {
+    model: &'a SteadyModel<'a>,
+    /// The design, as many of whose cavities lie on every sample.
+    designed: Pattern,
+    bar: &'a Stage<'a>,
+    /// The design's, with the material as calibrated.
+    scene: Scene,
+    is_ratio: bool,
+    /// Confirmed less steady ratio.
+    offset: Vec<f64>,
+    /// Friction of the flat sample in the confirming run.
+    flat_mu: Vec<f64>,
+    parameters: Parameters,
+    scale_is_fitted: bool,
+    discrepancy: Option<Discrepancy>,
+    /// Values are the corrected ones alone.
+    aims: bool,
+}
+
+/// Places of the parameters among the deviations; absent where one is not uncertain.
+#[derive(Clone, Debug, Default)]
+struct Parameters {
+    /// First of the relative errors of flat friction, one per load.
+    friction: Option<usize>,
+    /// The logarithm of Young's modulus, or of the area law's fitted scale, which moves the law alike.
+    modulus: Option<usize>,
+    /// The area law's factors, in standard errors.
+    law: Option<usize>,
+    /// First of the logarithmic errors of the discrepancy, one per load.
+    discrepancy: Option<usize>,
+    count: usize,
+}
+
+/// Propagates the uncertainties of `request`; `None` where the confirming run has no friction at some pressure.
+fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError> {
+    let failed = |failure: ModelFailure| DesignError::Failed(format!("tolerances: {failure}"));
+    let Some((about, covariance)) = AboutDesign::new(request).map_err(failed)? else { return Ok(None) };
+    let tolerances = &request.tolerances.tolerances;
+    let refused = |error: SearchError| DesignError::Failed(format!("tolerances: {error}"));
+    let uncertainty = Uncertainty::new(tolerances, &covariance).map_err(refused)?;
+    let made = Uncertainty::new(tolerances, &vec![vec![0.0; covariance.len()]; covariance.len()]).map_err(refused)?;
+    let first_order = Linearization::new(&about, request.about.pattern, &uncertainty).map_err(failed)?;
+    let is_linear = request.about.model.is_solid();
+    let (sampled, draws): (&dyn UncertainModel, usize) =
+        if is_linear { (&first_order, LINEAR_DRAWS) } else { (&about, request.tolerances.draws) };
+    let drawn = |of: &Uncertainty| propagate(sampled, request.about.pattern, of, draws, request.seed).map_err(failed);
+    let is_known = about.parameters.count > 0;
+    let samples = drawn(&made)?;
+    let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
+    let count = about.scene.loads.len();
+    Ok(Some(RobustnessReport {
+        meaning: MEANING,
+        method: if is_linear { "linearized" } else { "sampled" },
+        inputs: inputs(request, &about, &uncertainty),
+        samples: scatter(request, &about, &samples),
+        with_material: all.as_ref().map(|all| scatter(request, &about, all)),
+        with_discrepancy: about.discrepancy.as_ref().filter(|_| !about.aims).zip(all.as_ref()).map(|(found, all)| {
+            let spreads = all.spreads();
+            let within = all.probability(|values| is_met(request, &values[2 * count..]));
+            CorrectedReport {
+                factor: about.scene.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
+                probability: is_asked(request).then(|| tidy(within.share)),
+                probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
+                by_pressure: (0..count)
+                    .map(|load| pair(&spreads[2 * count..], request.is_ratio, load, count))
+                    .collect(),
+            }
+        }),
+        parts: parts(&about, &uncertainty, &first_order),
+        optimum: request.about.choice.map(|choice| {
+            // In space a draw costs a tenth of a second.
+            let nominal = (!is_linear)
+                .then(|| propagate(&about, &choice.nominal, &made, request.tolerances.draws, request.seed).ok())
+                .flatten();
+            OptimumReport {
+                nominal: PatternReport::from(&choice.nominal),
+                nominal_expected_rms: choice.found.nominal_expected.map(|misfit| tidy(misfit.rms)),
+                expected_rms: tidy(choice.found.expected.rms),
+                nominal_probability: nominal
+                    .map(|drawn| tidy(drawn.probability(|values| is_met(request, values)).share)),
+                evaluations: choice.found.evaluations,
+            }
+        }),
+    }))
+}
+
+impl<'a> AboutDesign<'a> {
+    /// The model about the design, and the covariance of its parameters.
+    fn new(request: &Request<'a>) -> Result<Option<(Self, Covariance)>, ModelFailure> {
+        let confirmed: Option<Vec<(f64, f64)>> = request
+            .about
+            .confirmed
+            .loads
+            .iter()
+            .map(|load| Some((load.ratio?, load.flat.as_ref()?.mu_dynamic?)))
+            .collect();
+        let Some(confirmed) = confirmed else { return Ok(None) };
+        let model = request.about.model;
+        let scene = model.scene(request.about.pattern);
+        let loads = &scene.loads;
+        let count = loads.len();
+        let steady = model.ratios_of(&scene, request.about.pattern, request.about.pattern)?;
+        let mut parameters = Parameters::default();
+        let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
+        let mut add = |block: Vec<Vec<f64>>| {
+            let place = parameters.count;
+            parameters.count += block.len();
+            blocks.push(block);
+            Some(place)
+        };
+        let material = request.material;
+        let (friction, modulus);
+        if let (Some(known), Some(law)) = (&material.scale_covariance, model.area_law()) {
+            // Fitted together: flat friction and the law's scale are off together.
+            friction = add(with_scale(known, law, loads).map_err(trial)?);
+            modulus = friction.map(|first| first + count);
+        } else {
+            friction = request.friction_covariance.clone().and_then(&mut add);
+            modulus = material.modulus_std(model.area_law()).and_then(|std| add(vec![vec![std * std]]));
+        }
+        let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
+        let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
+        let discrepancy = request.discrepancy.clone();
+        let errors = discrepancy.as_ref().and_then(|found| add(log_covariance(found, loads)));
+        let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
+        let mut first = 0;
+        for block in &blocks {
+            for (row, entries) in block.iter().enumerate() {
+                covariance[first + row][first..first + block.len()].copy_from_slice(entries);
+            }
+            first += block.len();
+        }
+        parameters = Parameters { friction, modulus, law, discrepancy: errors, ..parameters };
+        let about = Self {
+            model,
+            bar: request.about.bar,
+            designed: *request.about.pattern,
+            is_ratio: request.is_ratio,
+            offset: confirmed.iter().zip(&steady).map(|((ratio, _), steady)| ratio - steady).collect(),
+            flat_mu: confirmed.iter().map(|(_, flat_mu)| *flat_mu).collect(),
+            scene,
+            parameters,
+            scale_is_fitted: material.scale_covariance.is_some(),
+            discrepancy,
+            aims: request.aims,
+        };
+        Ok(Some((about, covariance)))
+    }
+
+    /// What moves the area law along the pressure.
+    fn scale_name(&self) -> &'static str {
+        if self.scale_is_fitted { "scale of the area law" } else { "Young's modulus" }
+    }
+
+    /// Ratio and friction at each load, one after the other or the other way round as the target has it.
+    fn ordered(&self, ratio: &[f64], relative_friction: &[f64]) -> Vec<f64> {
+        let mu = ratio.iter().zip(&self.flat_mu).zip(relative_friction).map(|((r, flat), by)| r * flat * (1.0 + by));
+        if self.is_ratio {
+            ratio.iter().copied().chain(mu).collect()
+        } else {
+            mu.chain(ratio.iter().copied()).collect()
+        }
+    }
+}
+
+impl UncertainModel for AboutDesign<'_> {
+    fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        if self.bar.cancelled() {
+            return Err(ModelFailure::Cancelled);
+        }
+        let count = self.scene.loads.len();
+        let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
+        let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
+        let log_modulus = at(self.parameters.modulus, 0);
+        let moved = moved(&self.scene, &flat, log_modulus, at(self.parameters.law, 0)).map_err(trial)?;
+        let steady = self.model.ratios_of(&moved, design, &self.designed)?;
+        let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
+        let mut values = self.ordered(&ratio, &flat);
+        if let Some(found) = &self.discrepancy {
+            let corrected: Vec<f64> = (0..count)
+                .map(|load| {
+                    let pressure_pa = self.scene.loads[load].pressure_pa;
+                    // A stiffer surface would have left the fit less to correct.
+                    let of_fit = found.modulus_sensitivity_at(pressure_pa);
+                    let log = at(self.parameters.discrepancy, load) - of_fit * log_modulus;
+                    ratio[load] * found.factor(pressure_pa) * log.exp()
+                })
+                .collect();
+            let corrected = self.ordered(&corrected, &flat);
+            if self.aims {
+                return Ok(corrected);
+            }
+            values.extend(corrected);
+        }
+        Ok(values)
+    }
+}
+
+fn trial(error: MaterialError) -> ModelFailure {
+    ModelFailure::Trial { reason: error.to_string() }
+}
+
+fn is_met(request: &Request<'_>, values: &[f64]) -> bool {
+    request.target.misfit(&values[..request.target.points().len()]).is_met()
+}
+
+/// Whether anything is demanded that a sample could miss.
+fn is_asked(request: &Request<'_>) -> bool {
+    request.target.has_demands()
+}
+
+fn scatter(request: &Request<'_>, about: &AboutDesign<'_>, found: &Propagation) -> ScatterReport {
+    let count = about.scene.loads.len();
+    let spreads = found.spreads();
+    let within = found.probability(|values| is_met(request, values));
+    ScatterReport {
+        draws: found.draws(),
+        failed: found.failed,
+        redrawn: found.redrawn,
+        probability: is_asked(request).then(|| tidy(within.share)),
+        probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
+        by_pressure: (0..count)
+            .map(|load| PressureReport {
+                pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
+                spread: pair(&spreads, request.is_ratio, load, count),
+            })
+            .collect(),
+    }
+}
+
+/// Ratio and friction at one load.
+fn pair(spreads: &[Spread], is_ratio: bool, load: usize, count: usize) -> SpreadReport {
+    let (first, second) = (distribution(&spreads[load]), distribution(&spreads[count + load]));
+    let (ratio, mu) = if is_ratio { (first, second) } else { (second, first) };
+    SpreadReport { ratio, mu }
+}
+
+/// What each input alone makes of the target's quantity at each load, to first order.
+fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linearization) -> Vec<PressureParts> {
+    let count = about.scene.loads.len();
+    let parameter = |place: Option<usize>, of: usize| place.map(|place| DIMENSIONS + place..DIMENSIONS + place + of);
+    let groups = [
+        ("width", Some(0..1)),
+        ("spacing", Some(1..2)),
+        ("depth", Some(2..3)),
+        ("flat friction", parameter(about.parameters.friction, count)),
+        (about.scale_name(), parameter(about.parameters.modulus, 1)),
+        ("area law", parameter(about.parameters.law, 1)),
+        ("discrepancy", parameter(about.parameters.discrepancy.filter(|_| about.aims), count)),
+    ];
+    let known: Vec<(&str, Vec<f64>)> = groups
+        .into_iter()
+        .filter_map(|(name, range)| {
+            let range = range.filter(|range| range.clone().any(|input| uncertainty.std(input) > 0.0))?;
+            Some((name, first_order.std_of(uncertainty, &|input| range.contains(&input))))
+        })
+        .collect();
+    let all = first_order.std(uncertainty);
+    (0..count)
+        .map(|load| PressureParts {
+            pressure_mpa: PRESSURE_MPA.from_si(about.scene.loads[load].pressure_pa),
+            std: tidy(all[load]),
+            of: known
+                .iter()
+                .map(|(name, std)| PartsReport { input: (*name).to_owned(), std: tidy(std[load]) })
+                .collect(),
+        })
+        .collect()
+}
+
+/// What scatters, in words and numbers.
+fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertainty) -> Vec<InputReport> {
+    let mut inputs: Vec<InputReport> = Vec::new();
+    for (axis, name) in ["width", "spacing", "depth"].into_iter().enumerate() {
+        let std_um = LENGTH_UM.from_si(uncertainty.std(axis));
+        if std_um > 0.0 {
+            inputs.push(InputReport {
+                name: name.to_owned(),
+                std: vec![std_um],
+                unit: "um",
+                basis: "of a sample's mean, by the design file".to_owned(),
+            });
+        }
+    }
+    let percent = |std: f64| tidy(100.0 * std);
+    if let Some(first) = about.parameters.friction {
+        inputs.push(InputReport {
+            name: "flat friction at each load".to_owned(),
+            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            unit: "%",
+            basis: "standard errors of the fitted coefficients".to_owned(),
+        });
+    }
+    if let Some(place) = about.parameters.modulus {
+        let is_fitted = request.material.scale_covariance.is_some();
+        inputs.push(InputReport {
+            name: about.scale_name().to_owned(),
+            std: vec![percent(uncertainty.std(DIMENSIONS + place))],
+            unit: "%",
+            basis: if is_fitted {
+                "fitted together with flat friction"
+            } else {
+                "moves the area law along the pressure, flat friction being measured"
+            }
+            .to_owned(),
+        });
+    }
+    if about.parameters.law.is_some() {
+        inputs.push(InputReport {
+            name: "factors of the area law".to_owned(),
+            std: vec![1.0],
+            unit: "standard errors",
+            basis: "windows of the altitude map, all factors off to the same side".to_owned(),
+        });
+    }
+    if let (Some(first), Some(found)) = (about.parameters.discrepancy, &request.discrepancy) {
+        inputs.push(InputReport {
+            name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
+            std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
+            unit: "%",
+            basis: format!(
+                "{} degrees of freedom; {}",
+                found.degrees_of_freedom,
+                if about.aims { "the design aims with it" } else { "only in the numbers corrected by it" }
+            ),
+        });
+    }
+    inputs
+}

@@ -1,0 +1,226 @@
+//! The best of the designs on target: the one that a cut sample of is likeliest on target, and of those alike the one that
+//! takes the laser least.
+
+use serde::Serialize;
+use slipgrid_export::laser_time_s;
+use slipgrid_optimize::{
+    Candidate, Choice, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome,
+    Selection, SelectionOptions, Status, select, select_guided,
+};
+use slipgrid_pattern::Pattern;
+
+use crate::chance::{About, Chances};
+use crate::multi_fidelity::MultiFidelityLoop;
+use crate::task::DesignTask;
+use crate::time_budget::SEARCH_SHARE;
+use crate::timings::Timings;
+use slipgrid_units::tidy;
+
+/// Draws that designs are compared by.
+const DRAWS: usize = 4000;
+/// By how much a ratio of the steady model is taken to be off before it is confirmed in time: confirming runs differ by 0.001
+/// to 0.004. Designs at the edge of what is accepted lose by it.
+const NUMERICAL_STD: f64 = 0.002;
+/// Misfit of the steady model from which a design may fail its confirming run: its chance counts that too.
+const NEAR_THE_EDGE: f64 = 0.9;
+/// Lattice in space, where a design of the guide takes some milliseconds.
+const NODES_IN_SPACE: usize = 80;
+
+/// What was chosen from, as result.json holds it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SelectionReport {
+    /// What was chosen and why, in one line.
+    pub words: String,
+    /// Designs that the search's model, or its guide, was asked of.
+    pub designs: usize,
+    /// Those on target that were compared.
+    pub on_target: usize,
+    /// The chance of the chosen design about the steady model, before it was confirmed.
+    pub chance: f64,
+    /// Of the design that comes first where effort does not count: chances count in proportion to how likely the run in time
+    /// is to confirm the design.
+    pub greatest_chance: f64,
+    /// Chances that differ by less count as alike.
+    pub alike: f64,
+    /// What decides among those: `laser_time_s` or `cavity_volume_mm3`.
+    pub effort: &'static str,
+    /// Of the chosen design.
+    pub effort_value: f64,
+    /// Of the design with the greatest chance.
+    pub effort_of_greatest_chance: f64,
+}
+
+/// What making a design takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effort {
+    /// Seconds under the laser.
+    LaserTime,
+    /// Cubic millimetres of cavities on the specimen: nobody says how fast the laser is.
+    Volume,
+}
+
+impl Effort {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::LaserTime => "laser_time_s",
+            Self::Volume => "cavity_volume_mm3",
+        }
+    }
+
+    const fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::LaserTime => ["time under the laser", "s"],
+            Self::Volume => ["volume of cavities", "mm3"],
+        }
+    }
+
+    /// What `pattern` takes on the specimen of `design`, in seconds or cubic millimetres.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the specimen cannot take it, or the laser's data give no time.
+    pub fn of(self, design: &DesignTask, pattern: &Pattern) -> Result<f64, ModelFailure> {
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let layout = design.specimen.layout(*pattern).map_err(|error| trial(error.to_string()))?;
+        match self {
+            Self::LaserTime => {
+                laser_time_s(&layout, &design.laser).ok_or_else(|| trial("the laser's time is not known".to_owned()))
+            }
+            Self::Volume => Ok(layout.cavity_volume_m3() * 1e9),
+        }
+    }
+}
+
+/// What designs of one search are chosen by.
+struct ByChance<'a> {
+    design: &'a DesignTask,
+    chances: &'a Chances<'a>,
+    draws: CommonDraws,
+    numerical: Vec<f64>,
+    /// Misfit up to which a confirming run is not expected to fail.
+    safe_misfit: f64,
+    effort: Effort,
+}
+
+impl Merits for ByChance<'_> {
+    fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
+        let values = &candidate.response.value;
+        let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
+        let about = About { design: &candidate.design, values, numerical: &numerical, corrected: false };
+        let linear = self.chances.linearize(&about)?;
+        let all = self.chances.share(&self.draws, &linear, &|_| true);
+        if candidate.misfit.max <= self.safe_misfit {
+            return Ok((all, 1.0));
+        }
+        // How the ratio changes with the blocks, the confirming run has in common with the steady model.
+        let places = self.chances.numerical();
+        let mut slopes = vec![vec![0.0; values.len()]; places.end];
+        for (load, std) in self.numerical.iter().enumerate() {
+            slopes[places.start + load][load] = *std;
+        }
+        let run = Linearization::of_slopes(candidate.design, values.clone(), slopes);
+        Ok((all, self.chances.share(&self.draws, &run, &|place| places.contains(&place)).share))
+    }
+
+    fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {
+        self.effort.of(self.design, design)
+    }
+}
+
+impl MultiFidelityLoop<'_> {
+    /// `outcome` with the best of the designs on target, where it met a target without a goal and the design does not ask for
+    /// the robust one.
+    ///
+    /// # Errors
+    /// As [`select`].
+    pub(super) fn choose(
+        &mut self,
+        design: &DesignTask,
+        outcome: SearchOutcome,
+        timings: &mut Timings,
+    ) -> Result<SearchOutcome, SearchError> {
+        self.selection = None;
+        let is_wanted = design.target.goal().is_none() && !design.robust && outcome.status == Status::Met;
+        let Some(chances) = self.chances.as_ref().filter(|_| is_wanted && !self.out_of_time) else {
+            return Ok(outcome);
+        };
+        let bar = self.budget.stage_of_share("choice", SEARCH_SHARE);
+        let has_time = Effort::LaserTime.of(design, &outcome.best.design).is_ok();
+        let merits = ByChance {
+            design,
+            chances,
+            draws: chances.draws(DRAWS, design.seed),
+            // Another design may differ by half of what the last one did.
+            numerical: chances.scale().iter().map(|scale| (scale * NUMERICAL_STD).max(0.5 * self.missed)).collect(),
+            safe_misfit: if self.missed > 0.0 { 0.0 } else { NEAR_THE_EDGE },
+            effort: if has_time { Effort::LaserTime } else { Effort::Volume },
+        };
+        let (target, space, constraints, known) =
+            (&design.target, &design.space, &design.constraints, &outcome.meeting);
+        let found = match self.model.guide() {
+            None => {
+                let options = SelectionOptions::default();
+                select(target, space, constraints, known, &options, &self.model, &merits, &bar)
+            }
+            Some((guide, _)) => {
+                let options = SelectionOptions { nodes: NODES_IN_SPACE, ..SelectionOptions::default() };
+                let (model, guidance) = (&self.model, &mut self.guidance);
+                select_guided(target, space, constraints, known, &options, model, &guide, guidance, &merits, &bar)
+            }
+        };
+        timings.choice += bar.finish();
+        let selection = found?;
+        // What was found before the time was spent is as good as any; the search itself has ended.
+        let Some(chosen) = selection.pool.first().map(|choice| choice.candidate.clone()) else { return Ok(outcome) };
+        let alternatives = selection.alternatives.clone();
+        self.selection = Some(Chosen { selection, effort: merits.effort });
+        Ok(SearchOutcome { best: chosen, alternatives, ..outcome })
+    }
+}
+
+/// What was chosen from, and by what effort.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// The designs, the chosen one first.
+    pub selection: Selection,
+    /// What decides among those alike.
+    pub effort: Effort,
+}
+
+impl Chosen {
+    /// The choice as it is reported.
+    #[must_use]
+    pub fn report(&self) -> Option<SelectionReport> {
+        let pool = &self.selection.pool;
+        let chosen = pool.first()?;
+        // As designs are ranked: a chance counts for less where the run in time is likely to refuse the design.
+        let counted = |choice: &Choice| choice.chance.share * choice.counts;
+        let greatest = pool.iter().reduce(|best, next| if counted(next) > counted(best) { next } else { best })?;
+        let is_weighed = pool.iter().any(|choice| choice.counts < greatest.counts);
+        let [effort, unit] = self.effort.words();
+        let words = format!(
+            "chosen of {} designs on target by the model: none has a chance greater by more than {:.1} %{}, and of those alike it \
+             takes the least {effort}: {} {unit}, where the likeliest takes {} {unit}",
+            pool.len(),
+            100.0 * self.selection.alike,
+            if is_weighed { " that its run in time is as likely to confirm" } else { "" },
+            three(chosen.effort),
+            three(greatest.effort),
+        );
+        Some(SelectionReport {
+            words,
+            designs: self.selection.designs,
+            on_target: pool.len(),
+            chance: tidy(chosen.chance.share),
+            greatest_chance: tidy(greatest.chance.share),
+            alike: tidy(self.selection.alike),
+            effort: self.effort.name(),
+            effort_value: tidy(chosen.effort),
+            effort_of_greatest_chance: tidy(greatest.effort),
+        })
+    }
+}
+
+/// Three significant digits.
+fn three(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}

@@ -1,0 +1,139 @@
+//! How the target's quantity moves with the dimensions of the design.
+
+use serde::Serialize;
+use slipgrid_optimize::{ForwardModel, ModelFailure, sensitivities};
+use slipgrid_pattern::Pattern;
+
+use crate::DesignError;
+use slipgrid_results::Table;
+use slipgrid_units::{LENGTH_UM, tidy};
+
+/// Step of the differences, in blocks: within a block kinks of the lattice show, beyond one curvature does.
+const STEP_BLOCKS: f64 = 0.5;
+
+/// Slopes at the design, by pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SensitivityReport {
+    /// What moves: `ratio` or `mu_dynamic`.
+    pub quantity: &'static str,
+    /// Step of the central differences; null where designs beside it cannot be computed.
+    pub step_um: Dimensions<Option<f64>>,
+    /// One per target pressure.
+    pub by_pressure: Vec<SlopesReport>,
+}
+
+/// Slopes at one pressure.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct SlopesReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// d(value)/d(length) per um.
+    pub per_um: Dimensions<Option<f64>>,
+    /// Distance to the slope at twice the step.
+    pub error_per_um: Dimensions<Option<f64>>,
+}
+
+/// One thing for each dimension.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Dimensions<T> {
+    /// Of the width.
+    pub width: T,
+    /// Of the spacing.
+    pub spacing: T,
+    /// Of the depth.
+    pub depth: T,
+}
+
+impl<T: Copy> Dimensions<T> {
+    /// From width, spacing, depth.
+    pub const fn new([width, spacing, depth]: [T; 3]) -> Self {
+        Self { width, spacing, depth }
+    }
+
+    /// Width, spacing, depth.
+    pub const fn all(&self) -> [T; 3] {
+        [self.width, self.spacing, self.depth]
+    }
+}
+
+/// The slopes of `model` at `design`; `None` where it has no response there, or was asked to stop.
+///
+/// # Errors
+/// [`DesignError::Failed`] for a model that is broken.
+pub fn report(
+    model: &dyn ForwardModel,
+    design: &Pattern,
+    block_m: f64,
+    quantity: &'static str,
+    pressures_mpa: &[f64],
+) -> Result<Option<SensitivityReport>, DesignError> {
+    let found = match sensitivities(model, design, STEP_BLOCKS * block_m) {
+        Ok(found) => found,
+        Err(ModelFailure::Trial { .. } | ModelFailure::Cancelled) => return Ok(None),
+        Err(failure) => return Err(DesignError::Failed(failure.to_string())),
+    };
+    // A millionth of a metre: per metre times 1e-6.
+    let per_um = |per_m: f64| tidy(per_m * 1e-6);
+    let by_pressure = pressures_mpa
+        .iter()
+        .enumerate()
+        .map(|(row, &pressure_mpa)| {
+            let slopes = found.axes.each_ref().map(|axis| axis.as_ref().and_then(|axis| axis.slopes.get(row).copied()));
+            SlopesReport {
+                pressure_mpa,
+                per_um: Dimensions::new(slopes.map(|slope| slope.map(|slope| per_um(slope.per_m)))),
+                error_per_um: Dimensions::new(slopes.map(|slope| slope.map(|slope| per_um(slope.error_per_m)))),
+            }
+        })
+        .collect();
+    let step_um = found.axes.each_ref().map(|axis| axis.as_ref().map(|axis| LENGTH_UM.from_si(axis.step_m)));
+    Ok(Some(SensitivityReport { quantity, step_um: Dimensions::new(step_um), by_pressure }))
+}
+
+impl SensitivityReport {
+    /// The slopes as a small table.
+    #[must_use]
+    pub fn text(&self) -> String {
+        // A change of the ratio by a ten thousandth is the least that anybody cares for.
+        let cell = |value: Option<f64>, error: Option<f64>| match (value, error) {
+            (Some(value), Some(error)) => format!("{:.2} +- {:.2}", 1e4 * value, 1e4 * error),
+            _ => "-".to_owned(),
+        };
+        let mut table = Table::new(["P MPa", "width", "spacing", "depth"]);
+        for row in &self.by_pressure {
+            let cells = row.per_um.all().into_iter().zip(row.error_per_um.all());
+            table.row(
+                std::iter::once(row.pressure_mpa.to_string()).chain(cells.map(|(value, error)| cell(value, error))),
+            );
+        }
+        format!("  change of {} in 1e-4 where one dimension grows by 1 um (steady model)\n{table}", self.quantity)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_optimize::Response;
+    use slipgrid_pattern::Planform;
+
+    fn design() -> Pattern {
+        Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()
+    }
+
+    #[test]
+    fn slopes_are_given_per_micrometre() {
+        let model = |at: &Pattern| {
+            let value = 0.9 - 1e2 * at.width_m() + 2e1 * at.spacing_m();
+            Ok(Response { value: vec![value, 2.0 * value], limited: Vec::new() })
+        };
+        let found = report(&model, &design(), 10e-6, "ratio", &[0.65, 2.6]).unwrap().unwrap();
+        assert_eq!(found.step_um, Dimensions { width: Some(5.0), spacing: Some(5.0), depth: Some(5.0) });
+        let second = &found.by_pressure[1];
+        let [width, spacing, depth] = second.per_um.all().map(Option::unwrap);
+        assert!((width + 2e-4).abs() < 1e-12 && (spacing - 4e-5).abs() < 1e-12 && depth.abs() < 1e-12);
+        let text = found.text();
+        assert!(text.contains("-2.00 +- 0.00") && text.contains("0.40 +- 0.00"), "{text}");
+        let none = |_: &Pattern| Err(ModelFailure::Trial { reason: "closes".to_owned() });
+        assert_eq!(report(&none, &design(), 10e-6, "ratio", &[0.65]).unwrap(), None);
+    }
+}

@@ -1,0 +1,497 @@
+//! The model that the search asks: the steady cell, in as many dimensions as the design needs.
+
+use slipgrid_export::ExportError;
+use slipgrid_material::AreaLaw;
+use slipgrid_monitor::{Monitor, Unwatched};
+use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{
+    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SectionModel, SectionOutcome, Simulation,
+    SolidModel, Status, simulate,
+};
+
+use crate::confirmation::trusted;
+use crate::constraint_quantities::Limited;
+use crate::evaluation_cache::{Answer, Evaluations};
+use crate::operating_conditions::turned;
+use crate::specimen::{SpecimenError, density_share, on_face, onto};
+use crate::task::DesignTask;
+use slipgrid_export::Specimen;
+
+/// Blocks of the guide over those of the layer, the first that serves: cells of four times the block cost a hundredth
+/// and differ by at most 0.02 of the ratio, of twice the block a tenth and 0.013.
+const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
+/// Rows that the guide's layer keeps, and blocks that the shortest pitch keeps.
+const LEAST_GUIDE_ROWS: usize = 4;
+const LEAST_GUIDE_PITCH: f64 = 2.0;
+/// Most memory of one three-dimensional cell, in bytes: several are solved side by side.
+const MOST_CELL_BYTES: f64 = (1_u64 << 30) as f64;
+
+/// The same of one in the vertical plane, where its equations are not condensed.
+const MOST_PLANE_BYTES: f64 = 4.0 * MOST_CELL_BYTES;
+
+/// Friction of a design by the steady cell, with what confirming runs found the model to miss.
+pub struct SteadyModel<'a> {
+    /// With the loads of the condition designed for.
+    scene: Scene,
+    /// With the loads of every condition in every direction, those of the condition designed for first: what designs are
+    /// asked of. Conditions differ in the local coefficients alone, so one factorization serves all of a direction.
+    asked: Scene,
+    /// Sliding directions beside that of the designs, whose loads come last.
+    directions_deg: Vec<f64>,
+    solver: Solver,
+    /// The same in larger blocks, where space makes it worth while.
+    guide: Option<(Scene, Solver)>,
+    /// Dynamic friction of the flat sample at each load of each condition, where the target is dynamic friction itself:
+    /// the ratio hardly depends on time, friction itself lies above steady sliding.
+    flat_mu: Option<Vec<f64>>,
+    /// What values are multiplied by at each load of each condition before they are compared with the target: 1, or the
+    /// discrepancy's factor.
+    aim: Vec<f64>,
+    /// Added to the model's value at each load of each condition: dynamic minus steady at a confirmed design.
+    correction: Vec<f64>,
+    limited: Limited,
+    evaluations: Evaluations<'a>,
+    /// Ends a search.
+    monitor: &'a dyn Monitor,
+    /// What designs are cut into; absent for endless patterns.
+    specimen: Option<Specimen>,
+}
+
+/// What solves steady cells at the loads of one sliding direction after the other.
+struct Solver {
+    each: Vec<(Option<f64>, Cell)>,
+}
+
+/// What solves steady cells.
+enum Cell {
+    /// In the vertical plane along the sliding direction.
+    Section(SectionModel),
+    /// In space.
+    Solid(SolidModel),
+}
+
+impl Solver {
+    /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
+    fn new(scene: &Scene, dimensions: u8, directions_deg: &[f64]) -> Self {
+        let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
+        let own = scene.loads.len() / (1 + directions_deg.len());
+        let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
+            (angle_deg, Cell::new(&Scene { loads: loads.to_vec(), ..scene.clone() }, dimensions))
+        };
+        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
+    }
+
+    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
+        let mut outcomes = Vec::new();
+        for (angle_deg, cell) in &self.each {
+            outcomes.append(&mut cell.solve(&turned(design, *angle_deg))?);
+        }
+        Ok(outcomes)
+    }
+}
+
+impl Cell {
+    fn new(scene: &Scene, dimensions: u8) -> Self {
+        if dimensions == 3 { Self::Solid(SolidModel::new(scene)) } else { Self::Section(SectionModel::new(scene)) }
+    }
+
+    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
+        match self {
+            Self::Section(model) => {
+                let bytes = model.bytes(design);
+                if bytes > MOST_PLANE_BYTES {
+                    let reason = format!("its cell takes {bytes:.1e} bytes, more than {MOST_PLANE_BYTES:.1e}");
+                    return Err(ModelFailure::Trial { reason });
+                }
+                Ok(model.solve(design))
+            }
+            Self::Solid(model) if model.bytes(design) > MOST_CELL_BYTES => Err(ModelFailure::Trial {
+                reason: format!("its cell takes {:.1e} bytes, more than {MOST_CELL_BYTES:.1e}", model.bytes(design)),
+            }),
+            Self::Solid(model) => Ok(model.solve(design)),
+        }
+    }
+}
+
+impl<'a> SteadyModel<'a> {
+    /// A model of the material, layer, loads and dimensions of `scene`, for the designs of `space`, and at the same
+    /// pressures of `further` conditions, of which the last are those of each of `directions_deg`, as many as of the
+    /// designs' own direction. With `flat_mu`, the dynamic friction of the flat sample at each load of the
+    /// scene, it gives dynamic friction, without it the ratio; flat friction elsewhere is that times the ratio of the
+    /// coefficients.
+    #[must_use]
+    pub fn new(
+        scene: &Scene,
+        further: &[&[Load]],
+        directions_deg: &[f64],
+        space: &DesignSpace,
+        flat_mu: Option<Vec<f64>>,
+    ) -> Self {
+        let dimensions = scene.run.dimensions.unwrap_or_else(|| space.texture().dimensions());
+        let run = RunOptions {
+            fidelity: Fidelity::Steady,
+            extent: Extent::Cell,
+            dimensions: scene.run.dimensions,
+            ..RunOptions::default()
+        };
+        let scene = Scene { pattern: None, run, ..scene.clone() };
+        let loads: Vec<Load> =
+            scene.loads.iter().chain(further.iter().flat_map(|loads| loads.iter())).copied().collect();
+        let flat_mu = flat_mu.map(|flat_mu| {
+            // mu_flat = mu_d f(P): at one pressure it goes as mu_d
+            let at = |(place, load): (usize, &Load)| {
+                let first = place % scene.loads.len();
+                flat_mu[first] * load.friction.dynamic_mean() / scene.loads[first].friction.dynamic_mean()
+            };
+            loads.iter().enumerate().map(at).collect()
+        });
+        let count = loads.len();
+        let asked = Scene { loads, ..scene.clone() };
+        let rows = scene.layer.rows();
+        let shortest_pitch_m = space.width_m()[0] + space.spacing_m()[0];
+        let serves = |factor: &usize| {
+            rows.is_multiple_of(*factor)
+                && rows / factor >= LEAST_GUIDE_ROWS
+                && shortest_pitch_m >= LEAST_GUIDE_PITCH * scene.layer.block_m * *factor as f64
+        };
+        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| dimensions == 3).map(|factor| {
+            let mut coarse = asked.clone();
+            coarse.layer.block_m *= factor as f64;
+            // The cell knows no specimen: any whole number of blocks does.
+            coarse.layer.length_m = coarse.layer.height_m;
+            let solver = Solver::new(&coarse, dimensions, directions_deg);
+            (coarse, solver)
+        });
+        Self {
+            solver: Solver::new(&asked, dimensions, directions_deg),
+            directions_deg: directions_deg.to_vec(),
+            guide,
+            flat_mu,
+            aim: vec![1.0; count],
+            correction: vec![0.0; count],
+            scene,
+            asked,
+            limited: Limited::default(),
+            evaluations: Evaluations::default(),
+            monitor: &Unwatched,
+            specimen: None,
+        }
+    }
+
+    /// Questions end once `monitor` has cancelled.
+    #[must_use]
+    pub fn watched_by(mut self, monitor: &'a dyn Monitor) -> Self {
+        self.monitor = monitor;
+        self
+    }
+
+    /// Designs are judged as they lie on `specimen` from here on: with the share of its face that their cavities take.
+    #[must_use]
+    pub fn on(mut self, specimen: Specimen) -> Self {
+        self.specimen = Some(specimen);
+        self
+    }
+
+    /// Share of the specimen's face that is cavity over that of the endless pattern.
+    fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
+        let Some(specimen) = &self.specimen else { return Ok(1.0) };
+        density_share(specimen, design, self.dimensions())
+    }
+
+    /// What a cell says, with its cavities as `designed` lies on the specimen.
+    fn laid(&self, designed: &Pattern, answer: Answer) -> Result<Answer, ModelFailure> {
+        let share = self.share(designed).map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+        Ok(Answer { ratio: answer.ratio.iter().map(|ratio| on_face(*ratio, share)).collect(), ..answer })
+    }
+
+    /// The scene with the loads of every condition.
+    #[must_use]
+    pub const fn asked(&self) -> &Scene {
+        &self.asked
+    }
+
+    /// Values are multiplied by `factor`, one per load of each condition, from here on: those of the model and those of confirming runs.
+    pub fn aim_with(&mut self, factor: Vec<f64>) {
+        self.aim = factor;
+    }
+
+    /// Takes over the quantities that limits hold, and what has been answered so far.
+    pub fn keep(&mut self, limited: Limited, evaluations: Evaluations<'a>) {
+        (self.limited, self.evaluations) = (limited, evaluations);
+    }
+
+    /// Whether by the physics behind `values`, as they are compared with the target, a pattern does less than limits demand.
+    #[must_use]
+    pub fn does_too_little(&self, values: &[f64]) -> bool {
+        self.limited.does_too_little(values)
+    }
+
+    /// Whether designs are solved in space.
+    #[must_use]
+    pub const fn is_solid(&self) -> bool {
+        matches!(self.solver.each.as_slice(), [(_, Cell::Solid(_)), ..])
+    }
+
+    /// Dimensions in which designs are solved.
+    const fn dimensions(&self) -> u8 {
+        if self.is_solid() { 3 } else { 2 }
+    }
+
+    /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
+    /// vertical plane, and where the layer or the shortest pitch takes no larger blocks.
+    #[must_use]
+    pub fn guide(&self) -> Option<(LowFidelity<'_>, f64)> {
+        let (scene, solver) = self.guide.as_ref()?;
+        Some((LowFidelity { model: self, scene, solver }, scene.layer.block_m))
+    }
+
+    /// Draws of the local coefficients with which a cell of `design` has at least `contacts` contact blocks in all; 1 in
+    /// the vertical plane, whose sample is one draw of many.
+    #[must_use]
+    pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
+        let [(_, Cell::Solid(model)), ..] = &self.solver.each[..] else { return 1 };
+        let [nx, ny] = model.columns(design);
+        // A groove is as long as its period.
+        let columns = nx * if design.length_m().is_none() { nx } else { ny };
+        // Between 1 and MOST_DRAWS: the cast is exact.
+        (contacts / (columns * (1.0 - design.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
+    }
+
+    /// The scene of a design.
+    #[must_use]
+    pub fn scene(&self, design: &Pattern) -> Scene {
+        Scene { pattern: Some(*design), ..self.scene.clone() }
+    }
+
+    /// The cell of a design, solved, and laid on the specimen.
+    ///
+    /// # Errors
+    /// [`SpecimenError`] if the design has no lattice or does not fit on the specimen.
+    pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SpecimenError> {
+        let mut simulation = simulate(&self.scene(design), &Unwatched)?;
+        if self.specimen.is_some() {
+            onto(&mut simulation, self.share(design)?, &[]);
+        }
+        Ok(simulation)
+    }
+
+    /// Ratios of `made`, a sample of what was `designed` and laid, in `scene`, one of this model's with other coefficients and
+    /// another area law.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        let solver = Solver::new(scene, self.dimensions(), &self.directions_deg);
+        Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
+    }
+
+    /// Ratios of `made`, a sample of what was `designed`, at every condition: as many cavities lie on it.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the sample cannot be computed.
+    pub fn ratios_made(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.laid(designed, open(Self::answer(&self.asked, &self.solver, made)?)?)?.ratio)
+    }
+
+    /// What the model alone says of `design` at every condition: not corrected, not kept.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where the design cannot be computed.
+    pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
+        self.laid(design, open(Self::answer(&self.asked, &self.solver, design)?)?)
+    }
+
+    /// Largest local pressure of `design` at each load of each condition, in pascals.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design cannot be computed.
+    pub fn peak_pressures_pa(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.solver.solve(design)?.iter().map(|outcome| outcome.surface.peak_pressure_pa).collect())
+    }
+
+    /// The same material and loads in the vertical plane, without limits.
+    #[must_use]
+    pub fn in_plane(&self) -> Self {
+        let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
+        (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
+        Self {
+            solver: Solver::new(&asked, 2, &self.directions_deg),
+            directions_deg: self.directions_deg.clone(),
+            guide: None,
+            flat_mu: self.flat_mu.clone(),
+            aim: self.aim.clone(),
+            correction: vec![0.0; asked.loads.len()],
+            limited: Limited::default(),
+            evaluations: Evaluations::default(),
+            monitor: self.monitor,
+            specimen: self.specimen,
+            scene,
+            asked,
+        }
+    }
+
+    /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
+    /// in space in the guide's blocks, which slopes hardly see. Its values are ratios.
+    ///
+    /// # Errors
+    /// Those of `change`.
+    pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
+        let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
+        let count = asked.loads.len();
+        Ok(Self {
+            solver: Solver::new(&asked, self.dimensions(), &self.directions_deg),
+            directions_deg: self.directions_deg.clone(),
+            guide: None,
+            flat_mu: None,
+            aim: vec![1.0; count],
+            correction: vec![0.0; count],
+            limited: Limited::default(),
+            evaluations: Evaluations::default(),
+            monitor: self.monitor,
+            specimen: self.specimen,
+            scene: asked.clone(),
+            asked,
+        })
+    }
+
+    /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the flat sample's dynamic friction
+    /// where that is wanted, and the discrepancy's factor where designs aim with it.
+    #[must_use]
+    pub fn scale(&self, load: usize) -> f64 {
+        self.aim[load] * self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
+    }
+
+    /// What values are multiplied by at `load`, of all conditions one after the other: 1, or the discrepancy's factor.
+    #[must_use]
+    pub fn factor(&self, load: usize) -> f64 {
+        self.aim[load]
+    }
+
+    /// The area law that designs are solved with.
+    #[must_use]
+    pub const fn area_law(&self) -> Option<&AreaLaw> {
+        self.scene.area_law.as_ref()
+    }
+
+    /// Takes the difference between `confirmed` and what the search took for `predicted` as the model's error at every
+    /// design, and returns the largest change of it. Values, one per load of each condition, that either has not keep their
+    /// correction.
+    pub fn correct(&mut self, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
+        let mut largest = 0.0_f64;
+        for (correction, (predicted, confirmed)) in self.correction.iter_mut().zip(predicted.iter().zip(confirmed)) {
+            if let Some(confirmed) = confirmed {
+                largest = largest.max((confirmed - predicted).abs());
+                *correction += confirmed - predicted;
+            }
+        }
+        largest
+    }
+
+    /// The target's quantity by a confirming run at the condition of place `condition` as it is compared with the target,
+    /// absent where it gave none that can be trusted.
+    #[must_use]
+    pub fn confirmed(&self, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
+        let value = |load: &LoadOutcome| {
+            let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
+            value.filter(|_| trusted(load))
+        };
+        let aim = &self.aim[condition * self.scene.loads.len()..];
+        simulation.loads.iter().zip(aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
+    }
+
+    /// What the steady model makes of the confirmed values `first` at the condition designed for at that of place
+    /// `condition`, which the search took for `predicted`: its ratio is off by as much as there.
+    #[must_use]
+    pub fn about(&self, condition: usize, predicted: &[f64], first: &[Option<f64>]) -> Vec<Option<f64>> {
+        let count = self.scene.loads.len();
+        let at = |(place, confirmed): (usize, &Option<f64>)| {
+            let own = condition * count + place;
+            // v + s dr, dr = (v_1 - predicted v_1) / s_1
+            Some(predicted[own] + ((*confirmed)? - predicted[place]) * self.scale(own) / self.scale(place))
+        };
+        first.iter().enumerate().map(at).collect()
+    }
+
+    /// `candidate` by the model as it stands: confirming runs may have corrected it since.
+    #[must_use]
+    pub fn judged(&self, design: &DesignTask, candidate: &Candidate) -> Candidate {
+        let Ok(response) = self.respond(&candidate.design) else { return candidate.clone() };
+        Candidate {
+            design: candidate.design,
+            misfit: design.target.misfit(&response.value),
+            violations: design.constraints.violations(&candidate.design, &response),
+            response,
+        }
+    }
+
+    /// What `solver`, made of `scene`, says of `design`, corrected.
+    fn ask(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Response, ModelFailure> {
+        if self.monitor.cancelled() {
+            return Err(ModelFailure::Cancelled);
+        }
+        self.limited.check(design)?;
+        let answer = self.evaluations.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
+        let answer = self.laid(design, answer)?;
+        if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
+            return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+        }
+        let corrected = |(load, ratio): (usize, &f64)| ratio * self.scale(load) + self.correction[load];
+        let value: Vec<f64> = answer.ratio.iter().enumerate().map(corrected).collect();
+        let limited = self.limited.values(design, &answer, &value)?;
+        Ok(Response { value, limited })
+    }
+
+    /// What `solver`, made of `scene`, says of `design`.
+    fn answer(scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
+        let trial = |reason: String| ModelFailure::Trial { reason };
+        let scene = Scene { pattern: Some(*design), ..scene.clone() };
+        scene.validate().map_err(|error| trial(error.to_string()))?;
+        let mut ratio = Vec::new();
+        let (mut peak_pressure_pa, mut least_pressure) = (0.0_f64, f64::INFINITY);
+        let mut clearance_m: Option<f64> = None;
+        for (outcome, load) in solver.solve(design)?.iter().zip(&scene.loads) {
+            let surface = &outcome.surface;
+            if surface.status != Status::Converged {
+                return Err(trial(format!("steady run: {}", surface.status.name())));
+            }
+            ratio.push(outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?);
+            peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);
+            let least_pa = surface.interface.iter().map(|point| point.pressure_pa).fold(f64::INFINITY, f64::min);
+            least_pressure = least_pressure.min(least_pa / load.pressure_pa);
+            clearance_m = [clearance_m, surface.clearance_m].into_iter().flatten().reduce(f64::min);
+        }
+        let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
+        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um })
+    }
+}
+
+/// The answer of a design whose cavities stay open.
+fn open(answer: Answer) -> Result<Answer, ModelFailure> {
+    if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) {
+        return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
+    }
+    Ok(answer)
+}
+
+/// The model in larger blocks: the low-fidelity model of a search in space.
+pub struct LowFidelity<'a> {
+    model: &'a SteadyModel<'a>,
+    scene: &'a Scene,
+    solver: &'a Solver,
+}
+
+impl ForwardModel for LowFidelity<'_> {
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        self.model.ask(self.scene, self.solver, design)
+    }
+}
+
+impl ForwardModel for SteadyModel<'_> {
+    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
+        self.ask(&self.asked, &self.solver, design)
+    }
+}
+
+#[cfg(test)]
+mod tests;

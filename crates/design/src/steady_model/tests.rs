@@ -1,0 +1,165 @@
+use super::*;
+use slipgrid_material::{Elastic, LocalFriction};
+use slipgrid_pattern::{Planform, Texture};
+use slipgrid_springblock::Layer;
+
+fn scene() -> Scene {
+    let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
+    Scene {
+        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+        area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
+        pattern: None,
+        layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+        loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
+        speed_m_s: 2e-3,
+        run: RunOptions::default(),
+    }
+}
+
+/// The loads of `scene` with a third more friction.
+fn louder(scene: &Scene) -> Vec<Load> {
+    let friction = LocalFriction::new(0.4, 0.36, 0.05).unwrap();
+    scene.loads.iter().map(|load| Load { friction, ..*load }).collect()
+}
+
+fn space(planform: Planform) -> DesignSpace {
+    DesignSpace::new(planform, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap()
+}
+
+#[test]
+fn the_search_sees_what_simulate_reports() {
+    let flat_mu = [0.28, 0.25];
+    for (planform, dimensions, expected) in
+        [(Planform::Groove, None, 2), (Planform::Square, None, 3), (Planform::Square, Some(2), 2)]
+    {
+        let design = Pattern::new(planform, 130.3e-6, 171e-6, 13e-6).unwrap();
+        for flat in [None, Some(flat_mu.to_vec())] {
+            let run = RunOptions { dimensions, ..RunOptions::default() };
+            let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform), flat.clone());
+            assert_eq!((model.is_solid(), model.scene(&design).dimensions()), (expected == 3, expected));
+            let response = model.respond(&design).unwrap();
+            let simulation = model.simulate(&design).unwrap();
+            for (load, outcome) in simulation.loads.iter().enumerate() {
+                let expected = outcome.ratio.unwrap() * if flat.is_some() { flat_mu[load] } else { 1.0 };
+                assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
+            }
+            let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
+            let answer = SteadyModel::answer(&model.asked, &model.solver, &design).unwrap();
+            assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < 1e-9 && response.limited.is_empty());
+            let points = simulation
+                .loads
+                .iter()
+                .flat_map(|load| load.surface.interface.iter().map(|point| point.pressure_pa / load.pressure_pa));
+            assert!((answer.least_pressure - points.fold(f64::INFINITY, f64::min)).abs() < 1e-9);
+            assert!(answer.clearance_m().is_some_and(|least_m| least_m > 0.0 && least_m < design.depth_m()));
+        }
+    }
+    let deep = Pattern::new(Planform::Groove, 130e-6, 370e-6, 250e-6).unwrap();
+    let model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None);
+    assert!(matches!(model.respond(&deep), Err(ModelFailure::Trial { .. })));
+}
+
+#[test]
+fn a_guide_in_larger_blocks_is_near_and_goes_along_with_corrections() {
+    let design = Pattern::new(Planform::Square, 130e-6, 170e-6, 20e-6).unwrap();
+    let mut model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Square), None);
+    let own = model.respond(&design).unwrap().value;
+    let guided = |model: &SteadyModel| {
+        let (guide, block_m) = model.guide().unwrap();
+        assert!((block_m - 40e-6).abs() < 1e-12);
+        guide.respond(&design).unwrap().value
+    };
+    let before = guided(&model);
+    assert!(own.iter().zip(&before).all(|(own, guide)| own != guide && (own - guide).abs() < 0.01));
+    let mut confirmed = model.simulate(&design).unwrap();
+    for load in &mut confirmed.loads {
+        load.ratio = load.ratio.map(|ratio| ratio - 0.002);
+    }
+    let confirmed = model.confirmed(0, &confirmed);
+    model.correct(&own, &confirmed);
+    assert!(guided(&model).iter().zip(&before).all(|(after, before)| (after - before + 0.002).abs() < 1e-9));
+    // Nothing is gained in the plane, and a pitch of 60 um takes no blocks of 40 um.
+    assert!(SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None).guide().is_none());
+    let narrow = DesignSpace::new(Planform::Square, [20e-6, 400e-6], [40e-6; 2], [5e-6; 2]).unwrap();
+    let blocks_m = SteadyModel::new(&scene(), &[], &[], &narrow, None).guide().map(|(_, block_m)| block_m);
+    assert!((blocks_m.unwrap() - 20e-6).abs() < 1e-12);
+}
+
+#[test]
+fn a_corrected_model_gives_what_was_confirmed() {
+    let design = Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap();
+    let mut model = SteadyModel::new(&scene(), &[], &[], &space(Planform::Groove), None);
+    let before = model.respond(&design).unwrap().value;
+    let mut confirmed = model.simulate(&design).unwrap();
+    for load in &mut confirmed.loads {
+        load.ratio = load.ratio.map(|ratio| ratio + 0.003);
+    }
+    let confirmed = model.confirmed(0, &confirmed);
+    assert!((model.correct(&before, &confirmed) - 0.003).abs() < 1e-9);
+    let after = model.respond(&design).unwrap().value;
+    assert!(after.iter().zip(&before).all(|(after, before)| (after - before - 0.003).abs() < 1e-9));
+    assert!(model.correct(&after, &confirmed) < 1e-9);
+}
+
+#[test]
+fn further_conditions_are_solved_with_their_own_coefficients_and_limits_are_the_worst_of_all() {
+    let scene = scene();
+    let louder = louder(&scene);
+    let design = Pattern::new(Planform::Groove, 130e-6, 170e-6, 20e-6).unwrap();
+    let flat_mu = vec![0.28, 0.25];
+    let mut model = SteadyModel::new(&scene, &[&louder], &[], &space(Planform::Groove), Some(flat_mu.clone()));
+    model.aim_with(vec![1.0, 1.0, 0.9, 0.8]);
+    let there = Scene { loads: louder, ..scene.clone() };
+    let alone = |scene: &Scene| SteadyModel::new(scene, &[], &[], &space(Planform::Groove), None);
+    let own = [alone(&scene), alone(&there)].map(|model| model.steady(&design).unwrap());
+    let both = model.steady(&design).unwrap();
+    assert_eq!(both.ratio, [&own[0].ratio[..], &own[1].ratio[..]].concat());
+    assert!(own[1].ratio[1] != own[0].ratio[1]);
+    let worst = own[0].peak_pressure_mpa.max(own[1].peak_pressure_mpa);
+    assert_eq!((both.peak_pressure_mpa, own[1].peak_pressure_mpa), (worst, worst));
+    assert_eq!(both.least_pressure, own[0].least_pressure.min(own[1].least_pressure));
+    let value = model.respond(&design).unwrap().value;
+    for (place, factor) in [0.9, 0.8].into_iter().enumerate() {
+        let expected = own[1].ratio[place] * flat_mu[place] * 0.36 / 0.27 * factor;
+        assert!((value[2 + place] - expected).abs() < 1e-12, "{value:?}");
+    }
+    // What the first condition's ratio is off, the second's is off too.
+    let first: Vec<Option<f64>> = (0..2).map(|load| Some(value[load] + 0.01 * flat_mu[load])).collect();
+    let about = model.about(1, &value, &first);
+    for (place, factor) in [0.9, 0.8].into_iter().enumerate() {
+        let expected = value[2 + place] + 0.01 * flat_mu[place] * 0.36 / 0.27 * factor;
+        assert!((about[place].unwrap() - expected).abs() < 1e-12, "{about:?}");
+    }
+    assert_eq!(model.about(1, &value, &[None, Some(0.3)])[0], None);
+    let all = [first, about].concat();
+    model.correct(&value, &all);
+    let after = model.respond(&design).unwrap().value;
+    assert!(after.iter().zip(&all).all(|(after, wanted)| (after - wanted.unwrap()).abs() < 1e-12));
+}
+
+#[test]
+fn further_directions_are_those_of_the_turned_design_solved_alone() {
+    let scene = scene();
+    let louder = louder(&scene);
+    let texture = Texture::new(Planform::Rectangle).with_length_m(80e-6).unwrap();
+    let space = DesignSpace::new(texture, [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap();
+    let design = Pattern::new(texture, 160e-6, 80e-6, 20e-6).unwrap();
+    let coarse = Scene { layer: Layer { block_m: 20e-6, ..scene.layer }, ..scene };
+    // Two conditions in each of two directions.
+    let further = [&louder[..], &coarse.loads[..], &louder[..]];
+    let model = SteadyModel::new(&coarse, &further, &[90.0], &space, None);
+    let found = model.steady(&design).unwrap();
+    let alone = |angle_deg: f64, loads: &[Load]| {
+        let scene = Scene { loads: loads.to_vec(), ..coarse.clone() };
+        SteadyModel::new(&scene, &[], &[], &space, None).steady(&turned(&design, Some(angle_deg))).unwrap()
+    };
+    let each = [(0.0, &coarse.loads), (0.0, &louder), (90.0, &coarse.loads), (90.0, &louder)]
+        .map(|(angle_deg, loads)| alone(angle_deg, loads));
+    let expected: Vec<f64> = each.iter().flat_map(|answer| answer.ratio.clone()).collect();
+    assert!(found.ratio.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+    assert!((expected[1] - expected[5]).abs() > 1e-4, "long cavities slide otherwise across: {expected:?}");
+    let worst = each.iter().map(|answer| answer.peak_pressure_mpa).fold(0.0, f64::max);
+    assert!((found.peak_pressure_mpa / worst - 1.0).abs() < 1e-9);
+    let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
+    assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
+}

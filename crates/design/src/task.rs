@@ -1,0 +1,375 @@
+//! The task: what friction is wanted, of which material, and what may be cut.
+
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_export::{Laser, Specimen};
+use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
+use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
+use slipgrid_springblock::{Layer, Load, SceneError};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
+
+use crate::constraint_quantities::ConstraintQuantity;
+use crate::error::{Refusal, TaskPart};
+
+/// A design task. Where a field is open, [`DesignTask::new`] says what it is by default.
+#[derive(Clone, Debug)]
+pub struct DesignTask {
+    /// Name for reports.
+    pub name: String,
+    /// The material; friction at the conditions of the task follows from it. A task without one is not run.
+    pub material: Option<KnownMaterial>,
+    /// Conditions at which the target must hold, the one designed for first; none where the material has coefficients for
+    /// one condition alone.
+    pub ranges: Vec<ConditionRange>,
+    /// The condition designed for: of a range, known when [`DesignTask::resolve`] has seen the measured ones.
+    pub condition: Option<Condition>,
+    /// Further conditions at which the target must hold: known at the same time.
+    pub also_at: Vec<Condition>,
+    /// Sliding directions beside the texture's own at which the target must hold, too.
+    pub directions: FurtherDirections,
+    /// The wanted friction.
+    pub target: Target,
+    /// Texture and bounds of the patterns that may be tried.
+    pub space: DesignSpace,
+    /// The search aims with the material's discrepancy.
+    pub discrepancy: bool,
+    /// What a pattern must respect beside its bounds.
+    pub constraints: Constraints,
+    /// What the constraints' quantities are, in their order.
+    pub quantities: Vec<ConstraintQuantity>,
+    /// The laser, for the process sheet.
+    pub laser: Laser,
+    /// The specimen.
+    pub specimen: Specimen,
+    /// The modelled layer.
+    pub layer: Layer,
+    /// Sliding speed of the confirming run, in m/s.
+    pub speed_m_s: f64,
+    /// Seed of search and local coefficients.
+    pub seed: u64,
+    /// Most evaluations of the model.
+    pub max_evaluations: usize,
+    /// Seconds that the job may take; no limit when absent.
+    pub max_seconds: Option<f64>,
+    /// Every design of a lattice is computed, too.
+    pub table: bool,
+    /// Confirming runs start from an unloaded layer at rest and give static friction too.
+    pub from_rest: bool,
+    /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
+    pub robust: bool,
+    /// Dimensions of the model, 2 or 3; what the texture needs when absent.
+    pub dimensions: Option<u8>,
+    /// How samples scatter about the design; nothing is said of it when absent.
+    pub tolerances: Option<SampleScatter>,
+    /// By what designs are compared beside the search; nothing when absent.
+    pub trade_offs: Option<TradeOffsWanted>,
+}
+
+/// A material, and how well it is known.
+#[derive(Clone, Debug)]
+pub struct KnownMaterial {
+    /// The material.
+    pub material: Material,
+    /// What its numbers leave open.
+    pub uncertainty: MaterialUncertainty,
+}
+
+impl From<Material> for KnownMaterial {
+    /// A material taken as exact.
+    fn from(material: Material) -> Self {
+        Self { material, uncertainty: MaterialUncertainty::default() }
+    }
+}
+
+/// Sliding directions of a texture beside its own.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FurtherDirections {
+    /// Those that differ from it and from each other, in degrees.
+    pub different_deg: Vec<f64>,
+    /// Those that are like one of the others by symmetry, in degrees.
+    pub alike_deg: Vec<f64>,
+}
+
+/// How samples scatter about the design, and how finely that is sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleScatter {
+    /// Standard deviations of a sample's mean dimensions.
+    pub tolerances: Tolerances,
+    /// Draws.
+    pub draws: usize,
+}
+
+/// Something that should be as small as possible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TradeOffGoal {
+    /// Chance that a cut sample is on target: the greater the better, and alike within the error of the choice. Designs on
+    /// target alone are compared.
+    Chance,
+    /// Largest distance from the target, in tolerances.
+    Misfit,
+    /// Time under the laser for the specimen.
+    LaserTime,
+    /// Volume of the cavities on the specimen.
+    Volume,
+    /// Largest local pressure at any target pressure.
+    PeakPressure,
+    /// Standard deviation of the target's quantity over samples, in tolerances, root mean square over pressures.
+    Spread,
+}
+
+impl TradeOffGoal {
+    /// All of them.
+    pub const ALL: [Self; 6] =
+        [Self::Chance, Self::Misfit, Self::LaserTime, Self::Volume, Self::PeakPressure, Self::Spread];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Chance => "chance",
+            Self::Misfit => "misfit",
+            Self::LaserTime => "laser_time",
+            Self::Volume => "volume",
+            Self::PeakPressure => "peak_pressure",
+            Self::Spread => "spread",
+        }
+    }
+
+    /// The name of its column, with the unit.
+    #[must_use]
+    pub const fn column(self) -> &'static str {
+        match self {
+            Self::Chance => "chance",
+            Self::Misfit => "misfit_tolerances",
+            Self::LaserTime => "laser_time_s",
+            Self::Volume => "volume_mm3",
+            Self::PeakPressure => "peak_pressure_mpa",
+            Self::Spread => "spread_tolerances",
+        }
+    }
+
+    /// What it is, with the unit.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Chance => "chance that a cut sample is on target",
+            Self::Misfit => "largest distance from the target (tolerances)",
+            Self::LaserTime => "time under the laser (s)",
+            Self::Volume => "volume of cavities (mm3)",
+            Self::PeakPressure => "largest local pressure (MPa)",
+            Self::Spread => "standard deviation over samples (tolerances)",
+        }
+    }
+}
+
+/// By what designs are compared, and how many at first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TradeOffsWanted {
+    /// Two or three.
+    pub goals: Vec<TradeOffGoal>,
+    /// Designs of the lattice.
+    pub designs: usize,
+}
+
+/// Most model evaluations where a task names no limit.
+pub const DEFAULT_MAX_EVALUATIONS: usize = 2000;
+/// Sliding speed of the confirming run where neither condition nor target names one, in m/s: the paper's.
+pub const DEFAULT_SPEED_M_S: f64 = 2e-3;
+
+impl DesignTask {
+    /// The task of a pattern of `space` that brings `material` to `target` on `specimen`, whose modelled layer is `layer`;
+    /// everything else is as simple as it can be: one condition, no limits but the bounds, no tolerances.
+    #[must_use]
+    pub fn new(
+        material: impl Into<KnownMaterial>,
+        target: Target,
+        space: DesignSpace,
+        specimen: Specimen,
+        layer: Layer,
+    ) -> Self {
+        Self { material: Some(material.into()), ..Self::without_material(target, space, specimen, layer) }
+    }
+
+    /// The same without its material.
+    #[must_use]
+    pub fn without_material(target: Target, space: DesignSpace, specimen: Specimen, layer: Layer) -> Self {
+        Self {
+            name: "design".to_owned(),
+            material: None,
+            ranges: Vec::new(),
+            condition: None,
+            also_at: Vec::new(),
+            directions: FurtherDirections::default(),
+            target,
+            space,
+            discrepancy: false,
+            constraints: Constraints::default(),
+            quantities: Vec::new(),
+            laser: Laser::default(),
+            specimen,
+            layer,
+            speed_m_s: DEFAULT_SPEED_M_S,
+            seed: 1,
+            max_evaluations: DEFAULT_MAX_EVALUATIONS,
+            max_seconds: None,
+            table: false,
+            from_rest: false,
+            robust: false,
+            dimensions: None,
+            tolerances: None,
+            trade_offs: None,
+        }
+    }
+
+    /// Finds the conditions of all ranges at which `friction` is lowest and highest, each once, and the one designed for
+    /// among those of the first.
+    ///
+    /// # Errors
+    /// [`Refusal`] of a range that reaches outside the measured conditions.
+    pub fn resolve(&mut self, friction: &Friction) -> Result<(), Refusal> {
+        let Some(first) = self.ranges.first() else { return Ok(()) };
+        let mut all: Vec<Condition> = Vec::new();
+        for (place, range) in self.ranges.iter().enumerate() {
+            let refuse = |error: MaterialError| Refusal::new(TaskPart::ConditionRange(place), error.to_string());
+            for condition in friction.extremes(range).map_err(refuse)? {
+                if !all.iter().any(|known| known.matches(&condition)) {
+                    all.push(condition);
+                }
+            }
+            if self.condition.is_none() {
+                self.condition = friction.primary(first, &all);
+            }
+        }
+        let Some(condition) = self.condition else { return Ok(()) };
+        all.retain(|other| !other.matches(&condition));
+        self.also_at = all;
+        self.speed_m_s = condition.speed_m_s;
+        Ok(())
+    }
+
+    /// Relative humidity of the condition designed for.
+    #[must_use]
+    pub fn humidity(&self) -> Option<f64> {
+        self.condition.map(|condition| condition.humidity)
+    }
+
+    /// The range that the design is made for, where it is one.
+    #[must_use]
+    pub fn range(&self) -> Option<&ConditionRange> {
+        self.ranges.first().filter(|range| range.is_wide())
+    }
+
+    /// The loads at the target's pressures, and whether each lies outside the measured range of `material`.
+    ///
+    /// # Errors
+    /// [`Refusal`] of the condition if `material` has no coefficients for it, or of a pressure that is not below its modulus.
+    pub fn loads(&self, material: &Material) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
+        let modulus_pa = material.elastic.youngs_modulus_pa();
+        if let Some(place) = self.pressures_pa().iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
+            let reason = "MPa is not below Young's modulus, where nothing is linear elastic";
+            return Err(Refusal::new(TaskPart::Pressure(place), reason)
+                .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))));
+        }
+        for condition in &self.also_at {
+            self.loads_at(material, condition)?;
+        }
+        loads(&material.friction, &self.pressures_pa(), self.condition.as_ref())
+            .map_err(|error| Refusal::new(TaskPart::Condition, error.to_string()))
+    }
+
+    /// The same at a further condition.
+    ///
+    /// # Errors
+    /// [`Refusal`] of the further conditions if `material` has no coefficients for this one.
+    pub fn loads_at(&self, material: &Material, condition: &Condition) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
+        loads(&material.friction, &self.pressures_pa(), Some(condition))
+            .map_err(|error| Refusal::new(TaskPart::FurtherConditions, error.to_string()))
+    }
+
+    /// Nominal pressures of the target, in pascals.
+    #[must_use]
+    pub fn pressures_pa(&self) -> Vec<f64> {
+        self.target.points().iter().map(|point| point.pressure_pa).collect()
+    }
+
+    /// Whether the task goes with `known`: its conditions, its pressures, and the discrepancy where that is aimed with.
+    ///
+    /// # Errors
+    /// [`Refusal`] of the first part that does not.
+    pub fn check(&mut self, known: &KnownMaterial) -> Result<(), Refusal> {
+        self.resolve(&known.material.friction)?;
+        self.loads(&known.material)?;
+        self.check_discrepancy(&known.uncertainty)
+    }
+
+    /// Whether the discrepancy of `uncertainty` can be aimed with, where that is wished.
+    ///
+    /// # Errors
+    /// [`Refusal`] of the wish.
+    fn check_discrepancy(&self, uncertainty: &MaterialUncertainty) -> Result<(), Refusal> {
+        if !self.discrepancy {
+            return Ok(());
+        }
+        if uncertainty.discrepancy_at(self.humidity()).is_none() {
+            return Err(Self::refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks"));
+        }
+        if uncertainty.discrepancy_domain.is_none() {
+            let reason = "needs to know near which patterns it holds: [[discrepancy.trials]] with planform, areal_density and \
+                          depth_um of each, which this material lacks";
+            return Err(Self::refuse_discrepancy(reason));
+        }
+        Ok(())
+    }
+
+    /// The refusal to aim with the discrepancy.
+    #[must_use]
+    pub fn refuse_discrepancy(reason: &str) -> Refusal {
+        Refusal::new(TaskPart::Discrepancy, reason).expected(
+            "a calibration whose [measurements] or [traces] have patterned samples with a [pattern], or the material file \
+             that `slipgrid calibrate` writes of it",
+        )
+    }
+
+    /// The refusal of blocks, for what they make of confirming runs.
+    #[must_use]
+    pub fn refuse_blocks(&self, error: &SceneError) -> Refusal {
+        let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+        let days = |seconds: f64| seconds / 86_400.0;
+        let (takes, most) = match error {
+            SceneError::TooLarge { bytes, most_bytes } => {
+                (format!("{:.0} GiB of memory", gib(*bytes)), format!("{:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                (format!("{:.0} days of one core", days(*core_s)), format!("{:.0} days", days(*most_s)))
+            }
+            other => return Refusal::new(TaskPart::Whole, other.to_string()),
+        };
+        Refusal::new(TaskPart::BlockSize, format!("um makes confirming runs that take about {takes}"))
+            .expected(format!("larger blocks, a smaller layer or a higher speed, for at most {most}"))
+    }
+
+    /// Size of blocks, in micrometres.
+    #[must_use]
+    pub fn block_um(&self) -> f64 {
+        LENGTH_UM.from_si(self.layer.block_m)
+    }
+}
+
+/// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken from outside the measured
+/// range.
+///
+/// # Errors
+/// [`MaterialError`] where the material has coefficients per condition and none fits.
+pub fn loads(
+    friction: &Friction,
+    pressures_pa: &[f64],
+    condition: Option<&Condition>,
+) -> Result<(Vec<Load>, Vec<bool>), MaterialError> {
+    let mut loads = Vec::new();
+    let mut outside = Vec::new();
+    for &pressure_pa in pressures_pa {
+        let at = friction.at(pressure_pa, condition)?;
+        loads.push(Load { pressure_pa, friction: at.friction });
+        outside.push(at.outside_measured_range);
+    }
+    Ok((loads, outside))
+}

@@ -1,0 +1,68 @@
+//! The seconds that a job may take in all: each stage has what those before it left.
+
+use slipgrid_monitor::{Monitor, Stage};
+
+/// Share of what is left that a search may take, so that its best design can be confirmed.
+pub const SEARCH_SHARE: f64 = 0.6;
+
+/// Until when a job may go on, by the clock of its monitor.
+#[derive(Clone, Copy)]
+pub struct TimeBudget<'a> {
+    monitor: &'a dyn Monitor,
+    until_s: Option<f64>,
+}
+
+impl<'a> TimeBudget<'a> {
+    /// `most_s` seconds from now on; no limit when absent.
+    pub fn new(monitor: &'a dyn Monitor, most_s: Option<f64>) -> Self {
+        Self { monitor, until_s: most_s.map(|most_s| monitor.seconds() + most_s) }
+    }
+
+    /// A stage that may take all that is left.
+    pub fn stage(&self, name: &str) -> Stage<'a> {
+        Stage::new(self.monitor, name, self.until_s)
+    }
+
+    /// A stage that may take `share` of what is left.
+    pub fn stage_of_share(&self, name: &str, share: f64) -> Stage<'a> {
+        let now_s = self.monitor.seconds();
+        let until_s = self.until_s.map(|until_s| now_s + (until_s - now_s).max(0.0) * share);
+        Stage::new(self.monitor, name, until_s)
+    }
+
+    /// Nothing is left.
+    pub fn is_spent(&self) -> bool {
+        self.until_s.is_some_and(|until_s| self.monitor.seconds() >= until_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    #[derive(Default)]
+    struct Clock(AtomicU64);
+
+    impl Monitor for Clock {
+        fn seconds(&self) -> f64 {
+            self.0.load(Ordering::Relaxed) as f64
+        }
+    }
+
+    #[test]
+    fn what_is_left_is_shared_and_no_limit_is_never_spent() {
+        let clock = Clock::default();
+        let hour = TimeBudget::new(&clock, Some(3600.0));
+        clock.0.store(1600, Ordering::Relaxed);
+        let half = hour.stage_of_share("search", 0.5);
+        clock.0.store(2599, Ordering::Relaxed);
+        assert!(!hour.is_spent() && !half.is_out_of_time() && TimeBudget::new(&clock, Some(0.0)).is_spent());
+        clock.0.store(2600, Ordering::Relaxed);
+        assert!(!hour.is_spent() && half.is_out_of_time() && !hour.stage("confirmation").is_out_of_time());
+        for unlimited in [None, Some(1e300)] {
+            let all = TimeBudget::new(&clock, unlimited);
+            assert!(!all.is_spent() && !all.stage("search").is_out_of_time());
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The error beside every number of a design.
+
+use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
+use slipgrid_material::Condition;
+use slipgrid_optimize::Quantity;
+use slipgrid_springblock::{Scene, Simulation};
+
+use crate::DesignError;
+use crate::scene_errors::Solved;
+use crate::task::DesignTask;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
+
+/// Errors of a design's values, in both readings.
+pub struct DesignErrors {
+    /// Of values as they are compared with the target.
+    pub report: ErrorsReport,
+    /// By the physics alone, one per pressure.
+    pub physics: Vec<PressureErrors>,
+    /// Times the discrepancy, where patterned samples are known.
+    pub corrected: Option<Vec<PressureErrors>>,
+}
+
+/// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
+/// The design itself is taken as exact.
+///
+/// # Errors
+/// [`DesignError::Material`] for an area law that cannot be moved.
+pub fn of_design(
+    design: &DesignTask,
+    material: &MaterialUncertainty,
+    scene: &Scene,
+    confirmed: &Simulation,
+    predicted: &[f64],
+) -> Result<DesignErrors, DesignError> {
+    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
+    let slopes = Slopes::new(scene, &known);
+    let found = material.discrepancy_at(design.humidity());
+    let discrepancy = found.map(|found| DiscrepancyAt::each(&found, &scene.loads));
+    let factor = |place: usize| discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
+    let rows = |knowledge: &Knowledge| {
+        let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
+        let mut rows = solved.errors();
+        for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
+            let of = solved.deviations(place).map(|of| match design.target.quantity() {
+                Quantity::Ratio => of.ratio,
+                Quantity::DynamicFriction => of.mu,
+            });
+            let physics = if design.discrepancy { value / factor(place) } else { *value };
+            let value = if knowledge.discrepancy.is_some() { physics * factor(place) } else { physics };
+            row.predicted = Some(ErrorReport::new(Some(value), Vec::new(), of.as_ref()));
+        }
+        rows
+    };
+    let physics = rows(&known);
+    let aimed = Knowledge { discrepancy: discrepancy.clone(), ..known.clone() };
+    let corrected = discrepancy.is_some().then(|| rows(&aimed));
+    let solved = Solved { scene, simulation: confirmed, knowledge: &known, slopes: &slopes };
+    let compared = corrected.as_ref().filter(|_| design.discrepancy).unwrap_or(&physics).clone();
+    let unknown = solved.unknown(material, &compared);
+    Ok(DesignErrors { report: ErrorsReport::new(compared, unknown, design.discrepancy), physics, corrected })
+}
+
+/// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.
+///
+/// # Errors
+/// [`DesignError::Material`] for an area law that cannot be moved.
+pub(super) fn knowledge(
+    design: &DesignTask,
+    material: &MaterialUncertainty,
+    scene: &Scene,
+    condition: Option<&Condition>,
+) -> Result<Knowledge, DesignError> {
+    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, condition)?;
+    let humidity = condition.map(|condition| condition.humidity);
+    let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
+    Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
+}
+
+/// Standard deviations at one pressure of a further condition; absent where nothing is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FurtherErrors {
+    /// Of the ratio.
+    pub ratio: Option<f64>,
+    /// Of dynamic friction.
+    pub mu: Option<f64>,
+    /// Of the flat sample's.
+    pub mu_flat: Option<f64>,
+}
+
+/// Errors at the loads of `scene` under `condition`: of `run` where it was run in time; else of the steady model's
+/// `ratios` and the flat sample's `mu_flat`, about the run that `first` has the errors of.
+///
+/// # Errors
+/// [`DesignError::Material`] for an area law that cannot be moved.
+pub fn of_condition(
+    design: &DesignTask,
+    material: &MaterialUncertainty,
+    (scene, condition): (&Scene, Option<&Condition>),
+    run: Option<&Simulation>,
+    (ratios, mu_flat): (&[f64], &[f64]),
+    first: &ErrorsReport,
+) -> Result<Vec<FurtherErrors>, DesignError> {
+    let knowledge = knowledge(design, material, scene, condition)?;
+    let slopes = Slopes::new(scene, &knowledge);
+    if let Some(simulation) = run {
+        let rows = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes }.errors();
+        let std = |of: Option<ErrorReport>| of.and_then(|of| of.std);
+        let errors =
+            |row: PressureErrors| FurtherErrors { ratio: std(row.ratio), mu: row.mu.std, mu_flat: std(row.mu_flat) };
+        return Ok(rows.into_iter().map(errors).collect());
+    }
+    let at = |place: usize| -> Option<FurtherErrors> {
+        let about = first.at(place)?;
+        let of = slopes.deviations(place, ratios[place], mu_flat[place], &knowledge)?;
+        let factor = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
+        // What the run at the first condition left open, in proportion.
+        let with = |run: Option<&ErrorReport>, value: f64, own: f64| {
+            let share = run.and_then(|run| Some(run.std_of_run() / run.value?));
+            Some(own.hypot(share.unwrap_or(0.0) * value)).filter(|std| *std > 0.0)
+        };
+        let ratio = ratios[place] * factor;
+        Some(FurtherErrors {
+            ratio: with(about.ratio.as_ref(), ratio, of.ratio.std),
+            mu: with(Some(&about.mu), ratio * mu_flat[place], of.mu.std),
+            mu_flat: with(about.mu_flat.as_ref(), mu_flat[place], of.flat.std),
+        })
+    };
+    Ok((0..scene.loads.len()).map(|place| at(place).unwrap_or_default()).collect())
+}

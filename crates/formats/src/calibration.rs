@@ -1,0 +1,487 @@
+//! Calibration files: what `calibrate` takes.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_export::Outline;
+use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
+use slipgrid_pattern::Pattern;
+use toml::Spanned;
+
+use super::document::Document;
+use super::file_kind::FileKind;
+use super::laser;
+use super::material::existing;
+use super::measured::{self, Placed, Specimens};
+use super::measurements::{self, Measurement};
+use super::pattern::{PatternFile, read_pattern};
+use super::scene::DEFAULT_LAYER;
+use super::surface::{Surface, SurfaceFile};
+use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
+use super::values::{Number, NumberList};
+use crate::diagnostic::Diagnostic;
+use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
+use crate::source::Source;
+use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD};
+
+/// Poisson's ratio of the contact computation where a file names none: that of the lattice.
+pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CalibrationFile {
+    name: String,
+    source: String,
+    material: Spanned<BulkFile>,
+    surface: Option<Spanned<SurfaceFile>>,
+    specimen: Spanned<SpecimenFile>,
+    measurements: Option<Spanned<MeasurementsFile>>,
+    traces: Option<Spanned<TracesFile>>,
+    pattern: Option<Spanned<PatternFile>>,
+    fit: Option<FitFile>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BulkFile {
+    youngs_modulus_gpa: Number,
+    youngs_modulus_std_gpa: Option<Number>,
+    density_g_cm3: Number,
+    poisson_ratio: Option<Number>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SpecimenFile {
+    radius_mm: Option<Number>,
+    shape: Option<Spanned<String>>,
+    diameter_mm: Option<Number>,
+    length_mm: Option<Number>,
+    width_mm: Option<Number>,
+    outer_diameter_mm: Option<Number>,
+    inner_diameter_mm: Option<Number>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeasurementsFile {
+    flat: Option<Spanned<String>>,
+    patterned: Option<Spanned<String>>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FitFile {
+    coefficients: Option<Spanned<String>>,
+    discrepancy: Option<Spanned<String>>,
+    area_law_scale_mpa: Option<NumberList>,
+    relative_std: Option<Number>,
+}
+
+/// What is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coefficients {
+    /// One pair for all measurements.
+    Single,
+    /// One pair for each load, speed and humidity.
+    PerCondition,
+}
+
+impl Coefficients {
+    /// All kinds of fit.
+    pub const ALL: [Self; 2] = [Self::Single, Self::PerCondition];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::PerCondition => "per-condition",
+        }
+    }
+}
+
+/// How the model's error on patterned samples is estimated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DiscrepancyForm {
+    /// One factor.
+    Constant,
+    /// A factor whose logarithm is linear in pressure.
+    Linear,
+    /// Not at all.
+    None,
+}
+
+impl DiscrepancyForm {
+    /// All forms.
+    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::None];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+            Self::None => "none",
+        }
+    }
+}
+
+/// A calibration ready to be fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// Name of the pair of materials.
+    pub name: String,
+    /// Publication or laboratory.
+    pub source: String,
+    /// Young's modulus and density.
+    pub elastic: Elastic,
+    /// Standard deviation of Young's modulus, in pascals.
+    pub youngs_modulus_std_pa: Option<f64>,
+    /// Poisson's ratio of the contact computation.
+    pub poisson_ratio: f64,
+    /// Where the area law comes from.
+    pub surface: Surface,
+    /// Pressure P0 up to which friction is proportional to load, in pascals.
+    pub threshold_pa: f64,
+    /// Area of one specimen's face, in square metres.
+    pub specimen_area_m2: f64,
+    /// Measurements on flat samples.
+    pub flat: Vec<Measurement>,
+    /// Measurements on patterned samples; empty without any.
+    pub patterned: Vec<Measurement>,
+    /// Traces behind the measurements, where they were read from traces.
+    pub traces: Vec<ConditionTraces>,
+    /// Pattern of the patterned samples, where the file names it.
+    pub pattern: Option<Pattern>,
+    /// How the model's error on patterned samples is estimated.
+    pub discrepancy: DiscrepancyForm,
+    /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
+    pub area_law_scale_pa: Option<[f64; 2]>,
+    /// Measured flat friction as the law of local pressure, where the calibration takes it for that: its shape is the mean over
+    /// the conditions that were measured at several pressures.
+    pub measured_law: Option<AreaLaw>,
+    /// What is fitted.
+    pub coefficients: Coefficients,
+    /// Scatter of the local coefficients, which no mean identifies.
+    pub relative_std: f64,
+    /// Where the measurements on flat samples stand, in their order in the files.
+    pub placed: Vec<Placed>,
+    /// What is unusual, one sentence each.
+    pub told: Vec<String>,
+    /// The files that it was read from.
+    pub inputs: Vec<PathBuf>,
+}
+
+impl Calibration {
+    /// Reads the calibration file at `path`, its measurements included; the map is only looked for.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in it or in its tables.
+    pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
+        Self::from_document(&Document::read(source, path, FileKind::Calibration)?)
+    }
+
+    /// Standard deviation of Young's modulus over itself, where it is named.
+    #[must_use]
+    pub fn modulus_relative_std(&self) -> Option<f64> {
+        Some(self.youngs_modulus_std_pa? / self.elastic.youngs_modulus_pa())
+    }
+
+    /// Reads a calibration from a document.
+    ///
+    /// # Errors
+    /// As [`Calibration::read`].
+    pub fn from_document(document: &Document) -> Result<Self, Diagnostic> {
+        let file: CalibrationFile = document.parse()?;
+        let bulk = file.material.get_ref();
+        let elastic = Elastic::new(
+            document.number(&bulk.youngs_modulus_gpa, MODULUS_GPA)?,
+            document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
+        )
+        .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
+        let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
+        let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());
+        let threshold_pa = document.optional(threshold, PRESSURE_MPA)?.unwrap_or(THRESHOLD_PRESSURE_PA);
+        let fit = file.fit.as_ref();
+        let coefficients =
+            fit.and_then(|fit| fit.coefficients.as_ref()).map_or(Ok(Coefficients::PerCondition), |name| {
+                document.choice(name, &Coefficients::ALL, Coefficients::name)
+            })?;
+        let outline = read_outline(document, &file.specimen)?;
+        let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
+        let mut told = bulk_told(document, bulk)?;
+        told.extend(outline_told(document, &file.specimen, &outline)?);
+        let Measured { flat: placed, patterned, traces } = read_measured(document, &file)?;
+        for rows in [&placed, &patterned] {
+            told.extend(measured::check(rows, &specimens)?);
+        }
+        measured::refuse_repeated(&placed, coefficients)?;
+        let pattern = file.pattern.as_ref();
+        let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
+        let area_law_scale_pa = read_scale(document, &file)?;
+        let measured_law = match (&surface, &file.surface) {
+            (Surface::Measured { extrapolation }, Some(table)) => {
+                Some(measured_law(document, table, &placed, specimens.area_m2, *extrapolation)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            inputs: inputs(document, &file, &surface, &traces),
+            name: file.name,
+            source: file.source,
+            elastic,
+            youngs_modulus_std_pa: document.optional(bulk.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?,
+            poisson_ratio: document.optional(bulk.poisson_ratio.as_ref(), POISSON)?.unwrap_or(DEFAULT_POISSON_RATIO),
+            surface,
+            threshold_pa,
+            specimen_area_m2: specimens.area_m2,
+            flat: placed.iter().map(|row| row.measurement).collect(),
+            patterned: patterned.iter().map(|row| row.measurement).collect(),
+            traces,
+            pattern,
+            area_law_scale_pa,
+            measured_law,
+            discrepancy: fit
+                .and_then(|fit| fit.discrepancy.as_ref())
+                .map_or(Ok(DiscrepancyForm::Constant), |name| {
+                    document.choice(name, &DiscrepancyForm::ALL, DiscrepancyForm::name)
+                })?,
+            coefficients,
+            relative_std: document
+                .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
+                .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
+            placed,
+            told: told.iter().map(Diagnostic::to_string).collect(),
+        })
+    }
+
+    /// Where `measurement` on a flat sample stands.
+    #[must_use]
+    pub fn place(&self, measurement: &Measurement) -> Option<&Placed> {
+        self.placed.iter().find(|placed| placed.measurement == *measurement)
+    }
+
+    /// Nominal pressure of a normal force on one specimen, in pascals.
+    #[must_use]
+    pub fn pressure_pa(&self, force_n: f64) -> f64 {
+        // P = F / A
+        force_n / self.specimen_area_m2
+    }
+}
+
+/// The law that flat friction `rows` says of local pressure: the mean over conditions of friction over that at the pressure that all
+/// begin with.
+fn measured_law(
+    document: &Document,
+    table: &Spanned<SurfaceFile>,
+    rows: &[Placed],
+    area_m2: f64,
+    extrapolation: Extrapolation,
+) -> Result<AreaLaw, Diagnostic> {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+    let alike = |a: &Measurement, b: &Measurement| same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity);
+    let measured: Vec<&Measurement> = rows.iter().map(|row| &row.measurement).collect();
+    let mut forces: Vec<f64> = measured.iter().map(|row| row.force_n).collect();
+    forces.sort_by(f64::total_cmp);
+    forces.dedup_by(|a, b| same(*a, *b));
+    let at = |of: &Measurement, force_n: f64| {
+        let own = measured.iter().find(|other| alike(other, of) && same(other.force_n, force_n));
+        own.map(|other| other.mu_dynamic)
+    };
+    let refuse = || {
+        document
+            .refuse(
+                table.span(),
+                "takes flat friction for the law of local pressure, and no condition has it at several pressures",
+            )
+            .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
+    };
+    let lightest = *forces.first().ok_or_else(refuse)?;
+    // Conditions with the lightest load and another.
+    let of: Vec<(&Measurement, f64)> = measured
+        .iter()
+        .filter(|row| same(row.force_n, lightest) && measured.iter().filter(|other| alike(other, row)).count() > 1)
+        .map(|row| (*row, row.mu_dynamic))
+        .collect();
+    let mean = |force_n: f64| {
+        let all: Vec<f64> = of.iter().filter_map(|(row, first)| Some(at(row, force_n)? / first)).collect();
+        (!all.is_empty()).then(|| [force_n / area_m2, all.iter().sum::<f64>() / all.len() as f64])
+    };
+    let (pressures_pa, shape): (Vec<f64>, Vec<f64>) =
+        forces.iter().filter_map(|f| mean(*f)).map(|[p, f]| (p, f)).unzip();
+    if pressures_pa.len() < 2 {
+        return Err(refuse());
+    }
+    AreaLaw::from_flat_friction(&pressures_pa, &shape, extrapolation)
+        .map_err(|error| document.refuse(table.span(), error.to_string()))
+}
+
+/// The specimen's face: a disc by its radius, or the shapes of a design's specimen.
+fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
+    let file = table.get_ref();
+    let others = [
+        ("disc", &file.diameter_mm),
+        ("rectangle", &file.length_mm),
+        ("rectangle", &file.width_mm),
+        ("ring", &file.outer_diameter_mm),
+        ("ring", &file.inner_diameter_mm),
+    ];
+    if let Some(radius) = &file.radius_mm {
+        let stray = others.iter().find_map(|(_, length)| length.as_ref().map(Spanned::span));
+        if let Some(stray) = stray.or(file.shape.as_ref().map(Spanned::span)) {
+            return Err(document.refuse(stray, "stands beside radius_mm").expected("one of the two"));
+        }
+        return Ok(Outline::Disc { diameter_m: 2.0 * document.number(radius, LENGTH_MM)? });
+    }
+    // The lengths say what shape it is where the file does not.
+    let shape = others.iter().find(|(_, length)| length.is_some()).map(|(shape, _)| *shape);
+    let named = shape.map(|shape| Spanned::new(table.span(), shape.to_owned()));
+    let shape = file.shape.clone().or(named).ok_or_else(|| {
+        document.missing(table.span(), "radius_mm").expected(
+            "radius_mm or diameter_mm of a disc, outer_diameter_mm and inner_diameter_mm of a ring, or length_mm and \
+             width_mm of a rectangle",
+        )
+    })?;
+    let as_design = laser::SpecimenFile {
+        shape,
+        diameter_mm: file.diameter_mm.clone(),
+        length_mm: file.length_mm.clone(),
+        width_mm: file.width_mm.clone(),
+        outer_diameter_mm: file.outer_diameter_mm.clone(),
+        inner_diameter_mm: file.inner_diameter_mm.clone(),
+        cavities: None,
+    };
+    Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
+}
+
+fn area_m2(outline: &Outline) -> f64 {
+    match outline {
+        // pi r^2
+        Outline::Disc { diameter_m } => std::f64::consts::PI * (diameter_m / 2.0) * (diameter_m / 2.0),
+        other => other.area_m2(),
+    }
+}
+
+/// Its greatest extent, in metres.
+fn extent_m(outline: &Outline) -> f64 {
+    match *outline {
+        Outline::Disc { diameter_m } => diameter_m,
+        Outline::Rectangle { length_m, width_m } => length_m.max(width_m),
+        Outline::Ring { outer_diameter_m, .. } => outer_diameter_m,
+    }
+}
+
+/// What is unusual of the specimen's size.
+fn outline_told(
+    document: &Document,
+    table: &Spanned<SpecimenFile>,
+    outline: &Outline,
+) -> Result<Option<Diagnostic>, Diagnostic> {
+    let file = table.get_ref();
+    let lengths = [&file.radius_mm, &file.diameter_mm, &file.length_mm, &file.outer_diameter_mm];
+    let place = lengths.into_iter().flatten().next().map_or(table.span(), Spanned::span);
+    SPECIMEN.check(LENGTH_MM.from_si(extent_m(outline)), || document.refuse(place, ""))
+}
+
+/// What is unusual of the bulk.
+fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let modulus_gpa = *bulk.youngs_modulus_gpa.get_ref();
+    if let Some(std) = bulk.youngs_modulus_std_gpa.as_ref().filter(|std| *std.get_ref() >= modulus_gpa) {
+        let reason = format!("leaves Young's modulus of {modulus_gpa} GPa open altogether");
+        return Err(document.refuse(std.span(), reason).expected("a standard deviation below the modulus, in GPa"));
+    }
+    let judged = [(MODULUS, &bulk.youngs_modulus_gpa), (DENSITY, &bulk.density_g_cm3)];
+    let told = judged.into_iter().filter_map(|(quantity, number)| {
+        quantity.check(*number.get_ref(), || document.refuse(number.span(), "")).transpose()
+    });
+    told.collect()
+}
+
+/// The pattern, of which one period fits on the specimen: what the model's cell takes grows with it.
+fn read_fitting_pattern(
+    document: &Document,
+    table: &Spanned<PatternFile>,
+    outline: &Outline,
+) -> Result<Pattern, Diagnostic> {
+    let pattern = read_pattern(document, table, &DEFAULT_LAYER)?;
+    let (pitch_mm, extent_mm) = (LENGTH_MM.from_si(pattern.pitch_m()), LENGTH_MM.from_si(extent_m(outline)));
+    if pitch_mm > extent_mm {
+        let reason = format!("repeats every {pitch_mm} mm, more than the specimen's {extent_mm} mm");
+        return Err(document
+            .refuse(table.span(), reason)
+            .expected("width_um and spacing_um of which a period fits on the specimen"));
+    }
+    Ok(pattern)
+}
+
+/// The calibration's file, its tables, its map and its traces.
+fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
+    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
+    let tables = tables.flatten().map(|name| document.resolve(name.get_ref()));
+    let maps: Vec<PathBuf> = match surface {
+        Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
+        _ => Vec::new(),
+    };
+    let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
+    std::iter::once(document.path().to_owned()).chain(tables).chain(maps).chain(traces).collect()
+}
+
+/// Measurements on flat and on patterned samples, from tables or from traces, and the traces.
+struct Measured {
+    flat: Vec<Placed>,
+    patterned: Vec<Placed>,
+    traces: Vec<ConditionTraces>,
+}
+
+fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured, Diagnostic> {
+    let mut tables = [Vec::new(), Vec::new()];
+    if let Some(measurements) = &file.measurements {
+        let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
+        for (table, name) in tables.iter_mut().zip(names) {
+            if let Some(name) = name {
+                let path = existing(document, name, name.get_ref())?;
+                *table = Placed::rows(&path, measurements::read(document.source(), &path)?);
+            }
+        }
+    }
+    let mut read = Vec::new();
+    if let Some(table) = &file.traces {
+        let (setup, conditions) = traces::read_table(document, table.get_ref())?;
+        for kind in SurfaceKind::ALL {
+            if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {
+                let reason = format!("has {} samples, and so has [measurements]", kind.name());
+                return Err(document.refuse(table.span(), reason).expected("one of the two"));
+            }
+        }
+        let only: Vec<TraceCondition> = conditions.iter().map(|(_, condition)| condition.clone()).collect();
+        for (traces, (span, condition)) in
+            traces::analyse_conditions(document.source(), &setup, &only)?.into_iter().zip(&conditions)
+        {
+            let line = document.refuse(span.clone(), "").line.unwrap_or(1);
+            let (measurement, path) = (traces.measurement(), document.path().to_owned());
+            tables[condition.surface as usize].push(Placed { measurement, path, line });
+            read.push(traces);
+        }
+    }
+    let [flat, patterned] = tables;
+    if flat.is_empty() {
+        let missing = match &file.measurements {
+            Some(table) => document.missing(table.span(), "flat"),
+            None => document.missing(0..0, "measurements.flat"),
+        };
+        return Err(missing.expected("a table, or [traces] of flat samples"));
+    }
+    Ok(Measured { flat, patterned, traces: read })
+}
+
+fn read_scale(document: &Document, file: &CalibrationFile) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(bounds) = file.fit.as_ref().and_then(|fit| fit.area_law_scale_mpa.as_ref()) else { return Ok(None) };
+    if file.surface.is_some() {
+        return Err(document.refuse(bounds.span(), "stands beside [surface]").expected("one of the two"));
+    }
+    match document.numbers(bounds, PRESSURE_MPA)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(bounds.span(), "is no range").expected("two increasing pressures, [0.5, 50]")),
+    }
+}

@@ -1,0 +1,262 @@
+//! Design files: what `optimize` takes.
+
+mod read;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, KnownMaterial, Refusal, TaskPart};
+use slipgrid_material::ConditionRange;
+use slipgrid_optimize::{Constraints, DesignSpace};
+use slipgrid_pattern::Texture;
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, TIME_S};
+use toml::Spanned;
+
+use read::{read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust};
+
+use super::condition_ranges::ConditionRangeFile;
+use super::document::Document;
+use super::file_kind::FileKind;
+use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen};
+use super::limits::{LimitsFile, read_limited};
+use super::material::MaterialFile;
+use super::pattern::{TextureFile, read_directions, read_texture, require_section};
+use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
+use super::target::{TargetFile, read_target};
+use super::tolerances::{TolerancesFile, read_tolerances};
+use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
+use super::values::{Number, Numbers, PathOr};
+use crate::diagnostic::Diagnostic;
+use crate::source::Source;
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DesignFile {
+    name: Option<String>,
+    material: Spanned<PathOr<MaterialFile>>,
+    condition: Option<Spanned<ConditionRangeFile>>,
+    also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
+    target: Spanned<TargetFile>,
+    bounds: Spanned<BoundsFile>,
+    #[serde(default = "plain_texture")]
+    pattern: Spanned<TextureFile>,
+    #[serde(default)]
+    limits: LimitsFile,
+    laser: Option<Spanned<LaserFile>>,
+    specimen: Spanned<SpecimenFile>,
+    #[serde(default = "default_sample")]
+    sample: Spanned<SampleFile>,
+    #[serde(default)]
+    search: SearchFile,
+    tolerances: Option<TolerancesFile>,
+    trade_offs: Option<Spanned<TradeOffsFile>>,
+}
+
+/// Grooves across the sliding direction, where a design names nothing else.
+fn plain_texture() -> Spanned<TextureFile> {
+    Spanned::new(0..0, TextureFile::default())
+}
+
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundsFile {
+    width_um: Spanned<Numbers>,
+    spacing_um: Spanned<Numbers>,
+    depth_um: Spanned<Numbers>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SearchFile {
+    seed: Option<u64>,
+    max_evaluations: Option<Spanned<u64>>,
+    max_seconds: Option<Number>,
+    table: Option<bool>,
+    from_rest: Option<bool>,
+    robust: Option<Spanned<bool>>,
+    dimensions: Option<Spanned<u64>>,
+}
+
+/// Where the material comes from.
+#[derive(Clone, Debug)]
+pub enum MaterialInput {
+    /// Known already.
+    Given(Box<KnownMaterial>),
+    /// To be calibrated from this file first.
+    Calibration(PathBuf),
+}
+
+/// A design as its file has it: the task, and where its parts stand in the file.
+#[derive(Clone, Debug)]
+pub struct Design {
+    /// The task. Where the material has to be calibrated first, [`Design::with_material`] completes it.
+    pub task: DesignTask,
+    /// Where the material comes from.
+    pub material: MaterialInput,
+    /// The design's file and that of its material.
+    pub inputs: Vec<PathBuf>,
+    document: Document,
+    places: Places,
+}
+
+/// Where parts of a task stand in the file.
+#[derive(Clone, Debug)]
+struct Places {
+    /// Of the conditions as given: the one designed for first.
+    ranges: Vec<Range<usize>>,
+    condition: Range<usize>,
+    also_at: Range<usize>,
+    pressures: Spanned<Numbers>,
+    discrepancy: Range<usize>,
+    /// Absent where the default holds.
+    block: Option<Range<usize>>,
+}
+
+impl Design {
+    /// Reads the design file at `path` and the material file it names.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused.
+    pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
+        Self::from_document(Document::read(source, path, FileKind::Design)?)
+    }
+
+    /// Reads a design from a document.
+    ///
+    /// # Errors
+    /// As [`Design::read`].
+    pub fn from_document(document: Document) -> Result<Self, Diagnostic> {
+        let file: DesignFile = document.parse()?;
+        let ranges = read_ranges(&document, &file)?;
+        let target = read_target(&document, &file.target)?;
+        let specimen = read_specimen(&document, &file.specimen)?;
+        let layer = read_layer(&document, &file.sample, Some(&specimen))?;
+        let bounds = file.bounds.get_ref();
+        let (width_m, spacing_m, depth_m) = (
+            read_range(&document, &bounds.width_um)?,
+            read_range(&document, &bounds.spacing_um)?,
+            read_range(&document, &bounds.depth_um)?,
+        );
+        if depth_m[1] >= layer.height_m {
+            let layer_um = LENGTH_UM.from_si(layer.height_m);
+            return Err(document
+                .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
+                .expected(format!("depths below {layer_um} um")));
+        }
+        let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        let directions = read_directions(&document, file.pattern.get_ref(), &texture)?;
+        let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
+        let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
+        let each: Vec<Texture> = std::iter::once(texture).chain(turned).collect();
+        if dimensions == Some(2) {
+            each.iter().try_for_each(|texture| require_section(&document, file.pattern.get_ref(), texture))?;
+        }
+        // One model serves all directions: where one of them needs space, all are solved there.
+        let needed = each.iter().map(Texture::dimensions).max().filter(|_| each.len() > 1);
+        let dimensions = dimensions.or(needed);
+        let space = DesignSpace::new(texture, width_m, spacing_m, depth_m)
+            .map_err(|error| document.refuse(file.bounds.span(), error.to_string()))?;
+        let limits = &file.limits;
+        let laser = read_laser(&document, file.laser.as_ref(), (&limits.depth_per_burst_um, &limits.min_land_um))?;
+        let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
+        check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
+        let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
+        let material = read_material_input(&document, &file.material)?;
+        let known = match &material {
+            MaterialInput::Given(known) => Some((**known).clone()),
+            MaterialInput::Calibration(_) => None,
+        };
+        if let Some(known) = &known {
+            read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, &known.material)?;
+        }
+        let max_evaluations = match &file.search.max_evaluations {
+            None => DEFAULT_MAX_EVALUATIONS,
+            Some(most) => {
+                usize::try_from(*most.get_ref()).ok().filter(|most| (1..=10_000_000).contains(most)).ok_or_else(
+                    || document.refuse(most.span(), "is out of range").expected("a whole number from 1 to 10000000"),
+                )?
+            }
+        };
+        let given = Given {
+            laser: &laser,
+            target: &target,
+            texture: space.texture(),
+            has_tolerances: file.tolerances.is_some(),
+        };
+        let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
+        let discrepancy = file.target.get_ref().discrepancy.as_ref();
+        let named = match file.material.get_ref() {
+            PathOr::Path(path) => Some(document.resolve(path)),
+            PathOr::Table(_) => None,
+        };
+        let (ranges, places): (Vec<ConditionRange>, Vec<Range<usize>>) = ranges.into_iter().unzip();
+        let task = DesignTask {
+            name: file.name.clone().unwrap_or_else(|| document.stem()),
+            material: known,
+            ranges,
+            directions,
+            discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
+            constraints: Constraints { limits, quantities },
+            quantities: measures,
+            laser,
+            seed: file.search.seed.unwrap_or(1),
+            max_evaluations,
+            max_seconds: document.optional(file.search.max_seconds.as_ref(), TIME_S)?,
+            table: file.search.table.unwrap_or(false),
+            from_rest: file.search.from_rest.unwrap_or(false),
+            robust: read_robust(&document, &file)?,
+            dimensions,
+            tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
+            trade_offs,
+            ..DesignTask::without_material(target, space, specimen, layer)
+        };
+        let places = Places {
+            ranges: places,
+            condition: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
+            also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
+            pressures: file.target.get_ref().pressure_mpa.clone(),
+            discrepancy: discrepancy.map_or(0..0, Spanned::span),
+            block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
+        };
+        let inputs = std::iter::once(document.path().to_owned()).chain(named).collect();
+        let mut design = Self { task, material, inputs, document, places };
+        if let Some(known) = design.task.material.clone() {
+            design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
+        }
+        Ok(design)
+    }
+
+    /// Refuses the design as a whole.
+    #[must_use]
+    pub fn refuse_whole(&self, reason: impl Into<String>) -> Diagnostic {
+        self.refuse(&Refusal::new(TaskPart::Whole, reason))
+    }
+
+    /// Where `refused` stands in the file.
+    #[must_use]
+    pub fn refuse(&self, refused: &Refusal) -> Diagnostic {
+        let at = |place: &Range<usize>| self.document.refuse(place.clone(), refused.reason.clone());
+        let whole = || Diagnostic::file(self.document.path(), refused.reason.clone());
+        let found = match refused.part {
+            TaskPart::Whole => whole(),
+            TaskPart::ConditionRange(place) => self.places.ranges.get(place).map_or_else(whole, at),
+            TaskPart::Condition => at(&self.places.condition),
+            TaskPart::FurtherConditions => at(&self.places.also_at),
+            TaskPart::Pressure(place) => match self.places.pressures.get_ref() {
+                Numbers::Each(each) if place < each.len() => at(&each[place].span()),
+                _ => at(&self.places.pressures.span()),
+            },
+            TaskPart::Discrepancy => at(&self.places.discrepancy),
+            TaskPart::BlockSize => match &self.places.block {
+                Some(place) => at(place),
+                None => Diagnostic {
+                    key: Some("sample.block_um".into()),
+                    value: Some(format!("{} (the default)", self.task.block_um()).into()),
+                    ..whole()
+                },
+            },
+        };
+        Diagnostic { expected: refused.expected.clone(), ..found }
+    }
+}

@@ -1,0 +1,151 @@
+//! Reads the parts of a design file.
+
+use slipgrid_design::KnownMaterial;
+use slipgrid_export::Laser;
+use slipgrid_material::ConditionRange;
+use slipgrid_pattern::{Arrangement, ManufacturingLimits};
+use toml::Spanned;
+
+use super::{DesignFile, MaterialInput};
+use crate::condition_ranges::{ConditionRangeFile, read_conditions};
+use crate::diagnostic::Diagnostic;
+use crate::document::Document;
+use crate::file_kind::FileKind;
+use crate::material::{MaterialFile, existing};
+use crate::material_uncertainty::read_known;
+use crate::values::{Numbers, PathOr, list};
+use slipgrid_units::LENGTH_UM;
+
+/// Conditions with their places: the one designed for, then the further ones.
+pub(super) fn read_ranges(
+    document: &Document,
+    file: &DesignFile,
+) -> Result<Vec<(ConditionRange, std::ops::Range<usize>)>, Diagnostic> {
+    if let (None, Some(also_at)) = (&file.condition, &file.also_at) {
+        return Err(document
+            .refuse(also_at.span(), "stands without the condition that is designed for")
+            .expected("condition = { speed_mm_s = ..., humidity_pct = ... } beside it"));
+    }
+    let further = file.also_at.iter().flat_map(Spanned::get_ref);
+    let read = |range: &Spanned<ConditionRangeFile>| Ok((read_conditions(document, range.get_ref())?, range.span()));
+    file.condition.iter().chain(further).map(read).collect()
+}
+
+pub(super) fn read_robust(document: &Document, file: &DesignFile) -> Result<bool, Diagnostic> {
+    match &file.search.robust {
+        Some(robust) if *robust.get_ref() && file.tolerances.is_none() => Err(document
+            .refuse(robust.span(), "needs to know how samples scatter")
+            .expected("a table [tolerances] with width_std_um, spacing_std_um or depth_std_um")),
+        robust => Ok(robust.as_ref().is_some_and(|robust| *robust.get_ref())),
+    }
+}
+
+pub(super) fn read_dimensions(
+    document: &Document,
+    dimensions: Option<&Spanned<u64>>,
+) -> Result<Option<u8>, Diagnostic> {
+    dimensions
+        .map(|dimensions| match dimensions.get_ref() {
+            2 => Ok(2),
+            3 => Ok(3),
+            _ => Err(document.refuse(dimensions.span(), "dimensions do not exist here").expected("2 or 3")),
+        })
+        .transpose()
+}
+
+/// A smallest and a largest length, or the one that a dimension is fixed at.
+pub(super) fn read_range(document: &Document, bounds: &Spanned<Numbers>) -> Result<[f64; 2], Diagnostic> {
+    const EXPECTED: &str = "[smallest, largest], or one number without brackets, which fixes it";
+    let read = list(document, bounds, LENGTH_UM)?;
+    match read[..] {
+        [only] if matches!(bounds.get_ref(), Numbers::One(_)) => Ok([only; 2]),
+        [least, most] if least <= most => Ok([least, most]),
+        [_, _] => Err(document.refuse(bounds.span(), "has its larger number first").expected(EXPECTED)),
+        _ => Err(document.refuse(bounds.span(), format!("has {} numbers", read.len())).expected(EXPECTED)),
+    }
+}
+
+/// Width, spacing and depth bounds, in metres.
+type Bounds = ([f64; 2], [f64; 2], [f64; 2]);
+
+/// What depths are whole numbers of.
+pub(super) fn depth_steps(laser: &Laser) -> &'static str {
+    if laser.bursts_per_pass().is_some() { "passes" } else { "bursts" }
+}
+
+pub(super) fn read_limits(
+    document: &Document,
+    file: &DesignFile,
+    laser: &Laser,
+    (width_m, spacing_m, depth_m): Bounds,
+) -> Result<ManufacturingLimits, Diagnostic> {
+    let limits = ManufacturingLimits {
+        min_land_m: document.optional(file.limits.min_land_um.as_ref(), LENGTH_UM)?,
+        spot_m: laser.spot_um.map(|spot_um| LENGTH_UM.to_si(spot_um)),
+        // By bursts, given or fitted against fluence, or by passes over the lines of a hatch.
+        depth_per_burst_m: laser.depth_step_um().map(|depth_um| LENGTH_UM.to_si(depth_um)),
+    };
+    let bounds = file.bounds.get_ref();
+    if let Some(min_land_m) = limits.min_land_m
+        && spacing_m[1] < min_land_m
+    {
+        return Err(document
+            .refuse(bounds.spacing_um.span(), "ends below limits.min_land_um: no pattern is left")
+            .expected(format!("a largest spacing of at least {} um", LENGTH_UM.from_si(min_land_m))));
+    }
+    if let Some(spot_m) = limits.spot_m
+        && width_m[1] < spot_m
+    {
+        return Err(document
+            .refuse(bounds.width_um.span(), "ends below the laser's spot: no pattern is left")
+            .expected(format!("a largest width of at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    let texture = file.pattern.get_ref();
+    if let Some((length, spot_m)) = texture.length_um.as_ref().zip(limits.spot_m)
+        && document.number(length, LENGTH_UM)? < spot_m
+    {
+        return Err(document
+            .refuse(length.span(), "is below the laser's spot: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(spot_m))));
+    }
+    if let Some((spacing, min_land_m)) = texture.spacing_across_um.as_ref().zip(limits.min_land_m)
+        && texture.arrangement.as_ref().is_none_or(|name| name.get_ref() == Arrangement::Square.name())
+        && document.number(spacing, LENGTH_UM)? < min_land_m
+    {
+        return Err(document
+            .refuse(spacing.span(), "is below limits.min_land_um: no pattern is left")
+            .expected(format!("at least {} um", LENGTH_UM.from_si(min_land_m))));
+    }
+    if let Some(burst_m) = limits.depth_per_burst_m {
+        // The first whole number of bursts at or above the least depth, with slack for decimals.
+        let bursts = (depth_m[0] / burst_m - 1e-6).ceil().max(1.0);
+        if bursts * burst_m > depth_m[1] * (1.0 + 1e-6) {
+            return Err(document
+                .refuse(bounds.depth_um.span(), format!("holds no whole number of {}", depth_steps(laser)))
+                .expected(format!("a range with a multiple of {} um in it", LENGTH_UM.from_si(burst_m))));
+        }
+    }
+    Ok(limits)
+}
+
+pub(super) fn read_material_input(
+    document: &Document,
+    material: &Spanned<PathOr<MaterialFile>>,
+) -> Result<MaterialInput, Diagnostic> {
+    match material.get_ref() {
+        PathOr::Table(table) => {
+            let (material, uncertainty) = read_known(document, table, &material.span())?;
+            Ok(MaterialInput::Given(Box::new(KnownMaterial { material, uncertainty })))
+        }
+        PathOr::Path(path) => {
+            let path = existing(document, material, path)?;
+            let named = Document::read_any(document.source(), &path, FileKind::Material)?;
+            if named.kind() == Some(FileKind::Calibration) {
+                return Ok(MaterialInput::Calibration(path));
+            }
+            named.require(FileKind::Material)?;
+            let (material, uncertainty) = read_known(&named, &named.parse()?, &(0..0))?;
+            Ok(MaterialInput::Given(Box::new(KnownMaterial { material, uncertainty })))
+        }
+    }
+}

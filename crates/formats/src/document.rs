@@ -1,0 +1,370 @@
+//! A TOML file with its text, so that every refusal can point at a line.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::file_kind::FileKind;
+use crate::diagnostic::{Diagnostic, nearest};
+use crate::plausible;
+use crate::source::{Entry, NoFiles, Source, read_text};
+use slipgrid_units::Quantity;
+
+/// Letters of a refused value that a message repeats.
+const LONGEST_VALUE: usize = 60;
+
+/// A TOML file in memory.
+#[derive(Clone, Debug)]
+pub struct Document {
+    source: Source,
+    path: PathBuf,
+    text: String,
+}
+
+impl Document {
+    /// Reads the file at `path` of `source`, which should be a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is a folder, cannot be read, is not UTF-8, or seems to be another kind of file.
+    pub fn read(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        let document = Self::read_any(source, path, kind)?;
+        document.require(kind)?;
+        Ok(document)
+    }
+
+    /// Refuses the document if it seems to be something else than a `kind`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that says what it seems to be.
+    pub fn require(&self, kind: FileKind) -> Result<(), Diagnostic> {
+        kind.require(&self.path, &self.text)
+    }
+
+    /// Reads the file at `path`, whatever it is; `kind` is what a folder should have been.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is a folder, cannot be read or is not UTF-8.
+    pub fn read_any(source: &Source, path: &Path, kind: FileKind) -> Result<Self, Diagnostic> {
+        if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
+            return Err(kind.refuse_folder(source, path));
+        }
+        let text = read_text(source, path, kind.expected())?;
+        Ok(Self { source: Arc::clone(source), path: path.to_owned(), text })
+    }
+
+    /// Where the files come from that this one names.
+    #[must_use]
+    pub const fn source(&self) -> &Source {
+        &self.source
+    }
+
+    /// What the document seems to be, by its tables.
+    #[must_use]
+    pub fn kind(&self) -> Option<FileKind> {
+        FileKind::of(&self.text)
+    }
+
+    /// A document from text that names no other file; `path` names it in messages.
+    #[must_use]
+    pub fn new(path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self::within(&(Arc::new(NoFiles) as Source), path, text)
+    }
+
+    /// A document from text; the files that it names are those of `source`.
+    #[must_use]
+    pub fn within(source: &Source, path: impl Into<PathBuf>, text: impl Into<String>) -> Self {
+        Self { source: Arc::clone(source), path: path.into(), text: text.into() }
+    }
+
+    /// The file's path, as the user named it.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// A path in this file, taken relative to the file's folder.
+    #[must_use]
+    pub fn resolve(&self, relative: &str) -> PathBuf {
+        self.path.parent().map_or_else(|| PathBuf::from(relative), |folder| folder.join(relative))
+    }
+
+    /// The file's name without extension, for default output names.
+    #[must_use]
+    pub fn stem(&self) -> String {
+        self.path.file_stem().map_or_else(|| "result".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    /// The document as a `T`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for bad TOML, unknown and missing keys, and values of a wrong type.
+    pub fn parse<T: DeserializeOwned>(&self) -> Result<T, Diagnostic> {
+        toml::from_str(&self.text).map_err(|error| self.explain(&error))
+    }
+
+    /// Refuses what stands at `span`.
+    #[must_use]
+    pub fn refuse(&self, span: Range<usize>, reason: impl Into<String>) -> Diagnostic {
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(span.start)),
+            key: self.key_at(&span),
+            value: self.value_at(span),
+            reason: reason.into(),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// Says that `key` is missing in the table at `table`.
+    #[must_use]
+    pub fn missing(&self, table: Range<usize>, key: &str) -> Diagnostic {
+        // The document itself has no key.
+        let outer = Some(&table).filter(|span| !span.is_empty() && **span != (0..self.text.len()));
+        let outer = outer.and_then(|span| self.key_at(span));
+        let inside = outer.map_or_else(|| key.into(), |outer| format!("{outer}.{key}").into());
+        Diagnostic {
+            file: Some(self.path.as_path().into()),
+            line: Some(self.line(table.start)),
+            key: Some(inside),
+            reason: "is missing".to_owned(),
+            ..Diagnostic::default()
+        }
+    }
+
+    /// A number of the file in SI units.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is not finite or outside `quantity`'s range.
+    pub fn number(&self, value: &Spanned<f64>, quantity: Quantity) -> Result<f64, Diagnostic> {
+        if quantity.accepts(*value.get_ref()) {
+            Ok(quantity.to_si(*value.get_ref()))
+        } else {
+            let slip = plausible::slip(quantity, *value.get_ref()).map_or_else(String::new, |slip| format!("; {slip}"));
+            Err(self.refuse(value.span(), "is out of range").expected(format!("{quantity}{slip}")))
+        }
+    }
+
+    /// An optional number of the file in SI units.
+    ///
+    /// # Errors
+    /// As [`Document::number`].
+    pub fn optional(&self, value: Option<&Spanned<f64>>, quantity: Quantity) -> Result<Option<f64>, Diagnostic> {
+        value.map(|value| self.number(value, quantity)).transpose()
+    }
+
+    /// A list of numbers in SI units, at least one.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] if it is empty or one of them is refused.
+    pub fn numbers(&self, values: &Spanned<Vec<Spanned<f64>>>, quantity: Quantity) -> Result<Vec<f64>, Diagnostic> {
+        if values.get_ref().is_empty() {
+            return Err(self.refuse(values.span(), "is empty").expected("at least one number"));
+        }
+        values.get_ref().iter().map(|value| self.number(value, quantity)).collect()
+    }
+
+    /// One of `all`, by its name.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that lists the names there are.
+    pub fn choice<T: Copy>(
+        &self,
+        value: &Spanned<String>,
+        all: &[T],
+        name: impl Fn(T) -> &'static str,
+    ) -> Result<T, Diagnostic> {
+        all.iter().copied().find(|&one| name(one) == value.get_ref()).ok_or_else(|| {
+            let names: Vec<String> = all.iter().map(|&one| format!("\"{}\"", name(one))).collect();
+            let mut refused = self.refuse(value.span(), "is not known").expected(names.join(" or "));
+            refused.suggestion = nearest(value.get_ref(), all.iter().map(|&one| name(one))).map(Into::into);
+            refused
+        })
+    }
+
+    /// Line of a byte, from 1.
+    fn line(&self, byte: usize) -> u32 {
+        let before = self.text.as_bytes().iter().take(byte);
+        before.filter(|&&letter| letter == b'\n').fold(1, |line, _| line + 1)
+    }
+
+    /// The source text of a span on one line, shortened; `None` for tables.
+    fn value_at(&self, span: Range<usize>) -> Option<Box<str>> {
+        let text = self.text.get(span)?;
+        if text.is_empty() || text.starts_with('{') || (text.starts_with('[') && !text.contains(['.', ',', '1'])) {
+            return None;
+        }
+        let joined = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        Some(if joined.chars().count() > LONGEST_VALUE {
+            joined.chars().take(LONGEST_VALUE).chain("...".chars()).collect()
+        } else {
+            joined.into()
+        })
+    }
+
+    /// The dotted key of what stands at `span`.
+    fn key_at(&self, span: &Range<usize>) -> Option<Box<str>> {
+        let table = DeTable::parse(&self.text).ok()?;
+        let mut path = Vec::new();
+        find_in_table(table.get_ref(), span, &mut path).then(|| path.join(".").into())
+    }
+
+    fn explain(&self, error: &toml::de::Error) -> Diagnostic {
+        let span = error.span().unwrap_or(0..0);
+        let message = error.message();
+        let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        if message.starts_with("unknown field") && !quoted.is_empty() {
+            let written = quoted[0];
+            let mut refused = self.refuse(span, "is not a known key");
+            refused.value = None;
+            refused.suggestion = nearest(written, quoted[1..].iter().copied()).map(Into::into);
+            return refused.expected(format!("one of {}", quoted[1..].join(", ")));
+        }
+        if message.starts_with("missing field") && !quoted.is_empty() {
+            return self.missing(span, quoted[0]);
+        }
+        let plain = [
+            ("floating point ", ""),
+            ("f64", "a number"),
+            ("u64", "a whole number not below zero"),
+            ("u32", "a whole number not below zero"),
+            ("usize", "a whole number not below zero"),
+            ("boolean", "true or false"),
+            ("a boolean", "true or false"),
+            ("sequence", "list"),
+            ("map", "table"),
+        ];
+        let said = plain.iter().fold(message.to_owned(), |said, (code, word)| replace_word(&said, code, word));
+        // Names of the program's own types are none of the user's words.
+        let said = said.find("expected struct ").map_or(said.clone(), |at| format!("{}expected a table", &said[..at]));
+        let is_listed = self.text.get(span.clone()).is_some_and(|text| text.starts_with("[["));
+        let mut refused = self.refuse(span, "");
+        if is_listed && message.starts_with("invalid type: map") {
+            let key = refused.key.clone().unwrap_or_default();
+            refused.value = None;
+            "stands in double brackets, as one of a list".clone_into(&mut refused.reason);
+            return refused.expected(format!("one table, [{key}]"));
+        }
+        if let Some((what, expected)) = said.rsplit_once(", expected ") {
+            what.clone_into(&mut refused.reason);
+            refused = refused.expected(expected);
+        } else {
+            refused.reason = said;
+        }
+        if refused.reason.starts_with("invalid type") {
+            "has the wrong type".clone_into(&mut refused.reason);
+        } else if refused.value.is_some() && refused.reason.starts_with("invalid value") {
+            "is out of range".clone_into(&mut refused.reason);
+        } else {
+            refused.value = None;
+        }
+        refused
+    }
+}
+
+/// Replaces `code` where it stands as a word of its own.
+fn replace_word(text: &str, code: &str, word: &str) -> String {
+    let alphanumeric = |letter: Option<char>| letter.is_some_and(|letter| letter.is_alphanumeric() || letter == '_');
+    let mut replaced = String::new();
+    let mut rest = text;
+    while let Some(at) = rest.find(code) {
+        let (before, after) = (&rest[..at], &rest[at + code.len()..]);
+        let inside = alphanumeric(before.chars().next_back().or_else(|| replaced.chars().next_back()))
+            || (!code.ends_with(' ') && alphanumeric(after.chars().next()));
+        replaced.push_str(before);
+        replaced.push_str(if inside { code } else { word });
+        rest = after;
+    }
+    replaced + rest
+}
+
+/// Appends the keys that lead to `span` within `table` to `path`; false if nothing there covers it.
+fn find_in_table(table: &DeTable<'_>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    for (key, value) in table {
+        path.push(key.get_ref().to_string());
+        if find_in_value(value, span, path) || covers(&key.span(), span) {
+            return true;
+        }
+        path.pop();
+    }
+    false
+}
+
+fn find_in_value(value: &Spanned<DeValue<'_>>, span: &Range<usize>, path: &mut Vec<String>) -> bool {
+    match value.get_ref() {
+        DeValue::Table(table) if find_in_table(table, span, path) => true,
+        DeValue::Array(array) => {
+            // Elements of an array of tables have keys of their own; numbers go by the array's.
+            array
+                .iter()
+                .any(|element| matches!(element.get_ref(), DeValue::Table(_)) && find_in_value(element, span, path))
+                || covers(&value.span(), span)
+        }
+        _ => covers(&value.span(), span),
+    }
+}
+
+fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end && outer.start < outer.end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(serde::Deserialize, Debug)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only refused documents are looked at")]
+    struct Outer {
+        inner: Inner,
+    }
+
+    #[derive(serde::Deserialize, Debug)]
+    #[serde(deny_unknown_fields)]
+    #[expect(dead_code, reason = "only refused documents are looked at")]
+    struct Inner {
+        width_um: Spanned<f64>,
+        count: Option<u64>,
+    }
+
+    fn refused(text: &str) -> String {
+        Document::new("a.toml", text).parse::<Outer>().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn refusals_name_line_and_key() {
+        for (text, message) in [
+            (
+                "[inner]\nwidth_um = 1.0\nwidht_um = 2",
+                "a.toml:3: inner.widht_um: is not a known key; expected one of width_um, count (did you mean `width_um`?)",
+            ),
+            ("\n[inner]\n", "a.toml:2: inner.width_um: is missing"),
+            ("", "a.toml:1: inner: is missing"),
+            (
+                "inner = { width_um = \"wide\" }",
+                "a.toml:1: inner.width_um: \"wide\" has the wrong type; expected a number",
+            ),
+            (
+                "[[inner]]\nwidth_um = 1.0",
+                "a.toml:1: inner: stands in double brackets, as one of a list; expected one table, [inner]",
+            ),
+            ("inner = 3", "a.toml:1: inner: 3 has the wrong type; expected a table"),
+            (
+                "[inner]\nwidth_um = 1\ncount = -3",
+                "a.toml:3: inner.count: -3 is out of range; expected a whole number not below zero",
+            ),
+        ] {
+            assert_eq!(refused(text), message);
+        }
+        assert!(refused("[inner]\nwidth_um = = 2").starts_with("a.toml:2: "));
+        assert!(refused("[inner]\nwidth_um = 2\nwidth_um = 3").starts_with("a.toml:3: "));
+    }
+
+    #[test]
+    fn words_are_replaced_whole() {
+        assert_eq!(replace_word("a map of bitmaps, map", "map", "table"), "a table of bitmaps, table");
+    }
+}

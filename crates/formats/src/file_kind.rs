@@ -1,0 +1,138 @@
+//! What a file seems to be, by its tables: a design given to `simulate` is told so.
+
+use std::path::{Path, PathBuf};
+
+use toml::de::{DeTable, DeValue};
+
+use crate::diagnostic::Diagnostic;
+use crate::source::Source;
+
+/// Kinds of files that commands take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileKind {
+    /// What `simulate` takes.
+    Scene,
+    /// What `optimize` takes.
+    Design,
+    /// What `calibrate` takes.
+    Calibration,
+    /// What `calibrate` writes.
+    Material,
+    /// What `optimize` writes.
+    Result,
+}
+
+impl FileKind {
+    /// What `text` seems to be; `None` where nothing tells, or several things do.
+    #[must_use]
+    pub fn of(text: &str) -> Option<Self> {
+        if text.trim_start().starts_with('{') {
+            let read: serde_json::Value = serde_json::from_str(text).ok()?;
+            return read.get("design").is_some().then_some(Self::Result);
+        }
+        let parsed = DeTable::parse(text).ok()?;
+        let table = |key: &str| {
+            let found = parsed.get_ref().iter().find(|(name, _)| name.get_ref().as_ref() == key);
+            found.is_some_and(|(_, value)| matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_)))
+        };
+        let mut seen = [
+            (Self::Scene, table("load")),
+            (Self::Design, table("target") && table("bounds")),
+            (Self::Calibration, table("measurements") || table("traces")),
+            (Self::Material, table("friction")),
+        ]
+        .into_iter()
+        .filter_map(|(kind, marked)| marked.then_some(kind));
+        seen.next().filter(|_| seen.next().is_none())
+    }
+
+    /// Refuses `text`, read from `path`, if it seems to be something else than this.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] that says what it seems to be, what takes it, and what is expected.
+    pub fn require(self, path: &Path, text: &str) -> Result<(), Diagnostic> {
+        match Self::of(text).filter(|&found| found != self) {
+            Some(found) => Err(Diagnostic::file(path, found.seems()).expected(self.expected())),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses the folder at `path`, with the file of this kind in it, if there is one.
+    #[must_use]
+    pub fn refuse_folder(self, source: &Source, path: &Path) -> Diagnostic {
+        let mut refused = Diagnostic::file(path, "is a folder").expected(self.expected());
+        refused.suggestion = self.first_in(source, path).map(|inside| inside.display().to_string().into());
+        refused
+    }
+
+    /// What is expected of a file of this kind.
+    #[must_use]
+    pub const fn expected(self) -> &'static str {
+        match self {
+            Self::Scene => "a scene file, with [material] and [load]",
+            Self::Design => "a design file, with [target] and [bounds]",
+            Self::Calibration => "a calibration file, with [measurements] or [traces]",
+            Self::Material => "a material file, with [friction], as `slipgrid calibrate` writes it",
+            Self::Result => "result.json as `slipgrid optimize` writes it, or its folder",
+        }
+    }
+
+    /// What a file of this kind is, and what takes it.
+    #[must_use]
+    pub const fn seems(self) -> &'static str {
+        match self {
+            Self::Scene => "seems to be a scene file, which `slipgrid simulate` takes",
+            Self::Design => "seems to be a design file, which `slipgrid optimize` takes",
+            Self::Calibration => "seems to be a calibration file, which `slipgrid calibrate` takes",
+            Self::Material => "seems to be a material file, which scenes and designs name by material = \"PATH\"",
+            Self::Result => "seems to be a result of `slipgrid optimize`, which `slipgrid export` takes",
+        }
+    }
+
+    /// The first file of this kind in `folder`, by name.
+    fn first_in(self, source: &Source, folder: &Path) -> Option<PathBuf> {
+        let mut paths: Vec<PathBuf> = source.names(folder).iter().map(|name| folder.join(name)).collect();
+        paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+        paths.sort();
+        let text = |path: &PathBuf| String::from_utf8(source.read(path).ok()?).ok();
+        paths.into_iter().find(|path| text(path).is_some_and(|text| Self::of(&text) == Some(self)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kinds_are_told_by_their_tables() {
+        for (text, kind) in [
+            ("material = \"m.toml\"\n[load]\npressure_mpa = 1", Some(FileKind::Scene)),
+            ("[material.friction]\n[load]", Some(FileKind::Scene)),
+            ("load = 50.0", None),
+            ("[target]\n[bounds]", Some(FileKind::Design)),
+            ("[target]", None),
+            ("[target]\n[bounds]\n[load]", None),
+            ("[measurements]\n[fit]", Some(FileKind::Calibration)),
+            ("[[traces]]", Some(FileKind::Calibration)),
+            ("[[friction.conditions]]", Some(FileKind::Material)),
+            ("{\"design\": {}}", Some(FileKind::Result)),
+            ("{}", None),
+            ("{", None),
+            ("[load", None),
+            ("force_n,speed_mm_s\n50,2\n", None),
+        ] {
+            assert_eq!(FileKind::of(text), kind, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_tells_nothing_is_left_to_the_reader() {
+        let path = Path::new("a.toml");
+        assert!(FileKind::Scene.require(path, "[run]").is_ok() && FileKind::Scene.require(path, "[load]").is_ok());
+        assert_eq!(
+            FileKind::Scene.require(path, "[target]\n[bounds]").unwrap_err().to_string(),
+            "a.toml: seems to be a design file, which `slipgrid optimize` takes; expected a scene file, with [material] \
+             and [load]"
+        );
+    }
+}

@@ -1,0 +1,48 @@
+//! File formats: types of their own, converted once into the validated types of the library crates.
+//!
+//! A [`Document`] is a file with its text, so that every refusal, a [`Diagnostic`], names file, line, key and what would be
+//! accepted. Bytes come through [`source::Files`]: this crate opens no files, reads no clock, prints nothing, and does not touch
+//! the environment.
+//!
+//! | module | reads |
+//! |---|---|
+//! | [`scene`], [`run`] | what is simulated |
+//! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
+//! | [`calibration`], [`measurements`], [`measured`], [`surface`] | what was measured |
+//! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
+//! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
+//! | [`pattern`], [`laser`] | textures, specimens, lasers |
+//! | [`plausible`], [`unusual`] | numbers that are likely slips |
+//! | [`confirmed_scene`] | writes the scene of a design |
+
+pub mod calibration;
+pub mod condition_ranges;
+pub mod confirmed_scene;
+pub mod design;
+pub mod diagnostic;
+pub mod discrepancy;
+pub mod document;
+pub mod file_kind;
+pub mod laser;
+pub mod limits;
+pub mod material;
+pub mod material_uncertainty;
+pub mod measured;
+pub mod measurements;
+pub mod pattern;
+pub mod plausible;
+pub mod run;
+pub mod scene;
+pub mod source;
+pub mod surface;
+pub mod target;
+pub mod tolerances;
+pub mod trace_columns;
+pub mod trace_file;
+pub mod traces;
+pub mod trade_offs;
+pub mod unusual;
+pub mod values;
+
+pub use diagnostic::Diagnostic;
+pub use document::Document;

@@ -1,0 +1,148 @@
+//! What a design must keep to beside its bounds: [limits] of design files.
+
+use serde::Deserialize;
+use slipgrid_design::ConstraintQuantity;
+use slipgrid_export::Laser;
+use slipgrid_optimize::{Bound, Limit};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::Number;
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
+
+/// Limits as a design writes them.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsFile {
+    /// Smallest gap between two cavities.
+    pub min_land_um: Option<Number>,
+    /// Depth that one burst removes.
+    pub depth_per_burst_um: Option<Number>,
+    max_peak_pressure_mpa: Option<Number>,
+    min_bearing_area: Option<Number>,
+    max_areal_density: Option<Number>,
+    max_laser_time_s: Option<Number>,
+    min_clearance_um: Option<Number>,
+    lift_off: Option<Spanned<String>>,
+}
+
+type Side = fn(f64) -> Bound;
+
+/// A key that limits a quantity.
+struct Entry<'a> {
+    measure: ConstraintQuantity,
+    /// What it is, in words.
+    name: &'static str,
+    number: &'a Option<Number>,
+    side: Side,
+    /// The loosest limit that means something, SI units.
+    loosest: f64,
+    quantity: Quantity,
+    unit: &'static str,
+}
+
+/// Clearances are compared with a micrometre where none is demanded.
+const CLEARANCE_SCALE_M: f64 = 1e-6;
+
+/// What the model measures, and the limits, in one order.
+///
+/// # Errors
+/// [`Diagnostic`] for a number out of range, and for a time that the laser's data do not give.
+pub fn read_limited(
+    document: &Document,
+    file: &LimitsFile,
+    laser: &Laser,
+) -> Result<(Vec<ConstraintQuantity>, Vec<Limit>), Diagnostic> {
+    let mut limited = (Vec::new(), Vec::new());
+    let (most, least): (Side, Side) = (Bound::AtMost, Bound::AtLeast);
+    let (unbounded, clearance) = (f64::INFINITY, LENGTH_UM.or_least());
+    let entry = |measure, name, number, side, loosest, quantity, unit| Entry {
+        measure,
+        name,
+        number,
+        side,
+        loosest,
+        quantity,
+        unit,
+    };
+    let table = [
+        entry(
+            ConstraintQuantity::PeakPressure,
+            "peak pressure",
+            &file.max_peak_pressure_mpa,
+            most,
+            unbounded,
+            PRESSURE_MPA,
+            "MPa",
+        ),
+        entry(ConstraintQuantity::BearingArea, "bearing area", &file.min_bearing_area, least, 0.0, FRACTION, ""),
+        entry(
+            ConstraintQuantity::ArealDensity,
+            "share of the face that is cavity",
+            &file.max_areal_density,
+            most,
+            1.0,
+            FRACTION,
+            "",
+        ),
+        entry(
+            ConstraintQuantity::LaserTime,
+            "time under the laser",
+            &file.max_laser_time_s,
+            most,
+            unbounded,
+            TIME_S,
+            "s",
+        ),
+        entry(
+            ConstraintQuantity::Clearance,
+            "clearance under the ceiling",
+            &file.min_clearance_um,
+            least,
+            0.0,
+            clearance,
+            "um",
+        ),
+    ];
+    for Entry { measure, name, number, side, loosest, quantity, unit } in table {
+        let Some(given) = number else { continue };
+        let limit = document.number(given, quantity)?;
+        if measure == ConstraintQuantity::LaserTime {
+            needs_time(document, given, laser)?;
+        }
+        let scale = if limit > 0.0 { limit } else { CLEARANCE_SCALE_M };
+        limited.0.push(measure);
+        limited.1.push(Limit { name, unit, unit_si: quantity.to_si(1.0), bound: side(limit), scale, loosest });
+    }
+    if let Some(lift_off) = &file.lift_off
+        && document.choice(lift_off, &[true, false], |refused| if refused { "refuse" } else { "allow" })?
+    {
+        let name = "least local pressure over the nominal one";
+        let (bound, loosest) = (Bound::AtLeast(0.0), f64::NEG_INFINITY);
+        limited.0.push(ConstraintQuantity::LeastPressure);
+        limited.1.push(Limit { name, unit: "", unit_si: 1.0, bound, scale: 1.0, loosest });
+    }
+    Ok(limited)
+}
+
+/// Refuses a limit on a time that cannot be estimated.
+fn needs_time(document: &Document, limit: &Number, laser: &Laser) -> Result<(), Diagnostic> {
+    let missing = missing_for_time(laser);
+    if missing.is_empty() {
+        return Ok(());
+    }
+    Err(document
+        .refuse(limit.span(), "limits a time that cannot be estimated")
+        .expected(format!("{} beside it", missing.join(", "))))
+}
+
+/// Keys without which the time under the laser cannot be estimated.
+pub(super) fn missing_for_time(laser: &Laser) -> Vec<&'static str> {
+    let given = [
+        ("laser.spot_um", laser.spot_um),
+        ("laser.repetition_hz", laser.repetition_hz),
+        ("limits.depth_per_burst_um or laser.ablation", laser.depth_per_burst_um),
+    ];
+    given.into_iter().filter_map(|(key, value)| value.is_none().then_some(key)).collect()
+}

@@ -1,0 +1,382 @@
+//! Material tables: inline in a scene or design, or a file of their own. The keys are the same.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_material::{
+    AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
+};
+use toml::Spanned;
+
+use super::discrepancy::{DiscrepancyFile, read_discrepancies};
+use super::document::Document;
+use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
+use crate::diagnostic::Diagnostic;
+use crate::source::Entry;
+use slipgrid_units::{
+    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
+    MODULUS_STD_GPA, POISSON, PRESSURE_MPA, RELATIVE_STD, SLOPE, SPEED_MM_S,
+};
+
+/// Scatter of the local coefficients where a file names none: the paper's 5 %.
+pub const DEFAULT_RELATIVE_STD: f64 = 0.05;
+/// mu_s over mu_d where no static friction was measured: the paper's 0.30 over 0.27.
+pub const DEFAULT_STATIC_OVER_DYNAMIC: f64 = 0.30 / 0.27;
+
+/// A material as a file writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MaterialFile {
+    /// The material's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Publication or laboratory.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Version of the program that wrote the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slipgrid_version: Option<String>,
+    /// The surface behind the area law is synthetic, not measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub synthetic_surface: Option<bool>,
+    /// How values were obtained.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
+    /// What makes results that rest on the material doubtful; each begins with its name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// Young's modulus.
+    pub youngs_modulus_gpa: Number,
+    /// Its standard deviation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub youngs_modulus_std_gpa: Option<Number>,
+    /// Density.
+    pub density_g_cm3: Number,
+    /// Local friction coefficients.
+    pub friction: Spanned<FrictionFile>,
+    /// Area law; absent for Amontons-Coulomb.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area_law: Option<Spanned<AreaLawFile>>,
+    /// The model's error on patterned samples, apart from the physics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub discrepancy: Option<Spanned<DiscrepancyFile>>,
+}
+
+/// Local friction coefficients as a file writes them: one pair, one pair per pressure, or tables
+/// per condition.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrictionFile {
+    /// Nominal pressures of the coefficients; absent for one pair.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure_mpa: Option<NumberList>,
+    /// Mean local static coefficient.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_mean: Option<Spanned<Numbers>>,
+    /// Mean local dynamic coefficient.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_mean: Option<Spanned<Numbers>>,
+    /// Scatter of both relative to their means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative_std: Option<Number>,
+    /// Standard errors of `static_mean`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_std_error: Option<Spanned<Numbers>>,
+    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
+    /// stand beside them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error: Option<Spanned<Numbers>>,
+    /// The same at the given area law: those of flat friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_over_steady: Option<Spanned<Numbers>>,
+    /// Model minus measurement of the flat sample, one per measurement.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<Vec<f64>>,
+    /// Covariance of `dynamic_mean` and of the logarithm of the area law's pressure scale, where that was fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale_covariance: Option<Spanned<Vec<Vec<f64>>>>,
+    /// Coefficients per condition.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Spanned<ConditionTable>>,
+}
+
+/// Coefficients at one speed and humidity.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConditionTable {
+    /// Sliding speed.
+    pub speed_mm_s: Number,
+    /// Relative humidity.
+    pub humidity_pct: Number,
+    /// Nominal pressures.
+    pub pressure_mpa: NumberList,
+    /// Mean local static coefficients.
+    pub static_mean: Spanned<Numbers>,
+    /// Mean local dynamic coefficients.
+    pub dynamic_mean: Spanned<Numbers>,
+    /// Standard errors of `static_mean`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub static_std_error: Option<Spanned<Numbers>>,
+    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
+    /// stand beside them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error: Option<Spanned<Numbers>>,
+    /// The same at the given area law: those of flat friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
+    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dynamic_over_steady: Option<Spanned<Numbers>>,
+    /// Model minus measurement of the flat sample, one per pressure.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residual: Option<Vec<f64>>,
+}
+
+/// An area law as a file writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct AreaLawFile {
+    /// Where the law came from: `map`, `persson`, `fit`, or `measured` for flat friction itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<String>,
+    /// Rms slope of the map behind the law.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rms_slope: Option<Number>,
+    /// Arithmetic mean height of that map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sa_um: Option<Number>,
+    /// Its pixel size.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pixel_um: Option<Number>,
+    /// Poisson's ratio of the contact computation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub poisson_ratio: Option<Number>,
+    /// Tabulated pressures.
+    pub pressure_mpa: NumberList,
+    /// Factors f.
+    pub factor: NumberList,
+    /// Their standard errors, from windows of the map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor_std: Option<NumberList>,
+    /// Real contact area fractions behind them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub area_fraction: Option<NumberList>,
+}
+
+/// Speed and humidity that select coefficients.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ConditionFile {
+    /// Sliding speed.
+    pub speed_mm_s: Number,
+    /// Relative humidity.
+    pub humidity_pct: Number,
+}
+
+/// Reads a condition.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_condition(document: &Document, condition: &ConditionFile) -> Result<Condition, Diagnostic> {
+    Ok(Condition {
+        speed_m_s: document.number(&condition.speed_mm_s, SPEED_MM_S)?,
+        humidity: document.number(&condition.humidity_pct, HUMIDITY_PCT)?,
+    })
+}
+
+/// The path of a file that a key names, relative to its document.
+///
+/// # Errors
+/// [`Diagnostic`] at the key if there is no such file.
+pub fn existing<T>(document: &Document, key: &Spanned<T>, path: &str) -> Result<std::path::PathBuf, Diagnostic> {
+    let path = document.resolve(path);
+    match document.source().entry(&path) {
+        Ok(Entry::File) => Ok(path),
+        Ok(_) => Err(document
+            .refuse(key.span(), format!("({}) is not a file", path.display()))
+            .expected("the path of a file, relative to this one")),
+        Err(error) => Err(document
+            .refuse(key.span(), format!("({}) cannot be read: {error}", path.display()))
+            .expected("the path of a file, relative to this one")),
+    }
+}
+
+/// Turns a material as written into the validated one.
+///
+/// # Errors
+/// [`Diagnostic`] for anything refused in it.
+pub fn read_material(
+    document: &Document,
+    file: &MaterialFile,
+    place: &std::ops::Range<usize>,
+) -> Result<Material, Diagnostic> {
+    let youngs_modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
+    document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
+    let density_kg_m3 = document.number(&file.density_g_cm3, DENSITY_G_CM3)?;
+    let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3).map_err(|error| at(document, place, &error))?;
+    let friction = read_friction(document, &file.friction)?;
+    let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
+    let mut warnings = file.warnings.clone();
+    // What the file says of its law already is not said twice.
+    let named = |warning: &str| warning.split(':').next().map(str::to_owned);
+    let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
+    // A measured law may rise: it is none of contact area.
+    let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
+    warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(law_warnings).filter(|warning| !told(warning)));
+    if let Some(discrepancy) = &file.discrepancy {
+        read_discrepancies(document, discrepancy)?;
+    }
+    Ok(Material {
+        elastic,
+        friction,
+        area_law,
+        provenance: Provenance {
+            name: file.name.clone().unwrap_or_default(),
+            source: file.source.clone().unwrap_or_default(),
+            synthetic_surface: file.synthetic_surface.unwrap_or(false),
+            notes: file.notes.clone(),
+            warnings,
+        },
+    })
+}
+
+fn at(document: &Document, place: &std::ops::Range<usize>, error: &MaterialError) -> Diagnostic {
+    document.refuse(place.clone(), error.to_string())
+}
+
+fn read_friction(document: &Document, file: &Spanned<FrictionFile>) -> Result<Friction, Diagnostic> {
+    let (place, friction) = (file.span(), file.get_ref());
+    let relative_std = friction
+        .relative_std
+        .as_ref()
+        .map_or(Ok(DEFAULT_RELATIVE_STD), |relative_std| document.number(relative_std, RELATIVE_STD))?;
+    let local = |static_mean: f64, dynamic_mean: f64| {
+        LocalFriction::new(static_mean, dynamic_mean, relative_std).map_err(|error| at(document, &place, &error))
+    };
+    let errors = [&friction.static_std_error, &friction.dynamic_std_error, &friction.dynamic_std_error_given_law];
+    for errors in errors.into_iter().flatten() {
+        list(document, errors, FRICTION_STD)?;
+    }
+    if let Some(excess) = &friction.dynamic_over_steady {
+        list(document, excess, EXCESS)?;
+    }
+    if !friction.conditions.is_empty() {
+        let stray =
+            [friction.static_mean.as_ref().map(Spanned::span), friction.dynamic_mean.as_ref().map(Spanned::span)];
+        if let Some(stray) = stray.into_iter().flatten().next() {
+            return Err(document.refuse(stray, "stands beside coefficients per condition").expected("one of the two"));
+        }
+        return read_conditions(document, &friction.conditions, local);
+    }
+    let static_mean = friction.static_mean.as_ref().ok_or_else(|| document.missing(file.span(), "static_mean"))?;
+    let dynamic_mean = friction.dynamic_mean.as_ref().ok_or_else(|| document.missing(file.span(), "dynamic_mean"))?;
+    let Some(pressures) = &friction.pressure_mpa else {
+        for mean in [static_mean, dynamic_mean] {
+            if matches!(mean.get_ref(), Numbers::Each(_)) {
+                return Err(document
+                    .refuse(mean.span(), "is a list without pressures")
+                    .expected("one number, or `pressure_mpa` beside it, one for each coefficient"));
+            }
+        }
+        let (static_mean, dynamic_mean) =
+            (list(document, static_mean, FRICTION)?[0], list(document, dynamic_mean, FRICTION)?[0]);
+        return Ok(Friction::Single(local(static_mean, dynamic_mean)?));
+    };
+    let pressure_pa = increasing(document, pressures, PRESSURE_MPA)?;
+    let static_mean = for_each(document, static_mean, FRICTION, pressure_pa.len(), "pressure")?;
+    let dynamic_mean = for_each(document, dynamic_mean, FRICTION, pressure_pa.len(), "pressure")?;
+    let mut rows = Vec::new();
+    for ((&pressure_pa, &static_mean), &dynamic_mean) in pressure_pa.iter().zip(&static_mean).zip(&dynamic_mean) {
+        rows.push(ConditionFriction { pressure_pa, condition: None, friction: local(static_mean, dynamic_mean)? });
+    }
+    Ok(Friction::PerCondition(rows))
+}
+
+fn read_conditions(
+    document: &Document,
+    tables: &[Spanned<ConditionTable>],
+    local: impl Fn(f64, f64) -> Result<LocalFriction, Diagnostic>,
+) -> Result<Friction, Diagnostic> {
+    let mut rows: Vec<ConditionFriction> = Vec::new();
+    for spanned in tables {
+        let table = spanned.get_ref();
+        let condition = Condition {
+            speed_m_s: document.number(&table.speed_mm_s, SPEED_MM_S)?,
+            humidity: document.number(&table.humidity_pct, HUMIDITY_PCT)?,
+        };
+        if rows.iter().any(|row| row.condition.is_some_and(|other| other.matches(&condition))) {
+            return Err(document
+                .refuse(table.speed_mm_s.span(), "and this humidity occur a second time")
+                .expected("one table per condition"));
+        }
+        let pressure_pa = increasing(document, &table.pressure_mpa, PRESSURE_MPA)?;
+        let count = pressure_pa.len();
+        let static_mean = for_each(document, &table.static_mean, FRICTION, count, "pressure")?;
+        let dynamic_mean = for_each(document, &table.dynamic_mean, FRICTION, count, "pressure")?;
+        let errors = [&table.static_std_error, &table.dynamic_std_error, &table.dynamic_std_error_given_law];
+        for errors in errors.into_iter().flatten() {
+            for_each(document, errors, FRICTION_STD, count, "pressure")?;
+        }
+        if let Some(excess) = &table.dynamic_over_steady {
+            for_each(document, excess, EXCESS, count, "pressure")?;
+        }
+        for row in 0..count {
+            rows.push(ConditionFriction {
+                pressure_pa: pressure_pa[row],
+                condition: Some(condition),
+                friction: local(static_mean[row], dynamic_mean[row])?,
+            });
+        }
+    }
+    Ok(Friction::PerCondition(rows))
+}
+
+/// What is odd about a law that a table gives.
+fn law_warnings(law: &AreaLaw) -> Vec<String> {
+    let step = law.step().map(|(pressure_pa, factor)| {
+        format!(
+            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
+             begins with 1",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    let above = law.above_one().map(|(pressure_pa, factor)| {
+        format!(
+            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    step.into_iter().chain(above).collect()
+}
+
+fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {
+    let law = file.get_ref();
+    let pressure_pa = increasing(document, &law.pressure_mpa, PRESSURE_MPA)?;
+    let factor = document.numbers(&law.factor, FACTOR)?;
+    let same_length = |list: &NumberList| {
+        if list.get_ref().len() == pressure_pa.len() {
+            return Ok(());
+        }
+        Err(document
+            .refuse(list.span(), format!("has {} values", list.get_ref().len()))
+            .expected(format!("{}, one for each pressure", pressure_pa.len())))
+    };
+    same_length(&law.factor)?;
+    for (about, quantity) in
+        [(&law.rms_slope, SLOPE), (&law.sa_um, LENGTH_UM), (&law.pixel_um, LENGTH_UM), (&law.poisson_ratio, POISSON)]
+    {
+        document.optional(about.as_ref(), quantity)?;
+    }
+    if let Some(area_fraction) = &law.area_fraction {
+        document.numbers(area_fraction, FRACTION)?;
+        same_length(area_fraction)?;
+    }
+    let law_of = |error: MaterialError| at(document, &file.span(), &error);
+    let Some(factor_std) = &law.factor_std else {
+        return AreaLaw::new(pressure_pa, factor).map_err(law_of);
+    };
+    same_length(factor_std)?;
+    let factor_std = document.numbers(factor_std, FACTOR_STD)?;
+    AreaLaw::new(pressure_pa, factor).and_then(|law| law.with_factor_std(factor_std)).map_err(law_of)
+}

@@ -1,0 +1,228 @@
+//! Tables of measured friction: CSV with a header line.
+
+use std::path::Path;
+
+use crate::diagnostic::{Diagnostic, nearest};
+use crate::source::{Source, read_text};
+use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
+
+/// One row of a table of measurements, SI units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measurement {
+    /// Normal force on one specimen, in newtons.
+    pub force_n: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Relative humidity, 0 to 1.
+    pub humidity: f64,
+    /// Dynamic friction coefficient.
+    pub mu_dynamic: f64,
+    /// Its standard deviation.
+    pub mu_dynamic_std: f64,
+    /// Static friction coefficient, where measured.
+    pub mu_static: Option<f64>,
+    /// Its standard deviation.
+    pub mu_static_std: Option<f64>,
+}
+
+/// Columns: name, range, whether every table must have it.
+const COLUMNS: [(&str, Quantity, bool); 7] = [
+    ("force_n", FORCE_N, true),
+    ("speed_mm_s", SPEED_MM_S, true),
+    ("humidity_pct", HUMIDITY_PCT, true),
+    ("mu_dynamic", FRICTION, true),
+    ("mu_dynamic_std", FRICTION_STD, true),
+    ("mu_static", FRICTION, false),
+    ("mu_static_std", FRICTION_STD, false),
+];
+
+/// Reads the table at `path` of `source`: every row with its line.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of what was refused.
+pub fn read(source: &Source, path: &Path) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
+    let text = read_text(source, path, "a table of measurements")?;
+    rows(path, &text)
+}
+
+/// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of what was refused.
+pub fn parse(path: &Path, text: &str) -> Result<Vec<Measurement>, Diagnostic> {
+    Ok(rows(path, text)?.into_iter().map(|(_, row)| row).collect())
+}
+
+fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
+    let refuse = |line: u32, key: Option<&str>, value: Option<&str>, reason: String| Diagnostic {
+        line: Some(line),
+        key: key.map(Into::into),
+        value: value.map(|value| format!("\"{value}\"").into()),
+        ..Diagnostic::file(path, reason)
+    };
+    let mut lines = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .zip(1..)
+        .map(|(line, number)| (number, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let names = || COLUMNS.map(|(name, _, _)| name);
+    let Some((header_line, header)) = lines.next() else {
+        return Err(Diagnostic::file(path, "has no header line").expected(names().join(",")));
+    };
+    let mut order = Vec::new();
+    for name in header.split(',').map(str::trim) {
+        let Some(column) = COLUMNS.iter().position(|column| column.0 == name) else {
+            let mut refused = refuse(header_line, Some(name), None, "is not a known column".into())
+                .expected(format!("one of {}", names().join(", ")));
+            refused.suggestion = nearest(name, names()).map(Into::into);
+            return Err(refused);
+        };
+        if order.contains(&column) {
+            return Err(refuse(header_line, Some(name), None, "occurs twice".into()).expected("each column once"));
+        }
+        order.push(column);
+    }
+    for (column, (name, _, required)) in COLUMNS.iter().enumerate() {
+        if *required && !order.contains(&column) {
+            return Err(refuse(header_line, Some(name), None, "is missing".into())
+                .expected(format!("the columns {}", names()[..5].join(","))));
+        }
+    }
+
+    let mut rows = Vec::new();
+    for (line, content) in lines {
+        let cells: Vec<&str> = content.split(',').map(str::trim).collect();
+        if cells.len() != order.len() {
+            return Err(refuse(line, None, None, format!("has {} values", cells.len()))
+                .expected(format!("{}, as the header line", order.len())));
+        }
+        let mut values = [None; COLUMNS.len()];
+        for (&column, cell) in order.iter().zip(&cells) {
+            let (name, quantity, required) = COLUMNS[column];
+            if cell.is_empty() && !required {
+                continue;
+            }
+            match cell.parse::<f64>() {
+                Ok(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
+                Ok(_) => {
+                    return Err(
+                        refuse(line, Some(name), Some(cell), "is out of range".into()).expected(quantity.to_string())
+                    );
+                }
+                Err(_) => {
+                    return Err(
+                        refuse(line, Some(name), Some(cell), "is no number".into()).expected(quantity.to_string())
+                    );
+                }
+            }
+        }
+        if let [
+            Some(force_n),
+            Some(speed_m_s),
+            Some(humidity),
+            Some(mu_dynamic),
+            Some(mu_dynamic_std),
+            mu_static,
+            mu_static_std,
+        ] = values
+        {
+            let (given, lacking) = (COLUMNS[5].0, COLUMNS[6].0);
+            if mu_static.is_some() != mu_static_std.is_some() {
+                let (there, absent) = if mu_static.is_some() { (given, lacking) } else { (lacking, given) };
+                return Err(refuse(line, Some(there), None, format!("stands without {absent}"))
+                    .expected("both in a row, or neither where no static peak was measured"));
+            }
+            let row =
+                Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, mu_static, mu_static_std };
+            rows.push((line, row));
+        }
+    }
+    if rows.is_empty() {
+        return Err(Diagnostic::file(path, "has no rows").expected("at least one measurement"));
+    }
+    Ok(rows)
+}
+
+/// The table as text, with `comment` above it.
+#[must_use]
+pub fn table(comment: &str, rows: &[Measurement]) -> String {
+    let mut text = format!("# {comment}\n{}\n", COLUMNS.map(|(name, _, _)| name).join(","));
+    for row in rows {
+        let rounded = |value: f64| tidy((value * 1e6).round() / 1e6).to_string();
+        let optional = |value: Option<f64>| value.map_or_else(String::new, rounded);
+        let cells = [
+            row.force_n.to_string(),
+            SPEED_MM_S.from_si(row.speed_m_s).to_string(),
+            HUMIDITY_PCT.from_si(row.humidity).to_string(),
+            rounded(row.mu_dynamic),
+            rounded(row.mu_dynamic_std),
+            optional(row.mu_static),
+            optional(row.mu_static_std),
+        ];
+        text += &format!("{}\n", cells.join(","));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_may_stand_in_any_order_and_static_ones_be_empty() {
+        let text = "# three repetitions\nmu_dynamic,force_n,speed_mm_s,humidity_pct,mu_dynamic_std,mu_static\n0.278, 200, 2, 15, 0.001,\n";
+        let rows = parse(Path::new("a.csv"), text).unwrap();
+        assert_eq!(
+            rows,
+            [Measurement {
+                force_n: 200.0,
+                speed_m_s: 2e-3,
+                humidity: 0.15,
+                mu_dynamic: 0.278,
+                mu_dynamic_std: 0.001,
+                mu_static: None,
+                mu_static_std: None,
+            }]
+        );
+    }
+
+    #[test]
+    fn a_written_table_reads_back() {
+        let row = Measurement {
+            force_n: 66.5,
+            speed_m_s: 0.4e-3,
+            humidity: 0.15,
+            mu_dynamic: 0.278123,
+            mu_dynamic_std: 0.001,
+            mu_static: Some(0.3),
+            mu_static_std: Some(0.01),
+        };
+        let rows = [row, Measurement { mu_static: None, mu_static_std: None, ..row }];
+        assert_eq!(parse(Path::new("a.csv"), &table("by a test", &rows)).unwrap(), rows);
+    }
+
+    #[test]
+    fn refusals_name_line_and_column() {
+        let header = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std";
+        for (text, message) in [
+            (String::new(), "a.csv: has no header line"),
+            (header.to_owned(), "a.csv: has no rows"),
+            (format!("{header}\n50,2,15,0.2"), "a.csv:2: has 4 values; expected 5"),
+            (format!("{header}\n50,2,15,-0.2,0.01"), "a.csv:2: mu_dynamic: \"-0.2\" is out of range"),
+            (format!("{header}\n50,2,15,NaN,0.01"), "a.csv:2: mu_dynamic: \"NaN\" is out of range"),
+            (format!("{header}\n\n50,2,150,0.2,0.01"), "a.csv:3: humidity_pct: \"150\" is out of range"),
+            (format!("{header}\n50,fast,15,0.2,0.01"), "a.csv:2: speed_mm_s: \"fast\" is no number"),
+            (format!("{header},mu_static,mu_static_std\n50,2,15,0.2,0.01,0.3,"), "a.csv:2: mu_static: stands without"),
+            (
+                format!("{header},mu_static_std\n50,2,15,0.2,0.01,0.1"),
+                "a.csv:2: mu_static_std: stands without mu_static",
+            ),
+            (header.replace("force_n", "force_kn"), "a.csv:1: force_kn: is not a known column"),
+            (header.replace("force_n,", ""), "a.csv:1: force_n: is missing"),
+        ] {
+            let refused = parse(Path::new("a.csv"), &text).unwrap_err().to_string();
+            assert!(refused.starts_with(message), "{refused}");
+        }
+    }
+}

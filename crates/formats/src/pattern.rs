@@ -1,0 +1,296 @@
+//! Patterns in files: the table of a scene, and what a design fixes of it.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
+use slipgrid_springblock::Layer;
+use toml::Spanned;
+
+use slipgrid_design::FurtherDirections;
+use slipgrid_results::PatternReport;
+
+use super::document::Document;
+use super::values::{Number, Numbers, list, number};
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
+
+/// A pattern as a scene writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PatternFile {
+    /// Width of a cavity along its row; of a disc its diameter.
+    pub width_um: Number,
+    /// Gap between two cavities of a row.
+    pub spacing_um: Number,
+    /// Depth of a cavity.
+    pub depth_um: Number,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub planform: Option<Spanned<String>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing_across_um: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<Spanned<String>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_angle_deg: Option<Number>,
+}
+
+/// A texture, all of a pattern that a design does not search, as a design writes it.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TextureFile {
+    /// Shape seen from above; `groove` when absent.
+    pub planform: Option<Spanned<String>>,
+    /// Extent of a rectangle across its row.
+    pub length_um: Option<Number>,
+    /// Gap between rows; as along the row when absent.
+    pub spacing_across_um: Option<Number>,
+    /// `square`, `staggered` or `hexagonal`; `square` when absent.
+    pub arrangement: Option<Spanned<String>>,
+    /// Grooves turned from lying across the specimen's x axis; 0 when absent.
+    pub angle_deg: Option<Number>,
+    /// Sliding direction turned from the specimen's x axis; 0 when absent. A design may name several.
+    pub sliding_angle_deg: Option<Spanned<Numbers>>,
+}
+
+impl PatternFile {
+    /// The texture's part.
+    #[must_use]
+    pub fn texture(&self) -> TextureFile {
+        TextureFile {
+            planform: self.planform.clone(),
+            length_um: self.length_um.clone(),
+            spacing_across_um: self.spacing_across_um.clone(),
+            arrangement: self.arrangement.clone(),
+            angle_deg: self.angle_deg.clone(),
+            sliding_angle_deg: self
+                .sliding_angle_deg
+                .as_ref()
+                .map(|angle| Spanned::new(angle.span(), Numbers::One(*angle.get_ref()))),
+        }
+    }
+}
+
+impl From<&Pattern> for PatternFile {
+    /// The pattern as it is written: what is plain is left out.
+    fn from(pattern: &Pattern) -> Self {
+        let written = PatternReport::from(pattern);
+        let named = |name: String| Spanned::new(0..0, name);
+        Self {
+            width_um: number(written.width_um),
+            spacing_um: number(written.spacing_um),
+            depth_um: number(written.depth_um),
+            planform: Some(named(written.planform)),
+            length_um: written.length_um.map(number),
+            spacing_across_um: written.spacing_across_um.map(number),
+            arrangement: written.arrangement.map(named),
+            angle_deg: written.angle_deg.map(number),
+            sliding_angle_deg: written.sliding_angle_deg.map(number),
+        }
+    }
+}
+
+/// Reads a pattern and checks that it leaves some of the layer.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range, and for keys that the planform has no use for.
+pub fn read_pattern(document: &Document, file: &Spanned<PatternFile>, layer: &Layer) -> Result<Pattern, Diagnostic> {
+    let pattern = file.get_ref();
+    let texture = read_texture(document, &pattern.texture(), file.span())?;
+    let width_m = document.number(&pattern.width_um, LENGTH_UM)?;
+    let spacing_m = document.number(&pattern.spacing_um, LENGTH_UM)?;
+    let depth_m = document.number(&pattern.depth_um, LENGTH_UM)?;
+    if depth_m >= layer.height_m {
+        let layer_um = LENGTH_UM.from_si(layer.height_m);
+        return Err(document
+            .refuse(pattern.depth_um.span(), format!("um leaves nothing of the layer of {layer_um} um"))
+            .expected(format!("a depth below {layer_um} um")));
+    }
+    Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+/// Reads the texture in the table at `table`, sliding along the first direction that it names.
+///
+/// # Errors
+/// [`Diagnostic`] for unknown names, numbers out of range, and keys that the planform has no use for.
+pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>) -> Result<Texture, Diagnostic> {
+    let planform = file.planform.as_ref();
+    let planform =
+        planform.map_or(Ok(Planform::Groove), |name| document.choice(name, &Planform::ALL, Planform::name))?;
+    if planform == Planform::Rectangle && file.length_um.is_none() {
+        return Err(document.missing(table, "length_um"));
+    }
+    // What the planform lacks is refused at the key that asks for it.
+    let refuse = |span: Range<usize>, error: &PatternError, expected: &'static str| match error {
+        PatternError::NoSuchProperty { .. } => {
+            document.refuse(span, format!("has no meaning for planform \"{planform}\"")).expected(expected)
+        }
+        _ => document.refuse(span, error.to_string()),
+    };
+    let mut texture = Texture::new(planform);
+    if let Some(length) = &file.length_um {
+        texture = texture
+            .with_length_m(document.number(length, LENGTH_UM)?)
+            .map_err(|error| refuse(length.span(), &error, "planform = \"rectangle\", or no such key"))?;
+    }
+    if let Some(spacing) = &file.spacing_across_um {
+        texture = texture.with_spacing_across_m(document.number(spacing, LENGTH_UM)?).map_err(|error| {
+            refuse(spacing.span(), &error, "planform = \"square\", \"rectangle\" or \"disc\", or no such key")
+        })?;
+    }
+    if let Some(name) = &file.arrangement {
+        let arrangement = document.choice(name, &Arrangement::ALL, Arrangement::name)?;
+        texture = texture.with_arrangement(arrangement).map_err(|error| {
+            refuse(name.span(), &error, "\"square\", or planform = \"square\", \"rectangle\" or \"disc\"")
+        })?;
+    }
+    if let Some(angle) = &file.angle_deg {
+        texture = texture
+            .with_groove_angle_deg(document.number(angle, GROOVE_ANGLE_DEG)?)
+            .map_err(|error| refuse(angle.span(), &error, "planform = \"groove\", or sliding_angle_deg instead"))?;
+    }
+    if let Some(angle) = &file.sliding_angle_deg {
+        texture = texture
+            .with_sliding_angle_deg(list(document, angle, SLIDING_ANGLE_DEG)?[0])
+            .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
+    }
+    Ok(texture)
+}
+
+/// The directions that `file` names beside the first, which `texture` has.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_directions(
+    document: &Document,
+    file: &TextureFile,
+    texture: &Texture,
+) -> Result<FurtherDirections, Diagnostic> {
+    let mut found = FurtherDirections::default();
+    let Some(angles) = &file.sliding_angle_deg else { return Ok(found) };
+    let mut known = vec![*texture];
+    for angle_deg in list(document, angles, SLIDING_ANGLE_DEG)?.into_iter().skip(1) {
+        if known.iter().any(|known| known.slides_alike(angle_deg)) {
+            found.alike_deg.push(angle_deg);
+            continue;
+        }
+        let turned = texture.with_sliding_angle_deg(angle_deg);
+        known.push(turned.map_err(|error| document.refuse(angles.span(), error.to_string()))?);
+        found.different_deg.push(angle_deg);
+    }
+    Ok(found)
+}
+
+/// Refuses a texture of which the vertical plane takes no meaningful section: it models grooves across
+/// the sliding direction, and squares, in rows along it, by their section.
+///
+/// # Errors
+/// [`Diagnostic`] at the first key that asks for more.
+pub fn require_section(document: &Document, file: &TextureFile, texture: &Texture) -> Result<(), Diagnostic> {
+    const WHY: &str = "needs a three-dimensional cell, which scenes with fidelity = \"steady\" and extent = \"cell\" \
+                       have: the vertical section along the sliding direction says little of it";
+    if texture.dimensions() == 2 {
+        return Ok(());
+    }
+    let refuse = |span: Range<usize>, expected: &str| Err(document.refuse(span, WHY).expected(expected));
+    if let (Planform::Rectangle | Planform::Disc, Some(planform)) = (texture.planform(), &file.planform) {
+        return refuse(planform.span(), "\"groove\" or \"square\"");
+    }
+    if let Some(arrangement) = file.arrangement.as_ref().filter(|_| texture.arrangement() != Arrangement::Square) {
+        return refuse(arrangement.span(), "\"square\"");
+    }
+    if texture.sliding_direction()[1] == 0.0 {
+        return Ok(());
+    }
+    // Grooves are turned, or the sliding direction is, or both by different angles.
+    match (&file.sliding_angle_deg, &file.angle_deg) {
+        (Some(sliding), Some(groove)) => refuse(sliding.span(), &format!("that of the grooves, {}", groove.get_ref())),
+        (Some(sliding), None) => refuse(sliding.span(), "0"),
+        (None, Some(groove)) => refuse(groove.span(), "0"),
+        (None, None) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::DEFAULT_LAYER;
+
+    #[derive(Debug, Deserialize)]
+    struct Written {
+        pattern: Spanned<PatternFile>,
+    }
+
+    const LENGTHS: &str = "[pattern]\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n";
+
+    fn read(keys: &str) -> Result<(Pattern, Result<(), Diagnostic>), Diagnostic> {
+        let document = Document::new("a.toml", format!("{LENGTHS}{keys}"));
+        let written: Written = document.parse()?;
+        let pattern = read_pattern(&document, &written.pattern, &DEFAULT_LAYER)?;
+        let section = require_section(&document, &written.pattern.get_ref().texture(), pattern.texture());
+        Ok((pattern, section))
+    }
+
+    #[test]
+    fn every_texture_reads_back_as_it_is_written() {
+        for keys in [
+            "",
+            "planform = \"square\"\nspacing_across_um = 100.1",
+            "planform = \"rectangle\"\nlength_um = 70.7\narrangement = \"staggered\"",
+            "planform = \"disc\"\nsliding_angle_deg = -33.3\narrangement = \"square\"",
+            "angle_deg = 45\nsliding_angle_deg = 180",
+        ] {
+            let (pattern, _) = read(keys).unwrap();
+            #[derive(Serialize)]
+            struct Again {
+                pattern: PatternFile,
+            }
+            let text = toml::to_string(&Again { pattern: PatternFile::from(&pattern) }).unwrap();
+            let document = Document::new("b.toml", text);
+            let again: Written = document.parse().unwrap();
+            assert_eq!(read_pattern(&document, &again.pattern, &DEFAULT_LAYER).unwrap(), pattern, "{keys}");
+        }
+        let (pattern, _) = read("planform = \"disc\"\nsliding_angle_deg = 90").unwrap();
+        assert_eq!((pattern.planform(), pattern.sliding_direction()), (Planform::Disc, [0.0, 1.0]));
+    }
+
+    #[test]
+    fn what_the_plane_sections_and_what_not() {
+        for keys in [
+            "",
+            "angle_deg = 0",
+            "sliding_angle_deg = 180.0",
+            "angle_deg = 20.0\nsliding_angle_deg = 20.0",
+            "planform = \"square\"",
+            "planform = \"square\"\nspacing_across_um = 50.0\narrangement = \"square\"",
+        ] {
+            assert_eq!(read(keys).unwrap().1.map_err(|refused| refused.to_string()), Ok(()), "{keys}");
+        }
+        for (keys, key, expected) in [
+            ("planform = \"disc\"", "5: pattern.planform: \"disc\" needs", "\"groove\" or \"square\""),
+            ("planform = \"rectangle\"\nlength_um = 5.0", "5: pattern.planform: \"rectangle\" needs", "\"square\""),
+            ("angle_deg = 90", "5: pattern.angle_deg: 90 needs a three-dimensional cell", "expected 0"),
+            ("sliding_angle_deg = 1.5", "5: pattern.sliding_angle_deg: 1.5 needs", "expected 0"),
+            ("angle_deg = 10\nsliding_angle_deg = 20", "6: pattern.sliding_angle_deg: 20 needs", "grooves, 10"),
+            ("planform = \"square\"\nsliding_angle_deg = 45", "6: pattern.sliding_angle_deg: 45 needs", "expected 0"),
+            (
+                "planform = \"square\"\narrangement = \"staggered\"",
+                "6: pattern.arrangement: \"staggered\"",
+                "\"square\"",
+            ),
+        ] {
+            let refused = read(keys).unwrap().1.unwrap_err().to_string();
+            assert!(refused.starts_with(&format!("a.toml:{key}")) && refused.contains(expected), "{keys}: {refused}");
+        }
+    }
+}

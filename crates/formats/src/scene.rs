@@ -1,0 +1,419 @@
+//! Scene files: what `simulate` takes.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+use slipgrid_material::{Condition, Material};
+use slipgrid_springblock::{Extent, Layer, MOST_ROWS, Scene, SceneError};
+use toml::Spanned;
+
+use super::document::Document;
+use super::file_kind::FileKind;
+use super::laser::{SpecimenFile, read_specimen};
+use super::material::{ConditionFile, MaterialFile, read_condition};
+use super::material_uncertainty::read_referenced;
+use super::pattern::{PatternFile, read_pattern, require_section};
+use super::run::{Overrides, RunFile, read_run};
+use super::unusual;
+use super::values::{Number, Numbers, PathOr, list};
+use crate::diagnostic::Diagnostic;
+use crate::source::Source;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_design::{SpecimenError, loads, solved_as};
+use slipgrid_export::Specimen;
+use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
+
+/// A scene as a file writes it.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFile {
+    /// Name for reports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Selects coefficients of a material that has them per condition.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<Spanned<ConditionFile>>,
+    /// Material table, or path of a material file.
+    pub material: Spanned<PathOr<MaterialFile>>,
+    /// Texture; absent for a flat surface.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pattern: Option<Spanned<PatternFile>>,
+    /// The specimen that the pattern is laid on; absent where a sample is one strip of `sample.length_um`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub specimen: Option<Spanned<SpecimenFile>>,
+    /// The modelled layer.
+    #[serde(default = "default_sample")]
+    pub sample: Spanned<SampleFile>,
+    /// Loads and speed.
+    pub load: Spanned<LoadFile>,
+    /// How to solve.
+    #[serde(default)]
+    pub run: RunFile,
+}
+
+/// The modelled layer as a file writes it.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct SampleFile {
+    /// Length of the specimen along the sliding direction; that of `[specimen]` where there is one, otherwise 9960 when
+    /// absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<Number>,
+    /// Height of the layer that strips and runs in time hold block by block; alone it is all that is elastic. 200 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layer_um: Option<Number>,
+    /// Thickness of the specimen, all of it elastic; 7 when neither this nor the layer is given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub thickness_mm: Option<Number>,
+    /// Lattice spacing; 10 when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub block_um: Option<Number>,
+}
+
+/// The paper's specimens are as thick, in metres.
+pub const DEFAULT_THICKNESS_M: f64 = 7e-3;
+
+/// The paper's layer: 996 x 20 blocks of 10 um, under a rigid bulk.
+pub const DEFAULT_LAYER: Layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
+
+/// The same layer as the lowest part of a specimen as thick as the paper's: that of files that do not say more.
+pub const DEFAULT_SPECIMEN: Layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..DEFAULT_LAYER };
+
+/// The layer of a file that has no `[sample]`.
+#[must_use]
+pub fn default_sample() -> Spanned<SampleFile> {
+    Spanned::new(0..0, SampleFile::default())
+}
+
+/// Loads as a file writes them.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LoadFile {
+    /// Nominal pressures, one or several.
+    pub pressure_mpa: Spanned<Numbers>,
+    /// Sliding speed; the condition's when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_mm_s: Option<Number>,
+}
+
+/// A scene ready to be solved, and what reports about it need.
+#[derive(Clone, Debug)]
+pub struct SceneInput {
+    /// What is solved.
+    pub scene: Scene,
+    /// The material, with its provenance.
+    pub material: Material,
+    /// How well it is known.
+    pub uncertainty: MaterialUncertainty,
+    /// Speed and humidity that select its coefficients.
+    pub condition: Option<Condition>,
+    /// The specimen whose layout a sample is; absent for one strip, and for cells.
+    pub specimen: Option<Specimen>,
+    /// Per load: coefficients were taken from the nearest measured pressure.
+    pub friction_extrapolated: Vec<bool>,
+    /// What is unusual in the file and its material.
+    pub told: Vec<Diagnostic>,
+    document: Document,
+    places: Places,
+}
+
+/// Where in the file a refused scene points to; absent where the default holds.
+#[derive(Clone, Debug)]
+struct Places {
+    length: Option<Range<usize>>,
+    layer: Option<Range<usize>>,
+    block: Option<Range<usize>>,
+    depth: Option<Range<usize>>,
+    width: Option<Range<usize>>,
+    step: Option<Range<usize>>,
+    travel: Option<Range<usize>>,
+}
+
+impl SceneInput {
+    /// Reads the scene file at `path`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in it or in a file it names.
+    pub fn read(source: &Source, path: &std::path::Path, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let document = Document::read(source, path, FileKind::Scene)?;
+        let file: SceneFile = document.parse()?;
+        Self::from_file(document, &file, overrides)
+    }
+
+    /// Turns a scene as written into one that can be solved.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused.
+    pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
+        let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
+        let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
+        material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));
+        let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
+        let layer = read_layer(&document, &file.sample, specimen.as_ref())?;
+        let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
+        let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
+        let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
+        // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
+        let load = PRESSURE_MPA.or_least();
+        let pressures_pa = read_pressures(&document, &file.load.get_ref().pressure_mpa, load, &material)?;
+        let asked = file.condition.as_ref().map_or(file.material.span(), Spanned::span);
+        let (loads, friction_extrapolated) = loads(&material.friction, &pressures_pa, condition.as_ref())
+            .map_err(|error| document.refuse(asked, error.to_string()))?;
+        let place = |number: Option<&Number>| number.map(Spanned::span);
+        let sample = file.sample.get_ref();
+        let texture = file.pattern.as_ref().map(Spanned::get_ref);
+        let places = Places {
+            length: place(sample.length_um.as_ref()),
+            layer: place(sample.layer_um.as_ref()),
+            block: place(sample.block_um.as_ref()),
+            depth: place(texture.map(|pattern| &pattern.depth_um)),
+            width: place(texture.map(|pattern| &pattern.width_um)),
+            step: place(file.run.step_ns.as_ref()),
+            travel: place(file.run.sliding_um.as_ref()),
+        };
+        // A flat specimen is its strip, and one period has no rim.
+        let specimen = specimen.filter(|_| pattern.is_some() && run.extent == Extent::Sample);
+        let scene = Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern,
+            layer,
+            loads,
+            speed_m_s,
+            run: if specimen.is_some() { solved_as(run, pattern.as_ref()) } else { run },
+        };
+        if scene.dimensions() == 2
+            && let Some((pattern, file)) = pattern.as_ref().zip(file.pattern.as_ref())
+        {
+            require_section(&document, &file.get_ref().texture(), pattern.texture())?;
+        }
+        let told = unusual::of_scene(&document, file);
+        let input =
+            Self { scene, material, uncertainty, condition, specimen, friction_extrapolated, told, document, places };
+        input.scene.validate().map_err(|error| input.refuse(&error))?;
+        Ok(input)
+    }
+
+    /// Points at the place in the file where the solver found the scene wanting, in the file's units.
+    #[must_use]
+    pub fn refuse(&self, error: &SceneError) -> Diagnostic {
+        let (places, layer) = (&self.places, &self.scene.layer);
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        match error {
+            SceneError::NotWholeBlocks { quantity, length_m, block_m } => {
+                let (key, place) = match *quantity {
+                    "length_m" => ("sample.length_um", &places.length),
+                    _ => ("sample.layer_um", &places.layer),
+                };
+                let whole_um = um((length_m / block_m).round().max(1.0) * block_m);
+                self.at(place, key, um(*length_m), format!("is no whole number of blocks of {} um", um(*block_m)))
+                    .expected(format!("a multiple of block_um, for instance {whole_um}"))
+            }
+            SceneError::TooManyBlocks { blocks, most } => {
+                let reason = format!("divides the layer into {blocks:.1e} blocks");
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("a size that gives at most {most:.0e}"))
+            }
+            SceneError::TooLarge { bytes, most_bytes } => {
+                let gib = |bytes: f64| bytes / (1_u64 << 30) as f64;
+                let reason = format!("makes a lattice that takes {:.0} GiB", gib(*bytes));
+                self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                    .expected(format!("larger blocks or a smaller layer, at most {:.0} GiB", gib(*most_bytes)))
+            }
+            SceneError::TooLong { core_s, most_s } => {
+                let days = |seconds: f64| seconds / 86_400.0;
+                let reason = format!("would take about {:.0} days of one core", days(*core_s));
+                self.at(&places.travel, "run.sliding_um", um(self.scene.run.sliding_m), reason).expected(format!(
+                    "less travel, larger blocks or a higher speed, at most {:.0} days",
+                    days(*most_s)
+                ))
+            }
+            SceneError::CavityThroughLayer { depth_m, height_m } => self
+                .at(
+                    &places.depth,
+                    "pattern.depth_um",
+                    um(*depth_m),
+                    format!("leaves nothing of the layer of {} um", um(*height_m)),
+                )
+                .expected(format!("a depth below {}", um(*height_m))),
+            SceneError::UnstableStep { step_s, limit_s, scheme } => {
+                let limit_ns = rounded_down(limit_s * 1e9);
+                if places.step.is_some() {
+                    let reason = format!("is beyond the stability limit of the {scheme}, {limit_ns}");
+                    self.at(&places.step, "run.step_ns", STEP_NS.from_si(*step_s), reason)
+                        .expected(format!("at most {limit_ns}"))
+                } else {
+                    // The fidelity's own step: blocks are too small for it.
+                    let step_ns = STEP_NS.from_si(*step_s);
+                    let reason =
+                        format!("um brings the stability limit of the {scheme} below its step of {step_ns} ns");
+                    self.at(&places.block, "sample.block_um", um(layer.block_m), reason)
+                        .expected(format!("larger blocks, or run.step_ns of at most {limit_ns}"))
+                }
+            }
+            SceneError::OutOfRange { quantity: "pitch_m", value, expected } => self
+                .at(
+                    &places.width,
+                    "pattern.width_um",
+                    f64::NAN,
+                    format!("and the spacing make a pitch of {} um", um(*value)),
+                )
+                .expected(*expected),
+            SceneError::Unsupported { what, instead } => {
+                Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
+            }
+            // Numbers out of range and empty lists are refused where they are read.
+            SceneError::OutOfRange { .. } | SceneError::NoLoads => {
+                Diagnostic::file(self.document.path(), error.to_string())
+            }
+        }
+    }
+
+    /// Points at the place where the solver found the scene wanting, or the specimen the pattern.
+    #[must_use]
+    pub fn refuse_on_specimen(&self, error: &SpecimenError) -> Diagnostic {
+        match error {
+            SpecimenError::Scene(error) => self.refuse(error),
+            SpecimenError::Layout(error) => {
+                self.at(&self.places.width, "pattern.width_um", f64::NAN, format!("um: {error}"))
+            }
+        }
+    }
+
+    /// Refuses what stands at `place`, or `key` by name where the file leaves its value to the default.
+    fn at(&self, place: &Option<Range<usize>>, key: &str, default: f64, reason: String) -> Diagnostic {
+        match place {
+            Some(span) => self.document.refuse(span.clone(), reason),
+            None => Diagnostic {
+                key: Some(key.into()),
+                value: Some(format!("{default} (the default)").into()),
+                ..Diagnostic::file(self.document.path(), reason)
+            },
+        }
+    }
+
+    /// The vertical plane models a section of this planform, not the planform itself.
+    #[must_use]
+    pub fn is_section_model(&self) -> bool {
+        self.scene.dimensions() == 2 && self.scene.pattern.is_some_and(|pattern| pattern.dimensions() > 2)
+    }
+}
+
+/// `value` to four digits, rounded down: what a message names as the most is accepted.
+fn rounded_down(value: f64) -> f64 {
+    let digit = 10_f64.powf(value.log10().floor() - 3.0);
+    tidy((value / digit).floor() * digit)
+}
+
+/// Reads the modelled layer, as long as `specimen` where there is one, and checks that it is made of whole blocks.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_layer(
+    document: &Document,
+    file: &Spanned<SampleFile>,
+    specimen: Option<&Specimen>,
+) -> Result<Layer, Diagnostic> {
+    let sample = file.get_ref();
+    let or = |value: Option<&Number>, default_m: f64| {
+        document.optional(value, LENGTH_UM).map(|read| read.unwrap_or(default_m))
+    };
+    let block_m = or(sample.block_um.as_ref(), DEFAULT_LAYER.block_m)?;
+    let length_m = match (&sample.length_um, specimen) {
+        (Some(length), Some(specimen)) => {
+            let [length_m, _] = specimen.outline.extents_m();
+            return Err(document
+                .refuse(length.span(), "is given beside [specimen], which says how long the specimen is")
+                .expected(format!(
+                    "no such key: the {} is {} mm long",
+                    specimen.outline.name(),
+                    LENGTH_MM.from_si(length_m)
+                )));
+        }
+        // The nearest whole blocks: strips of the layout keep their own lengths.
+        (None, Some(specimen)) => specimen.whole_length_m(block_m),
+        (length, None) => or(length.as_ref(), DEFAULT_LAYER.length_m)?,
+    };
+    let thickness_m = document.optional(sample.thickness_mm.as_ref(), LENGTH_MM)?;
+    let thickness_m = match &sample.layer_um {
+        // The layer alone is what it says.
+        Some(_) => thickness_m,
+        None => thickness_m.or(DEFAULT_SPECIMEN.thickness_m),
+    };
+    let lowest_m = thickness_m.map_or(DEFAULT_LAYER.height_m, |thickness_m| thickness_m.min(DEFAULT_LAYER.height_m));
+    let layer = Layer { length_m, height_m: or(sample.layer_um.as_ref(), lowest_m)?, block_m, thickness_m };
+    if let (Some(thickness), Some(thickness_m)) = (&sample.thickness_mm, thickness_m)
+        && thickness_m < layer.height_m
+    {
+        let layer_um = LENGTH_UM.from_si(layer.height_m);
+        return Err(document
+            .refuse(thickness.span(), format!("mm is thinner than the layer of {layer_um} um, which is part of it"))
+            .expected(format!("at least {}, or a lower layer_um", LENGTH_MM.from_si(layer.height_m))));
+    }
+    if let Some(thickness_m) = thickness_m.filter(|thickness_m| *thickness_m > MOST_ROWS * block_m) {
+        let given = sample.thickness_mm.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+        let thick_mm = LENGTH_MM.from_si(thickness_m);
+        return Err(document
+            .refuse(given, format!("makes more than {MOST_ROWS:.0e} rows of blocks of a specimen {thick_mm} mm thick"))
+            .expected("larger blocks, a thinner specimen, or a layer_um alone"));
+    }
+    let block_um = LENGTH_UM.from_si(layer.block_m);
+    for (name, value, length_m) in
+        [("length_um", &sample.length_um, layer.length_m), ("layer_um", &sample.layer_um, layer.height_m)]
+    {
+        let blocks = length_m / layer.block_m;
+        if blocks < 0.5 || (blocks - blocks.round()).abs() > 1e-6 * blocks {
+            let named = value.as_ref().or(sample.block_um.as_ref()).map_or(file.span(), Spanned::span);
+            let whole_um = LENGTH_UM.from_si(blocks.round().max(1.0) * layer.block_m);
+            let length_um = LENGTH_UM.from_si(length_m);
+            let reason = match value {
+                Some(_) => format!("is no whole number of blocks of {block_um} um"),
+                None => format!("does not divide {name}, which is {length_um} by default"),
+            };
+            return Err(document
+                .refuse(named, reason)
+                .expected(format!("a multiple of block_um, for instance {name} = {whole_um}")));
+        }
+    }
+    Ok(layer)
+}
+
+/// Reads nominal pressures in the range of `quantity` and checks them against the elastic modulus.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_pressures(
+    document: &Document,
+    pressures: &Spanned<Numbers>,
+    quantity: Quantity,
+    material: &Material,
+) -> Result<Vec<f64>, Diagnostic> {
+    let read = list(document, pressures, quantity)?;
+    let modulus_pa = material.elastic.youngs_modulus_pa();
+    if let Some(place) = read.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
+        let span = match pressures.get_ref() {
+            Numbers::One(_) => pressures.span(),
+            Numbers::Each(each) => each[place].span(),
+        };
+        return Err(document
+            .refuse(span, "MPa is not below Young's modulus, where nothing is linear elastic")
+            .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))));
+    }
+    Ok(read)
+}
+
+fn read_speed(document: &Document, load: &Spanned<LoadFile>, condition: Option<&Condition>) -> Result<f64, Diagnostic> {
+    match (&load.get_ref().speed_mm_s, condition) {
+        (None, None) => Err(document.missing(load.span(), "speed_mm_s")),
+        (None, Some(condition)) => Ok(condition.speed_m_s),
+        (Some(speed), condition) => {
+            let speed_m_s = document.number(speed, SPEED_MM_S.or_least())?;
+            let other = condition.filter(|condition| (condition.speed_m_s / speed_m_s - 1.0).abs() > 1e-6);
+            other.map_or(Ok(speed_m_s), |condition| {
+                Err(document
+                    .refuse(speed.span(), "mm/s is not the speed of the condition that selects the coefficients")
+                    .expected(format!("{}, or no such key", SPEED_MM_S.from_si(condition.speed_m_s))))
+            })
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! What friction should be: [target] of design files.
+
+use serde::Deserialize;
+use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::{Numbers, for_each, list};
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
+
+/// A target as a design writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TargetFile {
+    quantity: Spanned<String>,
+    /// Nominal pressures.
+    pub pressure_mpa: Spanned<Numbers>,
+    value: Option<Spanned<Numbers>>,
+    tolerance: Option<Spanned<Numbers>>,
+    lowest: Option<Spanned<Numbers>>,
+    highest: Option<Spanned<Numbers>>,
+    goal: Option<Spanned<String>>,
+    weights: Option<Spanned<Numbers>>,
+    /// Modelled values count times what patterned samples of the calibration were found to have over modelled ones.
+    pub discrepancy: Option<Spanned<bool>>,
+}
+
+/// Share of a one-sided limit that is aimed at beyond it where no tolerance says otherwise.
+const MARGIN: f64 = 0.01;
+
+/// Reads a target.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range, lists of another length, and keys that do not go together.
+pub fn read_target(document: &Document, file: &Spanned<TargetFile>) -> Result<Target, Diagnostic> {
+    let target = file.get_ref();
+    let all = [Quantity::Ratio, Quantity::DynamicFriction];
+    let quantity = document.choice(&target.quantity, &all, Quantity::name)?;
+    let pressures_pa = list(document, &target.pressure_mpa, PRESSURE_MPA)?;
+    for (place, pressure_pa) in pressures_pa.iter().enumerate() {
+        if pressures_pa[..place].contains(pressure_pa) {
+            return Err(document
+                .refuse(target.pressure_mpa.span(), format!("has {} MPa twice", PRESSURE_MPA.from_si(*pressure_pa)))
+                .expected("each pressure once"));
+        }
+    }
+    let range = match quantity {
+        Quantity::Ratio => RATIO,
+        Quantity::DynamicFriction => FRICTION,
+    };
+    let each = |numbers: &Option<Spanned<Numbers>>, range: slipgrid_units::Quantity| {
+        numbers.as_ref().map(|numbers| for_each(document, numbers, range, pressures_pa.len(), "pressure")).transpose()
+    };
+    let goal = target.goal.as_ref().map(|goal| document.choice(goal, &Goal::ALL, Goal::name)).transpose()?;
+    let (value, tolerance) = (each(&target.value, range)?, each(&target.tolerance, TOLERANCE)?);
+    let (lowest, highest) = (each(&target.lowest, range)?, each(&target.highest, range)?);
+    let weights = each(&target.weights, WEIGHT)?;
+    combined(document, file, goal)?;
+    let wanted = |place: usize| {
+        let at = |numbers: &Option<Vec<f64>>| numbers.as_ref().map(|numbers| numbers[place]);
+        match (at(&value), at(&lowest), at(&highest)) {
+            (Some(value), ..) => Wanted::Near { value, tolerance: at(&tolerance).unwrap_or_default() },
+            (None, Some(lowest), Some(highest)) => Wanted::Between { lowest, highest },
+            (None, Some(lowest), None) => Wanted::AtLeast { lowest, margin: at(&tolerance).unwrap_or(MARGIN * lowest) },
+            (None, None, Some(highest)) => {
+                Wanted::AtMost { highest, margin: at(&tolerance).unwrap_or(MARGIN * highest) }
+            }
+            (None, None, None) => Wanted::Anything,
+        }
+    };
+    if let (Some(lowest), Some(highest), Some(place)) = (&lowest, &highest, &target.highest)
+        && let Some(reversed) = lowest.iter().zip(highest).position(|(lowest, highest)| lowest >= highest)
+    {
+        return Err(document
+            .refuse(
+                place.span(),
+                format!("does not lie above lowest at {} MPa", PRESSURE_MPA.from_si(pressures_pa[reversed])),
+            )
+            .expected("a band: lowest below highest"));
+    }
+    let demand = |(place, &pressure_pa): (usize, &f64)| Demand {
+        pressure_pa,
+        wanted: wanted(place),
+        weight: weights.as_ref().map_or(1.0, |weights| weights[place]),
+    };
+    Target::of(quantity, pressures_pa.iter().enumerate().map(demand).collect(), goal)
+        .map_err(|error| document.refuse(file.span(), error.to_string()))
+}
+
+/// Refuses keys that do not go together.
+fn combined(document: &Document, file: &Spanned<TargetFile>, goal: Option<Goal>) -> Result<(), Diagnostic> {
+    let target = file.get_ref();
+    let band = target.lowest.as_ref().or(target.highest.as_ref());
+    if let (Some(_), Some(band)) = (&target.value, band) {
+        return Err(document
+            .refuse(band.span(), "stands beside value")
+            .expected("value with tolerance, or lowest and highest"));
+    }
+    if target.value.is_some() && target.tolerance.is_none() {
+        return Err(document.missing(file.span(), "tolerance").expected(TOLERANCE.to_string()));
+    }
+    if target.value.is_none() && band.is_none() && goal.is_none() {
+        return Err(document
+            .missing(file.span(), "value")
+            .expected("value with tolerance, lowest, highest, or goal = \"lowest\", \"highest\" or \"even\""));
+    }
+    let takes_none =
+        target.value.is_none() && (band.is_none() || (target.lowest.is_some() && target.highest.is_some()));
+    match &target.tolerance {
+        Some(tolerance) if takes_none => Err(document
+            .refuse(tolerance.span(), "has nothing that it belongs to")
+            .expected("a tolerance beside value, or beside one of lowest and highest")),
+        _ => Ok(()),
+    }
+}

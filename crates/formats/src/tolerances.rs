@@ -1,0 +1,44 @@
+//! `[tolerances]` of a design: how what is made scatters about what is designed.
+
+use serde::Deserialize;
+use slipgrid_design::SampleScatter;
+use slipgrid_optimize::Tolerances;
+use toml::Spanned;
+
+use super::document::Document;
+use super::values::Number;
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::{CORRELATION, LENGTH_STD_UM};
+
+/// Draws where a file names none: a probability of one half is known to 2.2 %.
+const DEFAULT_DRAWS: usize = 500;
+
+/// The table as a design writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TolerancesFile {
+    width_std_um: Option<Number>,
+    spacing_std_um: Option<Number>,
+    depth_std_um: Option<Number>,
+    width_spacing_correlation: Option<Number>,
+    draws: Option<Spanned<u64>>,
+}
+
+/// Reads the table.
+///
+/// # Errors
+/// [`Diagnostic`] for numbers out of range.
+pub fn read_tolerances(document: &Document, file: &TolerancesFile) -> Result<SampleScatter, Diagnostic> {
+    let std_m = |std: &Option<Number>| Ok(document.optional(std.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0));
+    let std_m = [std_m(&file.width_std_um)?, std_m(&file.spacing_std_um)?, std_m(&file.depth_std_um)?];
+    let correlation = document.optional(file.width_spacing_correlation.as_ref(), CORRELATION)?.unwrap_or(0.0);
+    let draws = match &file.draws {
+        None => DEFAULT_DRAWS,
+        Some(draws) => {
+            usize::try_from(*draws.get_ref()).ok().filter(|draws| (100..=1_000_000).contains(draws)).ok_or_else(
+                || document.refuse(draws.span(), "is out of range").expected("a whole number from 100 to 1000000"),
+            )?
+        }
+    };
+    Ok(SampleScatter { tolerances: Tolerances { std_m, width_spacing_correlation: correlation }, draws })
+}

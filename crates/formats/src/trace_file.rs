@@ -1,0 +1,315 @@
+//! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
+
+use std::path::Path;
+
+use slipgrid_calibrate::trace::{Tangential, TraceChannels};
+
+use super::trace_columns::{Channel, Column, UnknownUnit, columns, needed_columns};
+use crate::diagnostic::Diagnostic;
+use crate::source::{Source, read_bytes};
+
+/// One repeat as recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recorded {
+    /// Its number in the file, from 1.
+    pub number: usize,
+    /// Time, friction and normal force.
+    pub channels: TraceChannels,
+    /// Mean recorded sliding speed, in m/s, where there is such a column.
+    pub speed_m_s: Option<f64>,
+    /// Mean recorded humidity, 0 to 1, where there is such a column.
+    pub humidity: Option<f64>,
+    /// Rows without a number in a needed column: left out.
+    pub incomplete_rows: usize,
+    /// Rows that repeat the row before them: left out.
+    pub repeated_rows: usize,
+}
+
+/// A file of one repeat or several.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceFile {
+    /// Its repeats.
+    pub repeats: Vec<Recorded>,
+    /// Names of columns that were not used.
+    pub unused: Vec<String>,
+}
+
+/// Separators that a table may use; the first that occurs in its header.
+const SEPARATORS: [char; 3] = ['\t', ';', ','];
+/// Marks at the beginning of a comment.
+const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
+
+/// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of what was refused.
+pub fn read(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
+    let bytes = read_bytes(source, path, "a table of traces")?;
+    // Instruments write Latin-1, whose letters have the same numbers in Unicode.
+    let text =
+        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
+    parse(path, &text, effective_radius_m)
+}
+
+/// A line of the file, cut at its separators.
+struct Line<'a> {
+    number: u32,
+    cells: Vec<&'a str>,
+}
+
+/// Reads an export from text; `path` names it in messages.
+///
+/// A line that names time, friction and normal force is a header; what stands before the first is the
+/// instrument's. A header met again begins the next repeat, as does a new number in a column `repeat`.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of what was refused.
+pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
+    let text = text.trim_start_matches('\u{feff}');
+    let lines = || {
+        let numbered = text.lines().zip(1..).map(|(line, number)| (number, line.trim_end()));
+        numbered.filter(|(_, line)| {
+            let start = line.trim_start();
+            !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
+        })
+    };
+    let refuse = |line: u32, reason: String| Diagnostic { line: Some(line), ..Diagnostic::file(path, reason) };
+    let Some((separator, header)) = lines().find_map(|(number, line)| {
+        let separator = SEPARATORS.into_iter().find(|&separator| line.contains(separator))?;
+        let cells = cut(line, separator);
+        // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
+        (needed_columns(&cells) >= 2).then_some((separator, Line { number, cells }))
+    }) else {
+        return Err(Diagnostic::file(path, "has no line that names its columns")
+            .expected("a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`"));
+    };
+    let mut layout = columns(&header.cells).map_err(|unknown| unknown_unit(&refuse, header.number, &unknown))?;
+    let mut rows = lines().skip_while(|(number, _)| *number <= header.number).peekable();
+    // A line of units below the names.
+    if let Some((number, line)) = rows.peek().copied() {
+        let cells = cut(line, separator);
+        if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
+            for (column, cell) in layout.iter_mut().zip(&cells) {
+                if let Some(column) = column {
+                    column.set_unit(cell).map_err(|unknown| unknown_unit(&refuse, number, &unknown))?;
+                }
+            }
+            rows.next();
+        }
+    }
+    check_layout(&layout, &refuse, header.number, effective_radius_m)?;
+
+    let mut repeats: Vec<Table> = vec![Table::default()];
+    let mut label: Option<f64> = None;
+    for (number, line) in rows {
+        let cells = cut(line, separator);
+        if cells == header.cells {
+            // The same header again: the next repeat.
+            if repeats.last().is_some_and(|table| !table.is_empty()) {
+                repeats.push(Table::default());
+            }
+            continue;
+        }
+        if cells.len() < layout.len() && cells.len() != header.cells.len() {
+            return Err(refuse(number, format!("has {} values", cells.len()))
+                .expected(format!("{}, as the header line", header.cells.len())));
+        }
+        let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| {
+            Diagnostic {
+                key: Some(name.into()),
+                value: Some(format!("\"{cell}\"").into()),
+                ..refuse(number, "is no number".into())
+            }
+            .expected("a number, or nothing where it was not measured")
+        })?;
+        if let Some(next) = row.get(Channel::Repeat) {
+            if label.is_some_and(|before| before != next) {
+                repeats.push(Table::default());
+            }
+            label = Some(next);
+        }
+        if let Some(table) = repeats.last_mut() {
+            table.push(&row);
+        }
+    }
+    let radius_m = effective_radius_m.unwrap_or(f64::NAN);
+    let repeats: Vec<Recorded> = (1..)
+        .zip(repeats)
+        .filter(|(_, table)| !table.is_empty())
+        .map(|(number, table)| table.recorded(number, radius_m))
+        .collect();
+    if repeats.is_empty() {
+        return Err(Diagnostic::file(path, "has no rows").expected("samples below the header"));
+    }
+    let unused = header.cells.iter().zip(&layout).filter(|(_, column)| column.is_none());
+    Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
+}
+
+fn unknown_unit(refuse: &dyn Fn(u32, String) -> Diagnostic, line: u32, unknown: &UnknownUnit) -> Diagnostic {
+    let [reason, expected] = unknown.words();
+    Diagnostic { key: Some(unknown.name.as_str().into()), ..refuse(line, reason) }.expected(expected)
+}
+
+fn check_layout(
+    layout: &[Option<Column>],
+    refuse: &dyn Fn(u32, String) -> Diagnostic,
+    line: u32,
+    effective_radius_m: Option<f64>,
+) -> Result<(), Diagnostic> {
+    let of = |channel: Channel| layout.iter().flatten().filter(move |column| column.channel == channel);
+    let tangential = of(Channel::Torque).count() + of(Channel::FrictionForce).count();
+    for (found, what) in [(of(Channel::Time).count(), "time"), (of(Channel::NormalForce).count(), "normal force")] {
+        match found {
+            1 => {}
+            0 => {
+                return Err(refuse(line, format!("no column is the {what}")).expected(format!("a column named {what}")));
+            }
+            _ => return Err(refuse(line, format!("{found} columns are the {what}")).expected("one")),
+        }
+    }
+    match tangential {
+        0 => Err(refuse(line, "no column is the torque or the friction force".into())
+            .expected("a column named torque or friction force")),
+        1 if effective_radius_m.is_none() && of(Channel::Torque).next().is_some() => {
+            Err(refuse(line, "holds a torque, and no effective radius is given".into()).expected(
+                "`effective_radius_mm` in [traces] or --effective-radius-mm: the distance from the axis to a specimen's centre",
+            ))
+        }
+        1 => Ok(()),
+        _ => Err(refuse(line, "has both a torque and a friction force, or two of one".into())
+            .expected("one of them; rename or remove the other")),
+    }
+}
+
+/// The cells of a line; separators in quotes do not cut.
+fn cut(line: &str, separator: char) -> Vec<&str> {
+    let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
+    for (at, letter) in line.char_indices() {
+        if letter == '"' {
+            quoted = !quoted;
+        } else if letter == separator && !quoted {
+            cells.push(line[start..at].trim());
+            start = at + letter.len_utf8();
+        }
+    }
+    cells.push(line[start..].trim());
+    cells
+}
+
+fn unquoted(cell: &str) -> &str {
+    cell.trim_matches('"').trim()
+}
+
+/// The number in a cell, with a decimal point, or a decimal comma where commas do not separate or the
+/// cell is quoted.
+fn number_in(cell: &str, separator: char) -> Option<f64> {
+    let bare = unquoted(cell);
+    if let Ok(value) = bare.parse::<f64>() {
+        // "inf" and "nan" are words, not measurements.
+        return value.is_finite().then_some(value).filter(|_| bare.ends_with(|c: char| c.is_ascii_digit() || c == '.'));
+    }
+    let may_be_comma = separator != ',' || cell.starts_with('"');
+    (may_be_comma && bare.matches(',').count() == 1 && !bare.contains('.'))
+        .then(|| bare.replace(',', ".").parse::<f64>().ok())
+        .flatten()
+}
+
+/// A cell that says that nothing was measured.
+fn is_missing(cell: &str) -> bool {
+    matches!(unquoted(cell).to_ascii_lowercase().as_str(), "" | "nan" | "-" | "--" | "---" | "n/a" | "na")
+}
+
+/// Values of one row by channel, SI units.
+#[derive(Clone, Default, PartialEq)]
+struct Row([Option<f64>; Channel::COUNT]);
+
+impl Row {
+    fn get(&self, channel: Channel) -> Option<f64> {
+        self.0[channel as usize]
+    }
+}
+
+fn read_row(layout: &[Option<Column>], cells: &[&str], separator: char) -> Result<Row, (String, String)> {
+    let mut row = Row::default();
+    for (column, cell) in layout.iter().zip(cells) {
+        let Some(column) = column else { continue };
+        match number_in(cell, separator) {
+            Some(value) => row.0[column.channel as usize] = Some(column.to_si(value)),
+            None if is_missing(cell) => {}
+            None => return Err((column.name().to_owned(), unquoted(cell).to_owned())),
+        }
+    }
+    Ok(row)
+}
+
+/// Samples of one repeat.
+#[derive(Default)]
+struct Table {
+    time_s: Vec<f64>,
+    torque_nm: Vec<f64>,
+    friction_n: Vec<f64>,
+    normal_force_n: Vec<f64>,
+    speed_m_s: Vec<f64>,
+    turns_per_s: Vec<f64>,
+    humidity: Vec<f64>,
+    incomplete: usize,
+    repeated: usize,
+    last: Option<Row>,
+}
+
+impl Table {
+    fn is_empty(&self) -> bool {
+        self.time_s.is_empty()
+    }
+
+    fn push(&mut self, row: &Row) {
+        let (torque, friction) = (row.get(Channel::Torque), row.get(Channel::FrictionForce));
+        let (Some(time_s), Some(normal_force_n), true) =
+            (row.get(Channel::Time), row.get(Channel::NormalForce), torque.is_some() || friction.is_some())
+        else {
+            self.incomplete += 1;
+            return;
+        };
+        if self.last.as_ref() == Some(row) {
+            self.repeated += 1;
+            return;
+        }
+        self.last = Some(row.clone());
+        self.time_s.push(time_s);
+        self.normal_force_n.push(normal_force_n);
+        self.torque_nm.extend(torque);
+        self.friction_n.extend(friction);
+        self.speed_m_s.extend(row.get(Channel::Speed));
+        self.turns_per_s.extend(row.get(Channel::Revolutions));
+        self.humidity.extend(row.get(Channel::Humidity));
+    }
+
+    fn recorded(self, number: usize, radius_m: f64) -> Recorded {
+        let mean = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            mean.is_finite().then_some(mean)
+        };
+        // v = 2 pi n r_eff
+        let turning = mean(&self.turns_per_s).map(|turns| std::f64::consts::TAU * turns * radius_m);
+        Recorded {
+            number,
+            speed_m_s: mean(&self.speed_m_s).or(turning).filter(|speed| speed.is_finite()),
+            humidity: mean(&self.humidity),
+            incomplete_rows: self.incomplete,
+            repeated_rows: self.repeated,
+            channels: TraceChannels {
+                tangential: if self.torque_nm.is_empty() {
+                    Tangential::ForceN(self.friction_n)
+                } else {
+                    Tangential::TorqueNm(self.torque_nm)
+                },
+                time_s: self.time_s,
+                normal_force_n: self.normal_force_n,
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "trace_file_tests.rs"]
+mod tests;

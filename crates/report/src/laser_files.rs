@@ -1,0 +1,175 @@
+//! The files that a laser takes, from a design to bytes.
+
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use slipgrid_export::{
+    ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
+    ProcessSheet, check_stl, corners_csv, csv, dxf, gcode, hatch_csv, height_map, hpgl, stl, svg,
+};
+use slipgrid_pattern::Pattern;
+
+use crate::Outputs;
+use slipgrid_export::Specimen;
+use slipgrid_results::MaterialReport;
+
+/// Formats of a design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LaserFile {
+    /// pattern.dxf, drawing for the laser
+    Dxf,
+    /// pattern.svg, picture to scale
+    Svg,
+    /// pattern.csv, one row per cavity
+    Csv,
+    /// process.toml, process sheet
+    Process,
+    /// pattern.plt, HP-GL/2 plot with contours and lines
+    Plt,
+    /// pattern.gcode, program for controllers with a laser mode
+    Gcode,
+    /// corners.csv, one row per corner
+    Corners,
+    /// hatch.csv, one row per marked line
+    Hatch,
+    /// height-map.png, the surface as 16-bit grey
+    Png,
+    /// removed.stl, what is removed as closed solids
+    Stl,
+}
+
+impl LaserFile {
+    /// Those that need nothing but a pattern and a specimen: what a search writes.
+    pub const ALL: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
+}
+
+/// What the files say beside the pattern.
+pub struct DrawingInput<'a> {
+    /// Name of the design.
+    pub name: &'a str,
+    /// Version that made it.
+    pub version: &'a str,
+    /// Seed that made it.
+    pub seed: u64,
+    /// The pattern.
+    pub pattern: Pattern,
+    /// The specimen.
+    pub outline: Specimen,
+    /// The laser.
+    pub laser: Laser,
+    /// The material.
+    pub material: &'a MaterialReport,
+}
+
+/// Adds the pattern's files in `formats` to `outputs`.
+///
+/// # Errors
+/// [`ExportError`] if no cavity fits on the specimen, or far too many.
+pub fn draw(input: &DrawingInput<'_>, formats: &[LaserFile], outputs: &mut Outputs) -> Result<(), ExportError> {
+    draw_with(input, formats, None, outputs)
+}
+
+/// As [`draw`], with pixels of `pixel_um` in a height map.
+///
+/// # Errors
+/// As [`draw`]; [`ExportError`] where a format needs what the design does not give.
+pub fn draw_with(
+    input: &DrawingInput<'_>,
+    formats: &[LaserFile],
+    pixel_um: Option<f64>,
+    outputs: &mut Outputs,
+) -> Result<(), ExportError> {
+    let layout = input.outline.layout(input.pattern)?;
+    let laser = input.laser;
+    laser.validate()?;
+    laser.check_depth(input.pattern.depth_m())?;
+    let drawing = Arc::new(Drawing::new(input, layout));
+    let depth_m = input.pattern.depth_m();
+    for format in formats {
+        let drawing = Arc::clone(&drawing);
+        match format {
+            LaserFile::Dxf => outputs.add_stream("pattern.dxf", move |to| drawing.write(to, dxf)),
+            LaserFile::Svg => outputs.add_stream("pattern.svg", move |to| drawing.write(to, svg)),
+            LaserFile::Csv => {
+                let bursts = laser.bursts(depth_m);
+                outputs.add_stream("pattern.csv", move |to| csv(&layout, bursts, to));
+            }
+            LaserFile::Corners => outputs.add_stream("corners.csv", move |to| corners_csv(&layout, to)),
+            LaserFile::Hatch => {
+                let marking = Marking::new(&laser)?;
+                outputs.add_stream("hatch.csv", move |to| hatch_csv(&layout, &marking, to));
+            }
+            LaserFile::Plt => {
+                // Contours alone are a plot too.
+                let hatched = laser.spot_um.is_some() && laser.exposure != Some(Exposure::Mask);
+                let marking = hatched.then(|| Marking::new(&laser)).transpose()?;
+                outputs.add_stream("pattern.plt", move |to| {
+                    drawing.write(to, |layout, heading, to| hpgl(layout, marking.as_ref(), heading, to))
+                });
+            }
+            LaserFile::Gcode => {
+                let plan = GcodePlan::new(&laser, laser.passes(depth_m).unwrap_or(1))?;
+                outputs.add_stream("pattern.gcode", move |to| {
+                    drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
+                });
+            }
+            LaserFile::Png => {
+                let map = HeightMap::new(&layout, &laser, pixel_um)?;
+                outputs.add_stream("height-map.png", move |to| {
+                    drawing.write(to, |layout, heading, to| height_map(layout, &map, heading, to))
+                });
+            }
+            LaserFile::Stl => {
+                check_stl(&layout, &laser)?;
+                outputs.add_stream("removed.stl", move |to| {
+                    drawing.write(to, |layout, heading, to| stl(layout, &laser, heading, to))
+                });
+            }
+            LaserFile::Process => {
+                let sheet = ProcessSheet::new(
+                    &layout,
+                    ProcessInput {
+                        name: input.name.to_owned(),
+                        version: input.version.to_owned(),
+                        seed: input.seed,
+                        laser,
+                        tolerances: None,
+                        material: MaterialNote {
+                            name: input.material.name.clone(),
+                            source: input.material.source.clone(),
+                            synthetic_surface: input.material.synthetic_surface,
+                        },
+                    },
+                )?;
+                outputs.add("process.toml", sheet.to_toml()?);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A layout with what drawings say about themselves.
+struct Drawing {
+    layout: Layout,
+    name: String,
+    version: String,
+    notes: Vec<&'static str>,
+}
+
+impl Drawing {
+    fn new(input: &DrawingInput<'_>, layout: Layout) -> Self {
+        let mut notes = Vec::new();
+        if input.material.synthetic_surface {
+            notes.push("the area law behind this design rests on a synthetic surface");
+        }
+        Self { layout, name: input.name.to_owned(), version: input.version.to_owned(), notes }
+    }
+
+    fn write(
+        &self,
+        to: &mut dyn Write,
+        format: impl FnOnce(&Layout, &Heading<'_>, &mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        format(&self.layout, &Heading { name: &self.name, version: &self.version, notes: &self.notes }, to)
+    }
+}

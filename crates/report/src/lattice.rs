@@ -1,0 +1,51 @@
+//! Every design of a lattice as a table.
+
+use slipgrid_design::{DesignTask, Lattice};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+/// One row a design.
+#[must_use]
+pub fn csv(design: &DesignTask, lattice: &Lattice) -> String {
+    let quantity = design.target.quantity().name();
+    let mut text = "width_um,spacing_um,depth_um".to_owned();
+    let elsewhere = design.also_at.iter().map(|condition| {
+        let [speed, humidity] = [SPEED_MM_S.from_si(condition.speed_m_s), HUMIDITY_PCT.from_si(condition.humidity)];
+        format!("_{}_mm_s_{}_pct", tidy(speed), tidy(humidity))
+    });
+    let conditions: Vec<String> = std::iter::once(String::new()).chain(elsewhere).collect();
+    let turned = design.directions.different_deg.iter().map(|angle_deg| format!("_at_{angle_deg}_deg"));
+    let directions = std::iter::once(String::new()).chain(turned);
+    for condition in
+        directions.flat_map(|turned| conditions.iter().map(move |condition| format!("{condition}{turned}")))
+    {
+        for point in design.target.points() {
+            text += &format!(",{quantity}_at_{}_mpa{condition}", PRESSURE_MPA.from_si(point.pressure_pa));
+        }
+    }
+    for limit in &design.constraints.quantities {
+        let unit = if limit.unit.is_empty() { String::new() } else { format!("_{}", limit.unit.to_lowercase()) };
+        text += &format!(",{}{unit}", limit.name.replace(' ', "_"));
+    }
+    text += ",misfit,cost,feasible\n";
+    for (pattern, answer) in lattice.patterns.iter().zip(&lattice.answers) {
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        text += &format!("{},{},{}", um(pattern.width_m()), um(pattern.spacing_m()), um(pattern.depth_m()));
+        match answer {
+            Ok(node) => {
+                for value in &node.response.value {
+                    text += &format!(",{value:.6}");
+                }
+                for (limit, value) in design.constraints.quantities.iter().zip(&node.response.limited) {
+                    text += &format!(",{}", tidy(value / limit.unit_si));
+                }
+                let feasible = node.violations.is_empty();
+                text += &format!(",{:.4},{:.4},{feasible}\n", node.misfit.max, node.misfit.merit);
+            }
+            Err(_) => {
+                let columns = design.target.values() + design.constraints.quantities.len() + 2;
+                text += &format!("{},false\n", ",".repeat(columns));
+            }
+        }
+    }
+    text
+}

@@ -1,0 +1,175 @@
+//! Pictures of results: from simulations and reports to what the charts draw.
+
+use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SolidModel, SurfaceOutcome};
+
+use crate::ChartError;
+use crate::Outputs;
+use crate::charts::{
+    self, Estimate, FrictionTraceChart, InterfacePressureChart, Series, SurfaceMapChart, Trace, friction_trace,
+    interface_pressure,
+};
+use slipgrid_results::ErrorsReport;
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
+
+/// Shares of a cavity's pitch by which two contact blocks are one land: gaps wider than this many
+/// block widths are cavities.
+const CONTIGUOUS_BLOCKS: f64 = 1.5;
+
+/// What the flat surface is called.
+const FLAT: &str = "flat";
+
+/// The surfaces of a load with their names, flat first.
+fn surfaces(load: &LoadOutcome) -> Vec<(&'static str, &SurfaceOutcome)> {
+    match &load.flat {
+        Some(flat) => vec![(FLAT, flat), ("patterned", &load.surface)],
+        None => vec![(FLAT, &load.surface)],
+    }
+}
+
+/// Adds a picture of mu against time (dynamic runs), with the means' `errors`, and one of the pressure along the interface
+/// for every load.
+///
+/// # Errors
+/// [`ChartError`] if a picture cannot be drawn.
+pub fn simulation(
+    scene: &Scene,
+    simulation: &Simulation,
+    errors: &ErrorsReport,
+    outputs: &mut Outputs,
+) -> Result<(), ChartError> {
+    for (load, at) in simulation.loads.iter().zip(&errors.by_pressure) {
+        let load_mpa = PRESSURE_MPA.from_si(load.pressure_pa);
+        let surfaces = surfaces(load);
+        let finite = |points: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+            points.into_iter().filter(|point| point.iter().all(|value| value.is_finite())).collect()
+        };
+        let traces: Vec<Vec<[f64; 2]>> = surfaces
+            .iter()
+            .map(|(_, surface)| finite(surface.trace.iter().map(|point| [point.time_s * 1e3, point.mu]).collect()))
+            .collect();
+        if traces.iter().any(|trace| !trace.is_empty()) {
+            let std = |label: &str| match (&at.mu_flat, label) {
+                (Some(flat), FLAT) => flat.std,
+                _ => at.mu.std,
+            };
+            let traces: Vec<Trace<'_>> = surfaces
+                .iter()
+                .zip(&traces)
+                .map(|(&(label, surface), points)| Trace {
+                    series: Series { label, points },
+                    // The mean reaches to the end of the trace.
+                    window_ms: surface.averaged_from_s.zip(points.last()).map(|(from_s, end)| [from_s * 1e3, end[0]]),
+                    mu_dynamic: surface.mu_dynamic.map(|value| Estimate { value, error: std(label) }),
+                })
+                .collect();
+            let title = format!("Friction coefficient at {load_mpa} MPa");
+            let chart = FrictionTraceChart { title: &title, traces: &traces };
+            outputs.add(format!("friction-{load_mpa}mpa.svg"), friction_trace(&chart)?);
+        }
+        if scene.dimensions() == 3 {
+            if let Some(map) = interface_map(scene, load, load_mpa)? {
+                outputs.add(format!("interface-{load_mpa}mpa.svg"), map);
+            }
+            continue;
+        }
+        let pressures: Vec<Vec<[f64; 2]>> = surfaces
+            .iter()
+            .map(|(_, surface)| {
+                let point =
+                    |point: &InterfacePoint| [LENGTH_UM.from_si(point.x_m), PRESSURE_MPA.from_si(point.pressure_pa)];
+                finite(surface.interface.iter().map(point).collect())
+            })
+            .collect();
+        if pressures.iter().any(|pressure| !pressure.is_empty()) {
+            let series: Vec<Series<'_>> =
+                surfaces.iter().zip(&pressures).map(|(&(label, _), points)| Series { label, points }).collect();
+            let title = format!("Pressure along the interface at {load_mpa} MPa");
+            let cavities = cavities_um(scene, &load.surface);
+            let chart = InterfacePressureChart {
+                title: &title,
+                surfaces: &series,
+                cavities_um: &cavities,
+                nominal_mpa: Some(load_mpa),
+            };
+            outputs.add(format!("interface-{load_mpa}mpa.svg"), interface_pressure(&chart)?);
+        }
+    }
+    Ok(())
+}
+
+/// The pressure over the interface of a cell in space from above; `None` where it has none.
+///
+/// # Errors
+/// [`ChartError`] if the picture cannot be drawn.
+pub fn interface_map(scene: &Scene, load: &LoadOutcome, load_mpa: f64) -> Result<Option<String>, ChartError> {
+    let points = &load.surface.interface;
+    let [x, y] = columns(scene, points);
+    let mut values = vec![f64::NAN; x.count * y.count];
+    for point in points {
+        if let Some(value) = values.get_mut(x.number(point.x_m) * y.count + y.number(point.y_m)) {
+            *value = PRESSURE_MPA.from_si(point.pressure_pa);
+        }
+    }
+    if values.iter().all(|value| !value.is_finite()) {
+        return Ok(None);
+    }
+    let extreme = |of: fn(f64, f64) -> f64| values.iter().copied().filter(|value| value.is_finite()).fold(0.0, of);
+    let scale = [extreme(f64::min), extreme(f64::max)];
+    let angle_deg = scene.pattern.map_or(0.0, |pattern| pattern.texture().sliding_angle_deg());
+    let sliding =
+        if angle_deg == 0.0 { "sliding along x".to_owned() } else { format!("sliding at {angle_deg} deg to x") };
+    let title = format!("Contact pressure at {load_mpa} MPa, {sliding}; cavities grey");
+    let map = charts::surface_map(&SurfaceMapChart {
+        title: title.strip_suffix("; cavities grey").filter(|_| scene.pattern.is_none()).unwrap_or(&title),
+        values: &values,
+        unit: "MPa",
+        columns: y.count,
+        side_um: [x, y].map(|columns| LENGTH_UM.from_si(columns.count as f64 * columns.spacing_m)),
+        scale,
+        section_y_um: None,
+    })?;
+    Ok(Some(map))
+}
+
+/// Columns of blocks side by side from 0.
+#[derive(Clone, Copy)]
+struct Columns {
+    spacing_m: f64,
+    count: usize,
+}
+
+impl Columns {
+    /// The column around a place.
+    fn number(&self, place_m: f64) -> usize {
+        // Centres of blocks are positive; numbers beyond the last are as good as any.
+        ((place_m / self.spacing_m) as usize).min(self.count - 1)
+    }
+}
+
+/// Columns along x and y of the cell that `points` belong to.
+fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
+    let reach = |place: fn(&InterfacePoint) -> f64| points.iter().map(place).fold(0.0, f64::max);
+    let block_m = scene.layer.block_m;
+    let filled = |reach_m: f64, spacing_m: f64| Columns { spacing_m, count: (reach_m / spacing_m) as usize + 1 };
+    let reach = [reach(|point| point.x_m), reach(|point| point.y_m)];
+    let Some(pattern) = scene.pattern else { return reach.map(|reach_m| filled(reach_m, block_m)) };
+    let (cell_m, cells) = (pattern.cell_m(), SolidModel::new(scene).columns(&pattern));
+    // Whole numbers, at least 1.
+    let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
+    // A groove is as long as its run took it to be.
+    [divided(0), if pattern.length_m().is_none() { filled(reach[1], block_m) } else { divided(1) }]
+}
+
+/// The gaps between contact blocks of a patterned surface: its cavities, to within a block.
+pub fn cavities_um(scene: &Scene, surface: &SurfaceOutcome) -> Vec<[f64; 2]> {
+    if scene.pattern.is_none() {
+        return Vec::new();
+    }
+    let block_m = scene.layer.block_m;
+    surface
+        .interface
+        .windows(2)
+        .filter(|pair| pair[1].x_m - pair[0].x_m > CONTIGUOUS_BLOCKS * block_m)
+        .map(|pair| [pair[0].x_m + block_m / 2.0, pair[1].x_m - block_m / 2.0].map(|x_m| LENGTH_UM.from_si(x_m)))
+        .collect()
+}
