@@ -22,7 +22,7 @@ use slipgrid_optimize::{
     Bound, Constraints, Demand, DesignSpace, Goal, Limit, Quantity, Response, SearchOptions, Target, Wanted, search,
 };
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, SectionModel};
+use slipgrid_springblock::{Extent, Fidelity, SteadyCell};
 use slipgrid_tests::polymer_scene;
 
 const PRESSURES_MPA: [f64; 4] = [0.65, 1.3, 1.95, 2.6];
@@ -42,7 +42,7 @@ struct Case {
     target: Target,
     constraints: Constraints,
     space: DesignSpace,
-    model: SectionModel,
+    model: SteadyCell,
 }
 
 /// The best cost after every evaluation of one search.
@@ -67,7 +67,7 @@ impl Case {
             target,
             constraints: Constraints { limits, quantities },
             space: space.expect("valid bounds"),
-            model: SectionModel::new(&scene),
+            model: SteadyCell::new(&scene),
         }
     }
 

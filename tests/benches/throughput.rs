@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Scene, SectionModel, Unwatched, simulate};
+use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published, published_groove};
 
 /// Repetitions of which the median counts.
@@ -70,7 +70,7 @@ fn designs_per_second(patterns: &[Pattern], solve: impl Fn(&[Pattern])) -> f64 {
 /// Designs per second of the steady cell with four loads, and the time of a table.
 fn designs_table(cores: usize, wanted: impl Fn(&str) -> bool) {
     let scene = polymer_scene(None, &[0.65, 1.3, 1.95, 2.6], Fidelity::Steady, Extent::Cell).expect("a valid scene");
-    let model = SectionModel::new(&scene);
+    let model = SteadyCell::new(&scene);
     let pool = |count: usize| rayon::ThreadPoolBuilder::new().num_threads(count).build().expect("threads");
     println!("\n| steady cells, four loads | threads | designs per second |\n|---|---|---|");
     let (what, judge) = ("distinct designs of 50 columns, no whole blocks", "the same by all blocks");

@@ -1,7 +1,7 @@
 //! How far ratios of steady cells are from those of vanishing blocks, and what is said of it.
 
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, SectionModel, Unwatched, simulate};
+use slipgrid_springblock::{Extent, Fidelity, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::polymer_scene;
 
 /// Grooves with widths, gaps and depths even in their logarithms, in micrometres: always the same.
@@ -37,7 +37,7 @@ fn covered(count: usize, is_refined: bool) -> [usize; 2] {
         let loads = simulate(&scene, &Unwatched).unwrap().loads;
         let levels = [5.0, 2.5, 1.25].map(|block_um| {
             scene.layer.block_m = block_um * 1e-6;
-            SectionModel::new(&scene).ratios(&pattern)
+            SteadyCell::new(&scene).ratios(&pattern)
         });
         for (number, load) in loads.iter().enumerate() {
             let (ratio, stated) = (load.ratio.unwrap(), load.ratio_discretization_error.unwrap());

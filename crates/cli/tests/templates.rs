@@ -68,7 +68,11 @@ fn commented_keys_of_templates_are_known() {
         .collect();
     fs::write(place.path("every.toml"), every).unwrap();
     let design = Design::read(&slipgrid_cli::input::disk(), &place.path("every.toml")).unwrap();
-    assert!(design.task.laser.ablation.is_some() && design.task.laser.speed_mm_s.is_some() && design.task.specimen.is_clipped);
+    assert!(
+        design.task.laser.ablation.is_some()
+            && design.task.laser.speed_mm_s.is_some()
+            && design.task.specimen.is_clipped
+    );
 }
 
 #[test]

@@ -383,7 +383,7 @@ fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignEr
         fine.layer.block_m *= 0.5;
         Ok::<_, DesignError>(fine)
     };
-    if model.is_solid() { Ok(None) } else { model.beside(change).map(Some) }
+    if model.is_spatial() { Ok(None) } else { model.beside(change).map(Some) }
 }
 
 /// Covariances under construction.

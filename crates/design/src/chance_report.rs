@@ -119,7 +119,7 @@ impl MultiFidelityLoop<'_> {
             }
             Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
         };
-        let is_sampled = !self.model.is_solid();
+        let is_sampled = !self.model.is_spatial();
         let draws = chances.draws(DRAWS, design.seed);
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
         let share_of = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {

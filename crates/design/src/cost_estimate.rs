@@ -51,7 +51,7 @@ impl MultiFidelityLoop<'_> {
         let largest = widest.ok().map(|widest| self.model.scene(&widest)).filter(|scene| scene.validate().is_ok());
         let spread_s = f64::midpoint(cell.core_s, largest.map_or(cell.core_s, |scene| expense(&scene).core_s));
         let threads = rayon::current_num_threads() as f64;
-        let search_s = if self.model.is_solid() {
+        let search_s = if self.model.is_spatial() {
             spread_s * GUIDE_DESIGNS * GUIDE_SHARE + cell.core_s * SOLID_DESIGNS
         } else {
             let table = if design.table { lattice(design).0.len() } else { 0 };

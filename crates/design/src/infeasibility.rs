@@ -131,7 +131,7 @@ pub fn explanation(
         &design.constraints,
         best,
         &widest,
-        if model.is_solid() { 0 } else { HALVINGS },
+        if model.is_spatial() { 0 } else { HALVINGS },
         &mut |space, constraints| {
             if bar.cancelled() {
                 return Err(SearchError::CancelledAtStart);
@@ -141,7 +141,7 @@ pub fn explanation(
             let unshown = Part::new(bar, 0.0);
             let target = &design.target;
             // In space a design costs a hundred times as much.
-            let outcome = if model.is_solid() {
+            let outcome = if model.is_spatial() {
                 search_near(&[best.design], target, space, constraints, &options, asked, &unshown)?
             } else {
                 search(target, space, constraints, &options, asked, &unshown)?

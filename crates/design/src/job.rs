@@ -153,8 +153,8 @@ pub fn run(
     let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
     let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
-    let is_solid = found.model.is_solid();
-    let sectioned = Some(&pattern).filter(|_| !is_solid);
+    let is_spatial = found.model.is_spatial();
+    let sectioned = Some(&pattern).filter(|_| !is_spatial);
     let mut model = confirmed.model.clone();
     model.extend(found.condition_statements(design));
     model.extend(found.statements());
@@ -172,7 +172,7 @@ pub fn run(
         specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
         passes: design.laser.passes(pattern.depth_m()),
-        dimensions: if is_solid { 3 } else { 2 },
+        dimensions: if is_spatial { 3 } else { 2 },
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
         fidelity: found.confirming.fidelity.name(),
         extent: found.confirming.extent.name(),

@@ -98,13 +98,13 @@ impl<'a> MultiFidelityLoop<'a> {
         monitor: &'a dyn Monitor,
         timings: &mut Timings,
     ) -> Result<Self, DesignError> {
-        let is_solid = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
+        let is_spatial = design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3;
         let from_rest = RunOptions {
             fidelity: Fidelity::Dynamic,
             // A whole specimen in space is hundreds of cells and a billion blocks.
-            extent: if is_solid { Extent::Cell } else { Extent::Sample },
+            extent: if is_spatial { Extent::Cell } else { Extent::Sample },
             seed: design.seed,
-            dimensions: if is_solid { design.dimensions } else { Some(2) },
+            dimensions: if is_spatial { design.dimensions } else { Some(2) },
             ..RunOptions::default()
         };
         // Nobody asked for static friction: start where sliding is about to begin.
@@ -247,7 +247,7 @@ impl<'a> MultiFidelityLoop<'a> {
 
     /// How designs were searched in space, beside what the confirming run says of itself.
     pub(super) fn statements(&self) -> Vec<String> {
-        if !self.model.is_solid() {
+        if !self.model.is_spatial() {
             return Vec::new();
         }
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
@@ -315,7 +315,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let outcome = self.choose(design, outcome, timings).map_err(failed)?;
         self.heed()?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
-        if self.model.is_solid() {
+        if self.model.is_spatial() {
             self.solid_evaluations += outcome.evaluations;
         }
         self.failed_trials += outcome.failed_trials.len();

@@ -13,7 +13,7 @@
 use slipgrid_export::{ExportError, LaidStrip, Layout};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
-    Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, SectionModel, Simulation, Springs, Strip, simulate,
+    Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, Simulation, Springs, SteadyCell, Strip, simulate,
     simulate_specimen,
 };
 
@@ -136,7 +136,7 @@ fn ends_error(scene: &Scene, specimen: &Specimen, pattern: &Pattern) -> Result<V
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
     let strips = simulate_specimen(&plane, &face(&layout, plane.layer.block_m)?, &slipgrid_springblock::Unwatched)?;
-    let cells = SectionModel::new(&plane).ratios(&groove);
+    let cells = SteadyCell::new(&plane).ratios(&groove);
     let across = pattern.areal_density() / pattern.section_density();
     let error = |(ratio, cell): (Option<f64>, Option<f64>)| {
         ratio.zip(cell).map(|(ratio, cell)| (ratio - on_face(cell, share)).abs() * across)
@@ -192,7 +192,7 @@ mod tests {
         let share = density_share(&DISC, &pattern, 2).unwrap();
         assert!((share - 0.2993 / 0.3267).abs() < 2e-3, "{share}");
         let strips = simulate_on(&scene, Some(&DISC), &Unwatched).unwrap();
-        let cells = SectionModel::new(&scene).ratios(&pattern);
+        let cells = SteadyCell::new(&scene).ratios(&pattern);
         for (load, cell) in strips.loads.iter().zip(cells) {
             let (found, cell) = (load.ratio.unwrap(), cell.unwrap());
             assert!((found - on_face(cell, share)).abs() < 0.006, "{found} {cell}");

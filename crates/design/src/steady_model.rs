@@ -4,10 +4,10 @@ use slipgrid_export::ExportError;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Unwatched};
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::{
-    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, SectionModel, SectionOutcome, Simulation,
-    SolidModel, Status, simulate,
+    CellOutcome, Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, Simulation, Status, SteadyCell,
+    simulate,
 };
 
 use crate::confirmation::trusted;
@@ -24,11 +24,6 @@ const GUIDE_FACTORS: [usize; 4] = [4, 2, 3, 5];
 /// Rows that the guide's layer keeps, and blocks that the shortest pitch keeps.
 const LEAST_GUIDE_ROWS: usize = 4;
 const LEAST_GUIDE_PITCH: f64 = 2.0;
-/// Most memory of one three-dimensional cell, in bytes: several are solved side by side.
-const MOST_CELL_BYTES: f64 = (1_u64 << 30) as f64;
-
-/// The same of one in the vertical plane, where its equations are not condensed.
-const MOST_PLANE_BYTES: f64 = 4.0 * MOST_CELL_BYTES;
 
 /// Friction of a design by the steady cell, with what confirming runs found the model to miss.
 pub struct SteadyModel<'a> {
@@ -39,6 +34,8 @@ pub struct SteadyModel<'a> {
     asked: Scene,
     /// Sliding directions beside that of the designs, whose loads come last.
     directions_deg: Vec<f64>,
+    /// Everything of the designs but their lengths: it decides in how many dimensions they are solved.
+    texture: Texture,
     solver: Solver,
     /// The same in larger blocks, where space makes it worth while.
     guide: Option<(Scene, Solver)>,
@@ -60,57 +57,36 @@ pub struct SteadyModel<'a> {
 
 /// What solves steady cells at the loads of one sliding direction after the other.
 struct Solver {
-    each: Vec<(Option<f64>, Cell)>,
-}
-
-/// What solves steady cells.
-enum Cell {
-    /// In the vertical plane along the sliding direction.
-    Section(SectionModel),
-    /// In space.
-    Solid(SolidModel),
+    each: Vec<(Option<f64>, SteadyCell)>,
 }
 
 impl Solver {
     /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
-    fn new(scene: &Scene, dimensions: u8, directions_deg: &[f64]) -> Self {
+    fn new(scene: &Scene, texture: &Texture, directions_deg: &[f64]) -> Self {
         let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
         let own = scene.loads.len() / (1 + directions_deg.len());
         let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
-            (angle_deg, Cell::new(&Scene { loads: loads.to_vec(), ..scene.clone() }, dimensions))
+            (angle_deg, SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture))
         };
         Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
     }
 
-    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
+    fn is_spatial(&self) -> bool {
+        self.each.first().is_some_and(|(_, cell)| cell.is_spatial())
+    }
+
+    fn solve(&self, design: &Pattern) -> Result<Vec<CellOutcome>, ModelFailure> {
         let mut outcomes = Vec::new();
         for (angle_deg, cell) in &self.each {
-            outcomes.append(&mut cell.solve(&turned(design, *angle_deg))?);
+            let turned = turned(design, *angle_deg);
+            let (bytes, most_bytes) = (cell.bytes(&turned), cell.most_bytes());
+            if bytes > most_bytes {
+                let reason = format!("its cell takes {bytes:.1e} bytes, more than {most_bytes:.1e}");
+                return Err(ModelFailure::Trial { reason });
+            }
+            outcomes.append(&mut cell.solve(&turned));
         }
         Ok(outcomes)
-    }
-}
-
-impl Cell {
-    fn new(scene: &Scene, dimensions: u8) -> Self {
-        if dimensions == 3 { Self::Solid(SolidModel::new(scene)) } else { Self::Section(SectionModel::new(scene)) }
-    }
-
-    fn solve(&self, design: &Pattern) -> Result<Vec<SectionOutcome>, ModelFailure> {
-        match self {
-            Self::Section(model) => {
-                let bytes = model.bytes(design);
-                if bytes > MOST_PLANE_BYTES {
-                    let reason = format!("its cell takes {bytes:.1e} bytes, more than {MOST_PLANE_BYTES:.1e}");
-                    return Err(ModelFailure::Trial { reason });
-                }
-                Ok(model.solve(design))
-            }
-            Self::Solid(model) if model.bytes(design) > MOST_CELL_BYTES => Err(ModelFailure::Trial {
-                reason: format!("its cell takes {:.1e} bytes, more than {MOST_CELL_BYTES:.1e}", model.bytes(design)),
-            }),
-            Self::Solid(model) => Ok(model.solve(design)),
-        }
     }
 }
 
@@ -128,7 +104,6 @@ impl<'a> SteadyModel<'a> {
         space: &DesignSpace,
         flat_mu: Option<Vec<f64>>,
     ) -> Self {
-        let dimensions = scene.run.dimensions.unwrap_or_else(|| space.texture().dimensions());
         let run = RunOptions {
             fidelity: Fidelity::Steady,
             extent: Extent::Cell,
@@ -155,16 +130,19 @@ impl<'a> SteadyModel<'a> {
                 && rows / factor >= LEAST_GUIDE_ROWS
                 && shortest_pitch_m >= LEAST_GUIDE_PITCH * scene.layer.block_m * *factor as f64
         };
-        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| dimensions == 3).map(|factor| {
+        let texture = *space.texture();
+        let solver = Solver::new(&asked, &texture, directions_deg);
+        let guide = GUIDE_FACTORS.into_iter().find(serves).filter(|_| solver.is_spatial()).map(|factor| {
             let mut coarse = asked.clone();
             coarse.layer.block_m *= factor as f64;
             // The cell knows no specimen: any whole number of blocks does.
             coarse.layer.length_m = coarse.layer.height_m;
-            let solver = Solver::new(&coarse, dimensions, directions_deg);
+            let solver = Solver::new(&coarse, &texture, directions_deg);
             (coarse, solver)
         });
         Self {
-            solver: Solver::new(&asked, dimensions, directions_deg),
+            solver,
+            texture,
             directions_deg: directions_deg.to_vec(),
             guide,
             flat_mu,
@@ -229,13 +207,13 @@ impl<'a> SteadyModel<'a> {
 
     /// Whether designs are solved in space.
     #[must_use]
-    pub const fn is_solid(&self) -> bool {
-        matches!(self.solver.each.as_slice(), [(_, Cell::Solid(_)), ..])
+    pub fn is_spatial(&self) -> bool {
+        self.solver.is_spatial()
     }
 
     /// Dimensions in which designs are solved.
-    const fn dimensions(&self) -> u8 {
-        if self.is_solid() { 3 } else { 2 }
+    fn dimensions(&self) -> u8 {
+        if self.is_spatial() { 3 } else { 2 }
     }
 
     /// The cheap guide of a search in space, corrected alike, with the size of its blocks in metres; `None` in the
@@ -250,8 +228,8 @@ impl<'a> SteadyModel<'a> {
     /// the vertical plane, whose sample is one draw of many.
     #[must_use]
     pub fn draws(&self, design: &Pattern, contacts: f64) -> u64 {
-        let [(_, Cell::Solid(model)), ..] = &self.solver.each[..] else { return 1 };
-        let [nx, ny] = model.columns(design);
+        let Some((_, cell)) = self.solver.each.first().filter(|(_, cell)| cell.is_spatial()) else { return 1 };
+        let [nx, ny] = cell.columns(design);
         // A groove is as long as its period.
         let columns = nx * if design.length_m().is_none() { nx } else { ny };
         // Between 1 and MOST_DRAWS: the cast is exact.
@@ -282,7 +260,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        let solver = Solver::new(scene, self.dimensions(), &self.directions_deg);
+        let solver = Solver::new(scene, &self.texture, &self.directions_deg);
         Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
     }
 
@@ -316,7 +294,8 @@ impl<'a> SteadyModel<'a> {
         let (mut scene, mut asked) = (self.scene.clone(), self.asked.clone());
         (scene.run.dimensions, asked.run.dimensions) = (Some(2), Some(2));
         Self {
-            solver: Solver::new(&asked, 2, &self.directions_deg),
+            solver: Solver::new(&asked, &self.texture, &self.directions_deg),
+            texture: self.texture,
             directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: self.flat_mu.clone(),
@@ -340,7 +319,8 @@ impl<'a> SteadyModel<'a> {
         let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
         let count = asked.loads.len();
         Ok(Self {
-            solver: Solver::new(&asked, self.dimensions(), &self.directions_deg),
+            solver: Solver::new(&asked, &self.texture, &self.directions_deg),
+            texture: self.texture,
             directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: None,

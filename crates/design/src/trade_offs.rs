@@ -73,7 +73,7 @@ impl ListedDesign {
 struct Plane<'a> {
     cell: SteadyModel<'a>,
     /// The search's model is one in space.
-    is_solid: bool,
+    is_spatial: bool,
     /// What ratios are multiplied by at each load.
     scale: Vec<f64>,
     /// Lowering of friction by the search's model over that by the section's strip estimate, at the chosen design.
@@ -86,15 +86,15 @@ impl<'a> Plane<'a> {
     fn new(model: &SteadyModel<'a>, chosen: &Pattern, value: &[f64]) -> Result<Self, ModelFailure> {
         let cell = model.in_plane();
         let scale = (0..value.len()).map(|load| model.scale(load)).collect();
-        let is_solid = model.is_solid();
+        let is_spatial = model.is_spatial();
         let mut plane =
-            Self { cell, is_solid, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
+            Self { cell, is_spatial, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
         let (own, _) = plane.answer(chosen)?;
         for (load, (value, own)) in value.iter().zip(&own).enumerate() {
             let scale = plane.scale[load];
             // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
             let factor = (1.0 - value / scale) / (1.0 - own / scale);
-            if is_solid && factor.is_finite() && factor > 0.0 {
+            if is_spatial && factor.is_finite() && factor > 0.0 {
                 plane.lowering[load] = factor;
             } else {
                 plane.offset[load] = value - own;
@@ -112,7 +112,7 @@ impl<'a> Plane<'a> {
             .enumerate()
             .map(|(load, ratio)| {
                 // A section model takes its target for grooves.
-                let own = if self.is_solid { design.strip_estimate(*ratio) } else { *ratio };
+                let own = if self.is_spatial { design.strip_estimate(*ratio) } else { *ratio };
                 let ratio = 1.0 - self.lowering[load] * (1.0 - own);
                 ratio * self.scale[load] + self.offset[load]
             })
@@ -216,7 +216,7 @@ pub fn report(
 
 /// By what model designs are compared.
 fn model_words(model: &SteadyModel) -> String {
-    if model.is_solid() {
+    if model.is_spatial() {
         "steady cells of the vertical section in the plane, strips between rows of cavities counted as flat, corrected to \
          the model in space at the chosen design; peak pressures are those of the section"
             .to_owned()

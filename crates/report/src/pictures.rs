@@ -1,6 +1,6 @@
 //! Pictures of results: from simulations and reports to what the charts draw.
 
-use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SolidModel, SurfaceOutcome};
+use slipgrid_springblock::{InterfacePoint, LoadOutcome, Scene, Simulation, SteadyCell, SurfaceOutcome};
 
 use crate::ChartError;
 use crate::Outputs;
@@ -153,7 +153,7 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     let filled = |reach_m: f64, spacing_m: f64| Columns { spacing_m, count: (reach_m / spacing_m) as usize + 1 };
     let reach = [reach(|point| point.x_m), reach(|point| point.y_m)];
     let Some(pattern) = scene.pattern else { return reach.map(|reach_m| filled(reach_m, block_m)) };
-    let (cell_m, cells) = (pattern.cell_m(), SolidModel::new(scene).columns(&pattern));
+    let (cell_m, cells) = (pattern.cell_m(), SteadyCell::new(scene).columns(&pattern));
     // Whole numbers, at least 1.
     let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
     // A groove is as long as its run took it to be.

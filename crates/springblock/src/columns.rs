@@ -1,4 +1,4 @@
-//! How a section of the pattern is divided into columns of blocks.
+//! How a period of the pattern is divided into columns of blocks.
 //!
 //! Widths that are whole blocks give the plain lattice. Others are resolved, not rounded. A cell is
 //! divided into the nearest whole number of equal columns, stretched to fit; the left edge of its first
@@ -49,13 +49,13 @@ fn columns_in(blocks: f64) -> usize {
 
 /// A pattern measured in lattice spacings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Section {
+struct Period {
     width: f64,
     spacing: f64,
     depth: f64,
 }
 
-impl Section {
+impl Period {
     fn new(pattern: &Pattern, block_m: f64) -> Self {
         Self {
             width: snapped(pattern.width_m() / block_m),
@@ -119,20 +119,20 @@ pub fn settled(share: f64) -> f64 {
 /// floor((m - c)/2) before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
-    let section = Section::new(pattern, block_m);
-    let pitch = section.width + section.spacing;
+    let period = Period::new(pattern, block_m);
+    let pitch = period.width + period.spacing;
     let (_, columns, width) = divide(pitch);
-    let covered = columns_in(section.width / width);
+    let covered = columns_in(period.width / width);
     let before = columns.saturating_sub(covered) / 2;
     let edge = before as f64 * width;
     (0..columns)
         .map(|i| {
             let (left, right) = (i as f64 * width - edge, (i + 1) as f64 * width - edge);
             // Cavities m pitches from the first one, on both sides of the cell's ends.
-            let overlap = |m: f64| (right.min(m * pitch + section.width) - left.max(m * pitch)).max(0.0);
+            let overlap = |m: f64| (right.min(m * pitch + period.width) - left.max(m * pitch)).max(0.0);
             let first = (left / pitch).floor();
             let coverage = settled((overlap(first) + overlap(first + 1.0)) / width);
-            let cavity_rows = if coverage > 0.0 { section.depth } else { 0.0 };
+            let cavity_rows = if coverage > 0.0 { period.depth } else { 0.0 };
             Column { width, coverage, cavity_rows }
         })
         .collect()
@@ -143,11 +143,11 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
 /// the others; a sliver is added to the piece before.
 #[must_use]
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
-    let section = Section::new(pattern, block_m);
+    let period = Period::new(pattern, block_m);
     let length = length as f64;
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
-    let mut piece = (section.land(), section.land_columns() / 2);
+    let mut piece = (period.land(), period.land_columns() / 2);
     while filled < length - WHOLE * length {
         let (column, count) = piece;
         let left = snapped(length - filled);
@@ -160,9 +160,9 @@ pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
             filled = length;
         }
         piece = if column.is_land() {
-            (section.cavity(), section.cavity_columns())
+            (period.cavity(), period.cavity_columns())
         } else {
-            (section.land(), section.land_columns())
+            (period.land(), period.land_columns())
         };
     }
     columns

@@ -17,9 +17,8 @@
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
 //! | [`Face`], [`Strip`], [`simulate_specimen`] | the same of a specimen as it is cut, strip by strip |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
-//! | [`SectionModel`] | the steady ratio of many patterns: what a search calls |
-//! | [`SolidModel`] | the same of a three-dimensional cell |
-//! | [`SolidLattice`], [`SolidSteadyModel`] | one such cell: its geometry, its pressures and displacements |
+//! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
+//! | [`SpaceLattice`], [`SpaceSteadyModel`] | one cell in space: its geometry, its pressures and displacements |
 //! | [`expense`], [`bounded`] | what solving a scene takes, roughly, and whether that is too much |
 //! | [`Monitor`] | clock, progress, cancellation |
 //!
@@ -43,6 +42,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod cell;
 mod columns;
 mod draws;
 mod dynamics;
@@ -51,19 +51,16 @@ mod face;
 mod lattice;
 mod outcome;
 mod scene;
-mod section;
 mod simulate;
-mod solid;
+mod space;
 mod steady;
 
+pub use cell::{CellOutcome, SteadyCell};
 pub use dynamics::{MOST_STEPS, WAVE_DEFICIT};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
-pub use section::{SectionModel, SectionOutcome};
 pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
 pub use slipgrid_monitor::{Monitor, Unwatched};
-pub use solid::{
-    SolidBond, SolidLattice, SolidLoad, SolidModel, SolidOutcome, SolidPoint, SolidSpring, SolidSteadyModel,
-};
+pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceOutcome, SpacePoint, SpaceSpring, SpaceSteadyModel};

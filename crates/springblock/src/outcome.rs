@@ -52,7 +52,7 @@ impl Status {
 /// One contact block on the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InterfacePoint {
-    /// Position along the sliding direction, from the left side, in metres; in three dimensions along the
+    /// Position along the sliding direction, from the left side, in metres; in space along the
     /// pattern's own x axis, from the cell's corner.
     pub x_m: f64,
     /// Position along the pattern's y axis, from the cell's corner, in metres; 0 in the vertical plane.
@@ -99,7 +99,7 @@ pub struct SurfaceOutcome {
     /// where blocks that stick hold more than sliding friction, below 0 where waves keep blocks from sliding
     /// ([`Status::SlidingWaves`]); dynamic runs only.
     pub stick_slip_excess: Option<f64>,
-    /// Mean friction across the sliding direction over the normal force; dynamic runs in three dimensions only.
+    /// Mean friction across the sliding direction over the normal force; dynamic runs in space only.
     pub mu_across: Option<f64>,
     /// Time since the drive started from which mu_dynamic was averaged, up to the end of the run, in
     /// seconds; absent for steady runs and where there is no mean.

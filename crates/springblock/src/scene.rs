@@ -126,7 +126,7 @@ pub struct RunOptions {
     pub warm_start: bool,
     /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
     pub springs: Option<Springs>,
-    /// 2: the vertical plane along the sliding direction, 3: the three-dimensional cell, which steady and dynamic cells
+    /// 2: the vertical plane along the sliding direction, 3: the cell in space, which steady and dynamic cells
     /// have. What the pattern needs when absent, where there is a choice.
     pub dimensions: Option<u8>,
     /// Surfaces of a dynamic run, with the seeds `seed`, `seed` + 1 and so on: their mean is reported, their scatter
@@ -232,12 +232,12 @@ impl Scene {
     #[must_use]
     pub fn dimensions(&self) -> u8 {
         let Some(pattern) = &self.pattern else { return 2 };
-        let needed = if self.has_solid_cell() { pattern.dimensions() } else { 2 };
+        let needed = if self.has_spatial_cell() { pattern.dimensions() } else { 2 };
         self.run.dimensions.unwrap_or(needed)
     }
 
-    /// Whether a three-dimensional cell can solve it.
-    fn has_solid_cell(&self) -> bool {
+    /// Whether a cell in space can solve it.
+    fn has_spatial_cell(&self) -> bool {
         self.run.extent == Extent::Cell
             && match self.run.fidelity {
                 Fidelity::Steady => true,
@@ -313,7 +313,7 @@ impl Scene {
             let value = f64::from(self.run.dimensions.unwrap_or_default());
             return Err(SceneError::OutOfRange { quantity: "dimensions", value, expected: "2 or 3" });
         }
-        if self.run.dimensions == Some(3) && !self.has_solid_cell() {
+        if self.run.dimensions == Some(3) && !self.has_spatial_cell() {
             return Err(SceneError::Unsupported {
                 what: "the three-dimensional cell in whole samples, with exact springs and by the reference integration",
                 instead: "ask for a steady or a dynamic cell, or for dimensions = 2",

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use crate::Monitor;
+use crate::cell::{SteadyCell, condensing_cell};
 use crate::columns::{self, Column};
 use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme};
@@ -21,13 +22,11 @@ use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
-use crate::section::{SectionModel, condensing_cell};
-use crate::solid::SolidModel;
 use crate::steady::{SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
 use statements::{
-    describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme, describe_steady, why_solid,
+    describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme, describe_steady, why_space,
 };
 
 pub use expense::{Expense, bounded, expense};
@@ -70,7 +69,7 @@ fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneE
     let solved = &behind::solved(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {
         return match scene.run.fidelity {
-            Fidelity::Steady => solid(solved, pattern, monitor),
+            Fidelity::Steady => space::steady(solved, pattern, monitor),
             Fidelity::Dynamic | Fidelity::Reference => space::dynamic(solved, pattern, monitor),
         };
     }
@@ -86,7 +85,7 @@ fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneE
     if let Some(pattern) = estimated {
         let own: Vec<Option<f64>> = match (scene.run.fidelity, scene.run.extent) {
             (Fidelity::Steady, Extent::Cell) => simulation.loads.iter().map(|load| load.ratio).collect(),
-            _ => SectionModel::new(scene).ratios(pattern),
+            _ => SteadyCell::in_dimensions(scene, 2).ratios(pattern),
         };
         let error = discretization_error(scene, pattern, &own);
         for load in &mut simulation.loads {
@@ -227,67 +226,6 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     Ok(Simulation { model, loads })
 }
 
-/// Steady sliding of the three-dimensional cell of `pattern`.
-fn solid(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let model = SolidModel::new(scene);
-    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
-    if bytes > most_bytes {
-        return Err(SceneError::TooLarge { bytes, most_bytes });
-    }
-    let outcomes = model.solve(pattern);
-    let ratios: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
-    let error = solid_discretization_error(scene, pattern, &ratios);
-    monitor.advance(1.0);
-    let loads = scene
-        .loads
-        .iter()
-        .zip(outcomes)
-        .map(|(load, outcome)| {
-            // A flat layer is uniform: it needs no solve.
-            let flat = SurfaceOutcome {
-                mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
-                peak_pressure_pa: load.pressure_pa,
-                area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(load.pressure_pa)),
-                residual: outcome.mu_flat.map(|_| 0.0),
-                ..SurfaceOutcome::unsolved(
-                    match outcome.mu_flat {
-                        Some(_) => Status::Converged,
-                        None if load.pressure_pa > 0.0 => Status::NoFriction,
-                        None => Status::NoLoad,
-                    },
-                    std::iter::empty(),
-                )
-            };
-            let mut compared = compare(load, outcome.surface, Some(flat));
-            compared.ratio_discretization_error = error.filter(|_| compared.ratio.is_some());
-            compared
-        })
-        .collect();
-    let [nx, ny] = model.columns(pattern);
-    let why = why_solid(scene, pattern);
-    let mut statements = vec![
-        describe_steady(scene),
-        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
-        format!(
-            "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
-            scene.layer.rows()
-        ),
-        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)"
-            .to_owned(),
-    ];
-    if scene.speed_m_s == 0.0 {
-        statements.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
-    }
-    if !model.is_plain(pattern) {
-        statements.push(
-            "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
-                .to_owned(),
-        );
-    }
-    describe_law(scene, &mut statements);
-    Ok(Simulation { model: statements, loads })
-}
-
 /// Local dynamic coefficients of a steady solve, one a column: the means in a cell, draws in a sample.
 fn steady_coefficients(scene: &Scene, load: &Load, columns: usize) -> Vec<f64> {
     match scene.run.extent {
@@ -403,27 +341,19 @@ fn off_lattice_corrections(scene: &Scene, nearest: Option<&Pattern>) -> Result<V
         return Ok(none);
     }
     affordable(scene, columns::cell(pattern, scene.layer.block_m).len(), true)?;
-    let model = SectionModel::new(scene);
+    let model = SteadyCell::in_dimensions(scene, 2);
     let (exact, whole) = (model.ratios(pattern), model.ratios(nearest));
-    // Without a steady ratio on one side there is nothing to correct by.
-    let difference = |(e, w): (&Option<f64>, &Option<f64>)| e.zip(*w).map_or(0.0, |(e, w)| e - w);
-    Ok(exact.iter().zip(&whole).map(difference).collect())
+    Ok(differences(&exact, &whole))
 }
 
-/// Most memory of a steady cell in space that tells of the size of blocks, in bytes: a second.
-const MOST_SOLID_BYTES: f64 = 1e8;
+/// By load; 0 without a steady ratio on one side, where there is nothing to correct by.
+fn differences(exact: &[Option<f64>], whole: &[Option<f64>]) -> Vec<f64> {
+    exact.iter().zip(whole).map(|(exact, whole)| exact.zip(*whole).map_or(0.0, |(e, w)| e - w)).collect()
+}
 
 /// How far ratios `own` of steady cells in the plane are from those of vanishing blocks ([`blocks::block_error`]).
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
     blocks::block_error(scene, own, |scene| blocks::plane_ratios(scene, pattern, blocks::MOST_PRODUCTS))
-}
-
-/// The same of cells in space.
-fn solid_discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
-    blocks::block_error(scene, own, |scene| {
-        let model = SolidModel::new(scene);
-        (model.bytes(pattern) < MOST_SOLID_BYTES).then(|| model.ratios(pattern))
-    })
 }
 
 fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -> LoadOutcome {

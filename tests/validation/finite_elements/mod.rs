@@ -2,7 +2,7 @@
 //! equations and solver (`cell_pressure.py` beside this file made the table beside it).
 
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{SolidLattice, SolidLoad, SolidSteadyModel, Status};
+use slipgrid_springblock::{SpaceLattice, SpaceLoad, SpaceSteadyModel, Status};
 
 /// Mean pressures over the nominal one on squares of 10 um: mu, x and y in micrometres, the value extrapolated to
 /// vanishing elements and, last, what its extrapolation changed.
@@ -23,8 +23,8 @@ fn difference(mu: f64, block_um: f64) -> [f64; 2] {
     let pattern = Pattern::new(Planform::Square, 60e-6, 100e-6, 20e-6).unwrap();
     let rows = (80.0 / block_um).round() as usize;
     let model =
-        SolidSteadyModel::new(SolidLattice::cell(&pattern, block_um * 1e-6, rows), block_um * 1e-6, 0.38e9, false);
-    let load = SolidLoad { pressure_pa: 1e6, dynamic_mu: mu, area_law: None, direction: [1.0, 0.0] };
+        SpaceSteadyModel::new(SpaceLattice::cell(&pattern, block_um * 1e-6, rows), block_um * 1e-6, 0.38e9, false);
+    let load = SpaceLoad { pressure_pa: 1e6, dynamic_mu: mu, area_law: None, direction: [1.0, 0.0] };
     let outcome = model.solve(&load);
     assert!(matches!(outcome.status, Status::Converged | Status::NoFriction), "{}", outcome.residual);
     // Means over squares of 10 um.

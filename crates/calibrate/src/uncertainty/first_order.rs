@@ -4,7 +4,7 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SectionModel, SolidModel};
+use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SteadyCell};
 
 use super::{DiscrepancyAt, Knowledge, Source};
 
@@ -249,9 +249,7 @@ fn ratios(
     scale: f64,
     law: f64,
 ) -> Result<Vec<Option<f64>>, MaterialError> {
-    let moved = moved(cell, friction, scale, law)?;
-    let is_solid = moved.dimensions() == 3;
-    Ok(if is_solid { SolidModel::new(&moved).ratios(pattern) } else { SectionModel::new(&moved).ratios(pattern) })
+    Ok(SteadyCell::new(&moved(cell, friction, scale, law)?).ratios(pattern))
 }
 
 impl DiscrepancyAt {

@@ -36,7 +36,7 @@ fn the_search_sees_what_simulate_reports() {
         for flat in [None, Some(flat_mu.to_vec())] {
             let run = RunOptions { dimensions, ..RunOptions::default() };
             let model = SteadyModel::new(&Scene { run, ..scene() }, &[], &[], &space(planform), flat.clone());
-            assert_eq!((model.is_solid(), model.scene(&design).dimensions()), (expected == 3, expected));
+            assert_eq!((model.is_spatial(), model.scene(&design).dimensions()), (expected == 3, expected));
             let response = model.respond(&design).unwrap();
             let simulation = model.simulate(&design).unwrap();
             for (load, outcome) in simulation.loads.iter().enumerate() {

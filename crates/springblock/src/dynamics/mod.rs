@@ -19,7 +19,7 @@
 //! | `stationary` | where a record becomes stationary |
 //! | `drive` | an integrator from start to end |
 //! | `run` | one run in the vertical plane |
-//! | `solid` | the three-dimensional cell |
+//! | `space` | the cell in space |
 
 mod bond_rows;
 mod bonds;
@@ -36,7 +36,7 @@ mod rows;
 mod run;
 mod runge_kutta;
 mod scales;
-mod solid;
+mod space;
 mod stability;
 mod stationary;
 mod stencil;
@@ -46,7 +46,7 @@ mod sweep;
 
 pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT};
 pub use run::{DynamicRun, Scheme, usual_step_s};
-pub use solid::{SolidRun, SolidScheme};
+pub use space::{SpaceRun, SpaceScheme};
 
 #[cfg(test)]
 mod any_width;

@@ -7,7 +7,7 @@ use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::scales::Scales;
-use super::solid::SOLID_STEP;
+use super::space::SPACE_STEP;
 use super::stability::largest_frequency;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::Monitor;
@@ -79,9 +79,9 @@ impl Scheme {
 
 /// The step of a run in time whose scene names none, in seconds.
 #[must_use]
-pub fn usual_step_s(scene: &Scene, is_solid: bool) -> f64 {
-    if is_solid {
-        SOLID_STEP * Scales::solid(&scene.elastic, scene.layer.block_m).time_s
+pub fn usual_step_s(scene: &Scene, is_spatial: bool) -> f64 {
+    if is_spatial {
+        SPACE_STEP * Scales::space(&scene.elastic, scene.layer.block_m).time_s
     } else if scene.run.fidelity == Fidelity::Reference {
         REFERENCE_STEP_S
     } else {

@@ -23,7 +23,7 @@ impl Scales {
 
     /// Units of a lattice in space with the spacing `block_m`.
     #[must_use]
-    pub fn solid(elastic: &Elastic, block_m: f64) -> Self {
+    pub fn space(elastic: &Elastic, block_m: f64) -> Self {
         // k = 2/5 E l
         Self::of(0.4 * elastic.youngs_modulus_pa(), elastic, block_m)
     }

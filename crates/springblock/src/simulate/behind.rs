@@ -13,10 +13,9 @@
 use slipgrid_pattern::Pattern;
 
 use super::{MOST_FACTOR_BYTES, widest};
+use crate::cell::{CellOutcome, SteadyCell};
 use crate::outcome::{LoadOutcome, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
-use crate::section::{SectionModel, SectionOutcome};
-use crate::solid::SolidModel;
 
 /// Standard error of the ratio of a run in time to which the difference of the steady cells is added
 /// (`a_thick_layer_in_time_is_a_thin_one_and_the_steady_difference`), and of a strip with ends as long as
@@ -142,16 +141,12 @@ impl Behind {
 }
 
 /// Steady cells of `pattern` by load; none where they do not fit in memory.
-fn cells(scene: &Scene, pattern: &Pattern) -> Vec<SectionOutcome> {
-    if scene.dimensions() == 3 {
-        let model = SolidModel::new(scene);
-        return if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve(pattern) };
-    }
-    let model = SectionModel::new(scene);
+fn cells(scene: &Scene, pattern: &Pattern) -> Vec<CellOutcome> {
+    let model = SteadyCell::in_dimensions(scene, scene.dimensions());
     if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve(pattern) }
 }
 
-fn difference(thick: &SectionOutcome, alone: &SectionOutcome) -> Option<Difference> {
+fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {
     let (of_thick, of_alone) = (&thick.surface, &alone.surface);
     let is_peak = of_alone.peak_pressure_pa > 0.0 && of_thick.status == Status::Converged;
     Some(Difference {

@@ -15,9 +15,9 @@
 use slipgrid_pattern::Pattern;
 
 use super::widest;
+use crate::cell::SteadyCell;
 use crate::outcome::LoadOutcome;
 use crate::scene::Scene;
-use crate::section::SectionModel;
 
 /// Orders of convergence that are believed.
 const ORDERS: [f64; 2] = [0.5, 2.0];
@@ -78,7 +78,7 @@ fn tail([before, last]: [f64; 2]) -> f64 {
 
 /// Ratios of steady cells of `pattern` in the vertical plane; `None` where one takes more than `most` multiplications.
 pub fn plane_ratios(scene: &Scene, pattern: &Pattern, most: f64) -> Ratios {
-    let model = SectionModel::new(scene);
+    let model = SteadyCell::in_dimensions(scene, 2);
     (model.products(pattern) < most).then(|| model.ratios(pattern))
 }
 

@@ -5,29 +5,29 @@
 //! 2e-10 s a product.
 
 use super::{FLAT_CELL_COLUMNS, MOST_FACTOR_BYTES, UNIFORM_COLUMNS};
+use crate::cell::{SteadyCell, condensing_cell};
 use crate::dynamics::{MOST_STEPS, Plan, usual_step_s};
 use crate::error::SceneError;
 use crate::scene::{Extent, Fidelity, Scene, Springs};
-use crate::section::condensing_cell;
-use crate::solid::{SolidLattice, SolidModel};
+use crate::space::SpaceLattice;
 use crate::steady::{band_products, factor_bytes};
 
 /// Seconds a block and force evaluation, by linear and by exact springs in the plane, and in space.
 const LINEAR_S: f64 = 1.6e-9;
 const EXACT_S: f64 = 14e-9;
-const SOLID_S: f64 = 7e-9;
+const SPACE_S: f64 = 7e-9;
 /// Seconds a product of a band factor, and an entry of it in a solution of its equations.
 const PRODUCT_S: f64 = 2e-10;
 const ENTRY_S: f64 = 5e-10;
 /// Solutions that a load takes.
 const SOLUTIONS: f64 = 15.0;
 /// Seconds that a column of a steady cell in space takes for each explicit row and load.
-const SOLID_COLUMN_S: f64 = 6e-5;
+const SPACE_COLUMN_S: f64 = 6e-5;
 /// Longest time of one core that is begun, in seconds: a month.
 const MOST_CORE_S: f64 = 30.0 * 86_400.0;
 /// Bytes a block of a run in time, and of one in space with its warm start.
 const BYTES_PER_BLOCK: f64 = 200.0;
-const SOLID_BYTES_PER_BLOCK: f64 = 900.0;
+const SPACE_BYTES_PER_BLOCK: f64 = 900.0;
 
 /// What solving a scene takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -64,7 +64,7 @@ pub fn bounded(scene: &Scene) -> Result<(), SceneError> {
 
 fn of_threads(scene: &Scene, threads: f64) -> Expense {
     match (scene.run.fidelity, scene.dimensions()) {
-        (Fidelity::Steady, 3) => solid(scene),
+        (Fidelity::Steady, 3) => space(scene),
         (Fidelity::Steady, _) => plane(scene, threads),
         (_, dimensions) => in_time(scene, dimensions == 3, threads),
     }
@@ -104,26 +104,26 @@ fn plane(scene: &Scene, threads: f64) -> Expense {
 }
 
 /// Steady sliding in space: one cell, its loads one after the other.
-fn solid(scene: &Scene) -> Expense {
+fn space(scene: &Scene) -> Expense {
     let Some(pattern) = &scene.pattern else { return Expense::default() };
-    let model = SolidModel::new(scene);
+    let model = SteadyCell::in_dimensions(scene, 3);
     let [nx, ny] = model.columns(pattern);
     let explicit = (pattern.depth_m() / scene.layer.block_m).ceil() + 1.0;
-    let core_s = nx * ny * explicit * scene.loads.len() as f64 * SOLID_COLUMN_S;
+    let core_s = nx * ny * explicit * scene.loads.len() as f64 * SPACE_COLUMN_S;
     Expense { core_s, wall_s: core_s, bytes: model.bytes(pattern) }
 }
 
 /// Runs in time: one for each surface, load and draw.
-fn in_time(scene: &Scene, is_solid: bool, threads: f64) -> Expense {
+fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     let rows = scene.layer.rows();
-    let columns: Vec<f64> = match (&scene.pattern, is_solid) {
+    let columns: Vec<f64> = match (&scene.pattern, is_spatial) {
         (Some(pattern), true) => {
-            let [nx, ny] = SolidLattice::columns_of(pattern, scene.layer.block_m);
+            let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
             vec![nx * if pattern.length_m().is_none() { nx } else { ny }; 2]
         }
         _ => surfaces(scene).into_iter().flatten().map(|columns| columns as f64).collect(),
     };
-    let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| usual_step_s(scene, is_solid))).total();
+    let steps = Plan::new(scene, scene.run.step_s.unwrap_or_else(|| usual_step_s(scene, is_spatial))).total();
     // Longer ones are not begun, and say so.
     let steps = if steps > MOST_STEPS { 0.0 } else { steps as f64 };
     let is_exact = match scene.run.springs {
@@ -131,8 +131,8 @@ fn in_time(scene: &Scene, is_solid: bool, threads: f64) -> Expense {
         None => scene.run.fidelity == Fidelity::Reference,
     };
     let stages = if scene.run.fidelity == Fidelity::Reference { 4.0 } else { 1.0 };
-    let block_s = if is_solid {
-        SOLID_S
+    let block_s = if is_spatial {
+        SPACE_S
     } else if is_exact {
         EXACT_S
     } else {
@@ -143,8 +143,8 @@ fn in_time(scene: &Scene, is_solid: bool, threads: f64) -> Expense {
     let largest = columns.iter().copied().fold(0.0, f64::max);
     let at_once = threads.min(each * columns.len() as f64);
     let (mut core_s, mut bytes) = (each * blocks * steps * stages * block_s, 0.0);
-    if is_solid {
-        bytes += at_once * largest * rows as f64 * SOLID_BYTES_PER_BLOCK;
+    if is_spatial {
+        bytes += at_once * largest * rows as f64 * SPACE_BYTES_PER_BLOCK;
     } else {
         bytes += at_once * largest * rows as f64 * BYTES_PER_BLOCK;
         if scene.run.warm_start {

@@ -1,31 +1,103 @@
-//! Dynamic runs of the three-dimensional cell: which lattices, what runs on them, what is said.
+//! The cell in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use super::{
-    MOST_FACTOR_BYTES, collect, describe_draws, describe_law, describe_protocol, seed_of, solid_discretization_error,
-    stderr_share, why_solid,
+    MOST_FACTOR_BYTES, blocks, collect, compare, describe_draws, describe_law, describe_protocol, describe_steady,
+    differences, seed_of, stderr_share, why_space,
 };
 use crate::Monitor;
-use crate::dynamics::{SolidRun, SolidScheme};
+use crate::cell::SteadyCell;
+use crate::dynamics::{SpaceRun, SpaceScheme};
 use crate::error::SceneError;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
-use crate::scene::{Load, Scene};
-use crate::solid::{SolidLattice, SolidLoad, SolidModel, SolidSteadyModel};
+use crate::scene::Scene;
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
 /// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
 const MOST_BLOCKS: f64 = 1e7;
+/// Most memory of a steady cell that tells of the size of blocks, in bytes: a second.
+const MOST_ESTIMATED_BYTES: f64 = 1e8;
 /// Columns along each axis of the flat layer whose largest eigenfrequency stands for that of any: even, so that they
 /// hold the shortest waves.
 const FLAT_COLUMNS: usize = 8;
 /// Bytes a block of a warm start, which knows the displacements of all rows, as unknowns and as spectra.
 const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
+/// Steady sliding of the cell of `pattern`.
+pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
+    let model = SteadyCell::in_dimensions(scene, 3);
+    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
+    if bytes > most_bytes {
+        return Err(SceneError::TooLarge { bytes, most_bytes });
+    }
+    let outcomes = model.solve(pattern);
+    let ratios: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
+    let error = discretization_error(scene, pattern, &ratios);
+    monitor.advance(1.0);
+    let loads = scene
+        .loads
+        .iter()
+        .zip(outcomes)
+        .map(|(load, outcome)| {
+            // A flat layer is uniform: it needs no solve.
+            let flat = SurfaceOutcome {
+                mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
+                peak_pressure_pa: load.pressure_pa,
+                area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(load.pressure_pa)),
+                residual: outcome.mu_flat.map(|_| 0.0),
+                ..SurfaceOutcome::unsolved(
+                    match outcome.mu_flat {
+                        Some(_) => Status::Converged,
+                        None if load.pressure_pa > 0.0 => Status::NoFriction,
+                        None => Status::NoLoad,
+                    },
+                    std::iter::empty(),
+                )
+            };
+            let mut compared = compare(load, outcome.surface, Some(flat));
+            compared.ratio_discretization_error = error.filter(|_| compared.ratio.is_some());
+            compared
+        })
+        .collect();
+    let [nx, ny] = model.columns(pattern);
+    let why = why_space(scene, pattern);
+    let mut statements = vec![
+        describe_steady(scene),
+        "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
+        format!(
+            "three dimensions, {why}: {nx} x {ny} x {} blocks, nu = 1/4, friction against the drive",
+            scene.layer.rows()
+        ),
+        "mean local coefficients: a periodic cell has no scatter to average; the flat surface slides at mu_d f(P)"
+            .to_owned(),
+    ];
+    if scene.speed_m_s == 0.0 {
+        statements.push("speed 0: the limit of vanishing speed, in which every contact block still slides".to_owned());
+    }
+    if !model.is_plain(pattern) {
+        statements.push(
+            "dimensions that are no whole blocks: the cell in whole columns stretched to fit, edges and depth blended between blocks"
+                .to_owned(),
+        );
+    }
+    describe_law(scene, &mut statements);
+    Ok(Simulation { model: statements, loads })
+}
+
+/// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]).
+fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
+    blocks::block_error(scene, own, |scene| {
+        let model = SteadyCell::in_dimensions(scene, 3);
+        (model.bytes(pattern) < MOST_ESTIMATED_BYTES).then(|| model.ratios(pattern))
+    })
+}
+
 /// Dynamic runs of the cell of `pattern` and of a flat one.
 pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let rows = scene.layer.rows();
-    let [nx, ny] = SolidLattice::columns_of(pattern, scene.layer.block_m);
+    let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
     // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
     let along = if pattern.length_m().is_none() { nx } else { ny };
     let blocks = nx * along * rows as f64;
@@ -36,19 +108,19 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     if scene.run.warm_start && bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
-    let exact = SolidLattice::cell(pattern, scene.layer.block_m, rows);
+    let exact = SpaceLattice::cell(pattern, scene.layer.block_m, rows);
     let whole = exact.nearest_whole();
     let own = if pattern.length_m().is_none() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
-    let flat = SolidLattice::flat(own.columns(), rows);
-    let scheme = SolidScheme::choose(scene, &own)?;
-    SolidScheme::choose(scene, &SolidLattice::flat([FLAT_COLUMNS; 2], rows))?;
+    let flat = SpaceLattice::flat(own.columns(), rows);
+    let scheme = SpaceScheme::choose(scene, &own)?;
+    SpaceScheme::choose(scene, &SpaceLattice::flat([FLAT_COLUMNS; 2], rows))?;
 
-    let model = SolidModel::new(scene);
-    let steady = model.ratios(pattern);
-    let error = solid_discretization_error(scene, pattern, &steady);
+    let cell = SteadyCell::in_dimensions(scene, 3);
+    let steady = cell.ratios(pattern);
+    let error = discretization_error(scene, pattern, &steady);
     let is_whole = exact == whole;
     let corrections =
-        if is_whole { vec![0.0; scene.loads.len()] } else { corrections(scene, pattern, &whole, &steady) };
+        if is_whole { vec![0.0; scene.loads.len()] } else { corrections(&cell, pattern, &whole, &steady) };
 
     let lattices = [&own, &flat];
     let surfaces = lattices.len();
@@ -56,7 +128,9 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         .into_par_iter()
         .map(|task| {
             let (load, lattice) = (&scene.loads[task / surfaces], lattices[task % surfaces]);
-            scene.run.warm_start.then(|| steady_model(scene, lattice).displacements(&solid_load(scene, pattern, load)))
+            scene.run.warm_start.then(|| {
+                steady_model(scene, lattice).displacements(&SpaceLoad::of_mean(load, scene.area_law.as_ref(), pattern))
+            })
         })
         .collect();
     let draws = scene.run.draws as usize;
@@ -65,7 +139,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         .into_par_iter()
         .map(|task| {
             let (load, draw, surface) = (task / (surfaces * draws), task / surfaces % draws, task % surfaces);
-            SolidRun {
+            SpaceRun {
                 scene,
                 load: &scene.loads[load],
                 lattice: lattices[surface],
@@ -87,44 +161,24 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     Ok(Simulation { model, loads })
 }
 
-fn steady_model(scene: &Scene, lattice: &SolidLattice) -> SolidSteadyModel {
+fn steady_model(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
     let stiffness = scene.elastic.youngs_modulus_pa();
-    SolidSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness, scene.run.liftoff)
-}
-
-fn solid_load<'a>(scene: &'a Scene, pattern: &Pattern, load: &Load) -> SolidLoad<'a> {
-    SolidLoad {
-        pressure_pa: load.pressure_pa,
-        dynamic_mu: load.friction.dynamic_mean(),
-        area_law: scene.area_law.as_ref(),
-        direction: pattern.sliding_direction(),
-    }
+    SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness, scene.run.liftoff)
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
-fn corrections(scene: &Scene, pattern: &Pattern, whole: &SolidLattice, exact: &[Option<f64>]) -> Vec<f64> {
-    let loads: Vec<SolidLoad<'_>> = scene.loads.iter().map(|load| solid_load(scene, pattern, load)).collect();
-    let outcomes = steady_model(scene, whole).solve_all(&loads);
-    loads
-        .iter()
-        .zip(&outcomes)
-        .zip(exact)
-        .map(|((load, outcome), exact)| {
-            // mu_flat = mu_d f(P)
-            let flat = load.dynamic_mu * load.area_law.map_or(1.0, |law| law.factor(load.pressure_pa));
-            let solved = matches!(outcome.status, Status::Converged | Status::NoFriction) && flat > 0.0;
-            // Without a steady ratio on one side there is nothing to correct by.
-            exact.zip(outcome.mu_dynamic.filter(|_| solved)).map_or(0.0, |(exact, mu)| exact - mu / flat)
-        })
-        .collect()
+fn corrections(cell: &SteadyCell, pattern: &Pattern, whole: &SpaceLattice, exact: &[Option<f64>]) -> Vec<f64> {
+    let whole: Vec<Option<f64>> =
+        cell.solve_in_space(whole.clone(), pattern).iter().map(|outcome| outcome.ratio).collect();
+    differences(exact, &whole)
 }
 
 fn statements(
     scene: &Scene,
     pattern: &Pattern,
-    own: &SolidLattice,
-    scheme: SolidScheme,
-    nearest: Option<&SolidLattice>,
+    own: &SpaceLattice,
+    scheme: SpaceScheme,
+    nearest: Option<&SpaceLattice>,
 ) -> Vec<String> {
     let [nx, ny] = own.columns();
     let mut model = vec![
@@ -137,7 +191,7 @@ fn statements(
         "cell: one period with periodic sides, as nothing asked for depends on the ends".to_owned(),
         format!(
             "three dimensions, {}: {nx} x {ny} x {} blocks, nu = 1/4, friction a vector against the velocity",
-            why_solid(scene, pattern),
+            why_space(scene, pattern),
             scene.layer.rows(),
         ),
     ];
@@ -180,7 +234,7 @@ mod tests {
 
     use super::*;
     use crate::Unwatched;
-    use crate::scene::{Fidelity, Layer, RunOptions};
+    use crate::scene::{Fidelity, Layer, Load, RunOptions};
     use crate::simulate;
 
     /// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)).
@@ -284,7 +338,7 @@ mod tests {
         let mut scene = scene(60.0, usual());
         scene.run.sliding_m = 0.1e-6;
         let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap();
-        let steady = |pattern: &Pattern| SolidModel::new(&scene).ratios(pattern)[0].unwrap();
+        let steady = |pattern: &Pattern| SteadyCell::new(&scene).ratios(pattern)[0].unwrap();
         let nearest = scene.pattern.unwrap();
         let pattern = Pattern::new(Planform::Square, 62e-6, 58e-6, 18e-6).unwrap();
         let difference = steady(&pattern) - steady(&nearest);

@@ -24,6 +24,7 @@ use super::{
     describe_scheme, discretization_error, integrate, seed_of,
 };
 use crate::Monitor;
+use crate::cell::SteadyCell;
 use crate::columns;
 use crate::draws;
 use crate::error::SceneError;
@@ -31,7 +32,6 @@ use crate::face::{Face, Strip};
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, RunOptions, Scene};
-use crate::section::SectionModel;
 use crate::steady::{SteadyLoad, SteadyModel, factor_bytes};
 use slipgrid_pattern::Pattern;
 
@@ -72,7 +72,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
     };
     // What cavities take off the face is that of the cell, in proportion to their share.
     let share = face.cavity_share() / pattern.section_density();
-    let cells = SectionModel::new(scene).ratios(pattern);
+    let cells = SteadyCell::in_dimensions(scene, 2).ratios(pattern);
     let error = discretization_error(scene, pattern, &cells);
     for load in &mut loads {
         load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);

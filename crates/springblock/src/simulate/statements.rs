@@ -20,8 +20,8 @@ pub fn describe_steady(scene: &Scene) -> String {
     )
 }
 
-/// Why `pattern` is solved in three dimensions.
-pub fn why_solid(scene: &Scene, pattern: &Pattern) -> String {
+/// Why `pattern` is solved in space.
+pub fn why_space(scene: &Scene, pattern: &Pattern) -> String {
     if scene.run.dimensions == Some(3) {
         return "as asked for".to_owned();
     }

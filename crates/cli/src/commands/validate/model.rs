@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{Deviations, Knowledge, ScaleError, Slopes};
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Layer, Load, Monitor, RunOptions, Scene, SectionModel, SectionOutcome, SolidModel};
+use slipgrid_springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
 
 use crate::CliError;
 use crate::interruption::heed;
@@ -65,9 +65,9 @@ pub struct Prediction {
     /// Local dynamic coefficient, mu_flat / f.
     pub dynamic_mean: f64,
     /// What the solver found of grooves.
-    pub outcome: SectionOutcome,
+    pub outcome: CellOutcome,
     /// What it found of square cavities of the same lengths, in space.
-    pub squares: SectionOutcome,
+    pub squares: CellOutcome,
     /// What a specimen as thick as the source's changes of either ratio; `None` where a cell has none.
     pub thick: [Option<f64>; 2],
     /// What Young's modulus and measured flat friction leave open of both; `None` where it cannot be computed.
@@ -127,15 +127,14 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
     };
     scene.validate().map_err(|error| error.to_string())?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
-    let solved = |scene: &Scene| {
-        rayon::join(
-            || SectionModel::new(scene).solve(&case.pattern),
-            || SolidModel::new(scene).solve(&squares(&case.pattern)),
-        )
+    let solved = |layer: Layer| {
+        let of = |pattern: Pattern| {
+            SteadyCell::new(&Scene { pattern: Some(pattern), layer, ..scene.clone() }).solve(&pattern)
+        };
+        rayon::join(|| of(case.pattern), || of(squares(&case.pattern)))
     };
-    let (grooves, squares) = solved(&scene);
-    let layer = Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer };
-    let thick = solved(&Scene { layer, ..scene.clone() });
+    let (grooves, squares) = solved(scene.layer);
+    let thick = solved(Layer { thickness_m: Some(DEFAULT_THICKNESS_M), ..scene.layer });
     let known = knowledge(body.modulus_relative_std, case.law, points);
     let slopes = [&scene, &in_space].map(|scene| Slopes::new(scene, &known));
     let predictions = grooves.into_iter().zip(squares).zip(coefficients).enumerate();
@@ -144,7 +143,7 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
             let error =
                 |slopes: &Slopes, ratio: Option<f64>| slopes.deviations(place, ratio?, points[place].mu_flat, &known);
             let errors = [error(&slopes[0], outcome.ratio), error(&slopes[1], squares.ratio)];
-            let beyond = |thick: &[SectionOutcome], own: &SectionOutcome| Some(thick[place].ratio? - own.ratio?);
+            let beyond = |thick: &[CellOutcome], own: &CellOutcome| Some(thick[place].ratio? - own.ratio?);
             let thick = [beyond(&thick.0, &outcome), beyond(&thick.1, &squares)];
             Prediction { area_law_factor, dynamic_mean, outcome, squares, thick, errors }
         })

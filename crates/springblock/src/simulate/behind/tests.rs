@@ -194,7 +194,7 @@ fn a_specimen_thinner_than_its_layer_is_refused() {
 #[test]
 #[ignore = "measures time"]
 fn a_thick_specimen_costs_a_search_what_its_layer_does() {
-    let fastest = |solve: &dyn Fn() -> Vec<SectionOutcome>| {
+    let fastest = |solve: &dyn Fn() -> Vec<CellOutcome>| {
         let once = || {
             let started = std::time::Instant::now();
             assert!(solve().iter().all(|outcome| outcome.ratio.is_some()));

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use super::super::rows::whole_lines;
-use crate::solid::SolidLattice;
+use crate::space::SpaceLattice;
 
 /// Springs of a block.
 pub const SPRINGS: usize = 18;
@@ -50,7 +50,7 @@ impl RowCoefficients {
     }
 
     /// Row `j` of layer `k` of a plain lattice.
-    fn new(lattice: &SolidLattice, j: usize, k: usize) -> Self {
+    fn new(lattice: &SpaceLattice, j: usize, k: usize) -> Self {
         let [nx, _] = lattice.columns();
         let padded = whole_lines(nx);
         let mut springs = vec![0.0; SPRINGS * padded];
@@ -66,7 +66,7 @@ impl RowCoefficients {
     }
 
     /// Whether all blocks of the row are like those inside the lattice.
-    fn is_inside(lattice: &SolidLattice, j: usize, k: usize) -> bool {
+    fn is_inside(lattice: &SpaceLattice, j: usize, k: usize) -> bool {
         let inside = |i: usize| {
             lattice.mass(i, j, k) == 1.0 && STEPS.into_iter().all(|step| spring(lattice, [i, j, k], step) == 1.0)
         };
@@ -75,7 +75,7 @@ impl RowCoefficients {
 }
 
 /// Stiffness over k of the spring of block `block` towards `step`: there where both blocks are.
-fn spring(lattice: &SolidLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f64 {
+fn spring(lattice: &SpaceLattice, [i, j, k]: [usize; 3], step: [isize; 3]) -> f64 {
     let [nx, ny] = lattice.columns();
     let wrap = |at: usize, step: isize, count: usize| (at + count).wrapping_add_signed(step) % count;
     let Some(above) = k.checked_add_signed(step[2]) else { return 0.0 };
@@ -107,7 +107,7 @@ pub struct Stencil {
 impl Stencil {
     /// The rows of a plain lattice (whole cubes).
     #[must_use]
-    pub fn new(lattice: &SolidLattice) -> Self {
+    pub fn new(lattice: &SpaceLattice) -> Self {
         let [_, ny] = lattice.columns();
         let contact = (0..ny).map(|j| RowCoefficients::new(lattice, j, 0)).collect();
         let (mut general, mut inside) = (Vec::new(), vec![Vec::new()]);

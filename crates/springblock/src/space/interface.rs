@@ -11,7 +11,7 @@
 //! holds in part as a spring kappa, and t the friction on those that it touches. So the unknowns are few:
 //! forces on the blocks about the cavities, and one on each contact.
 
-use super::lattice::SolidLattice;
+use super::lattice::SpaceLattice;
 use super::layer::{FlatLayer, Workspace};
 use super::springs::{LEVEL, springs};
 use crate::lattice::tie;
@@ -78,18 +78,18 @@ pub struct Response {
 impl Interface {
     /// The interface of `lattice`; condenses the flat layer above it.
     #[must_use]
-    pub fn new(lattice: &SolidLattice) -> Self {
+    pub fn new(lattice: &SpaceLattice) -> Self {
         // A missing spring reaches from the cavities' last row to the next at most, a contact's from row 0 to 1.
         Self::with_rows(lattice, (lattice.cavity_rows() + 1).max(2))
     }
 
     /// The same with the displacements of all rows and of the bulk.
     #[must_use]
-    pub fn uncondensed(lattice: &SolidLattice) -> Self {
+    pub fn uncondensed(lattice: &SpaceLattice) -> Self {
         Self::with_rows(lattice, lattice.rows() + 1)
     }
 
-    fn with_rows(lattice: &SolidLattice, explicit: usize) -> Self {
+    fn with_rows(lattice: &SpaceLattice, explicit: usize) -> Self {
         let [nx, ny] = lattice.columns();
         let plane = nx * ny;
         let rows = lattice.rows();

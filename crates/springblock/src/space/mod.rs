@@ -1,12 +1,11 @@
-//! The three-dimensional periodic cell: a cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
+//! The periodic cell in space: a cubic mesh of blocks with springs to the 6 nearest and the 12 face-diagonal
 //! neighbours, all of stiffness k = 2/5 E l, is isotropic with nu = 1/4. In plane strain that is plane stress at
 //! nu/(1 - nu) = 1/3: a groove across is the vertical plane's own lattice.
 //!
 //! | type | role |
 //! |---|---|
-//! | [`SolidLattice`] | where blocks are, which springs join them, what they weigh |
-//! | [`SolidSteadyModel`] | steady sliding of one cell under many loads |
-//! | [`SolidModel`] | the steady ratio of many patterns |
+//! | [`SpaceLattice`] | where blocks are, which springs join them, what they weigh |
+//! | [`SpaceSteadyModel`] | steady sliding of one cell under many loads |
 //! | [`layer::FlatLayer`] | the flat layer's exact response, by Fourier transforms |
 //! | [`interface::Interface`] | what cavities change of it: springs missing, blocks that do not touch |
 //! | [`directions::Directions`] | search directions that serve one load after the other |
@@ -14,7 +13,6 @@
 //! Cost, four pressures on one core, cavities a quarter wide and a tenth deep (blocks: condensing and solving):
 //! 16 x 16 x 10: 2 ms, 50 x 50 x 20: 35 ms, 100 x 100 x 40: 0.5 s, 200 x 200 x 80: 2.9 s and 0.2 GB.
 
-mod cell;
 mod directions;
 mod interface;
 mod lattice;
@@ -23,11 +21,10 @@ mod outcome;
 mod springs;
 mod steady;
 
-pub use cell::SolidModel;
-pub use lattice::{SolidBond, SolidLattice};
-pub use outcome::{SolidOutcome, SolidPoint};
-pub use springs::Spring as SolidSpring;
-pub use steady::{SolidLoad, SolidSteadyModel};
+pub use lattice::{SpaceBond, SpaceLattice};
+pub use outcome::{SpaceOutcome, SpacePoint};
+pub use springs::Spring as SpaceSpring;
+pub use steady::{SpaceLoad, SpaceSteadyModel};
 
 #[cfg(test)]
 mod contact_tests;

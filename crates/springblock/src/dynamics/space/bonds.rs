@@ -1,6 +1,6 @@
 //! Forces in space spring by spring: slow, obvious, and the judge of the sweeps.
 
-use crate::solid::SolidLattice;
+use crate::space::SpaceLattice;
 
 /// A spring between blocks, numbered x fastest, then y, then upward; the bulk comes last.
 #[derive(Clone, Copy, Debug)]
@@ -11,7 +11,7 @@ struct Link {
 
 /// The springs of a plain lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
-pub struct SolidBonds {
+pub struct SpaceBonds {
     links: Vec<Link>,
     /// Blocks of the lattice: the number of the bulk.
     bulk: usize,
@@ -19,10 +19,10 @@ pub struct SolidBonds {
     mass: Vec<f64>,
 }
 
-impl SolidBonds {
+impl SpaceBonds {
     /// The springs of `lattice`.
     #[must_use]
-    pub fn new(lattice: &SolidLattice) -> Self {
+    pub fn new(lattice: &SpaceLattice) -> Self {
         let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
         let bulk = nx * ny * rows;
         let number = |[i, j, k]: [usize; 3]| if k < rows { ((k * ny + j) * nx + i) as u32 } else { bulk as u32 };

@@ -1,4 +1,4 @@
-//! Time integration of the three-dimensional cell.
+//! Time integration of the cell in space.
 //!
 //! | module | what it holds |
 //! |---|---|
@@ -20,7 +20,7 @@ mod slip;
 mod stencil;
 mod sweep;
 
-pub use run::{SOLID_STEP, SolidRun, SolidScheme};
+pub use run::{SPACE_STEP, SpaceRun, SpaceScheme};
 
 #[cfg(test)]
 mod tests;

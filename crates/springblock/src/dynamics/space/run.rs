@@ -5,38 +5,38 @@ use super::super::drive::{Drive, MOST_STEPS, Plan};
 use super::super::protocol::Protocol;
 use super::super::scales::Scales;
 use super::super::stability::largest_of;
-use super::bonds::SolidBonds;
-use super::leapfrog::{SolidLeapfrog, SolidSetup};
+use super::bonds::SpaceBonds;
+use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::Monitor;
 use crate::SceneError;
 use crate::draws;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
-use crate::solid::SolidLattice;
+use crate::space::SpaceLattice;
 
 /// Default step over sqrt(m/k), k = 2/5 E l: that of the plane in seconds, 4 ns for the published polymer at l = 10 um.
-pub const SOLID_STEP: f64 = 0.1644;
+pub const SPACE_STEP: f64 = 0.1644;
 /// Stability limit of the leapfrog times the largest eigenfrequency.
 const LEAPFROG_LIMIT: f64 = 2.0;
 
 /// Time step of the leapfrog on a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolidScheme {
+pub struct SpaceScheme {
     /// Time step, in seconds.
     pub step_s: f64,
     /// Largest stable time step, in seconds.
     pub limit_s: f64,
 }
 
-impl SolidScheme {
+impl SpaceScheme {
     /// The step that `scene` asks for on `lattice`.
     ///
     /// # Errors
     /// [`SceneError::UnstableStep`] if it is beyond the stability limit.
-    pub fn choose(scene: &Scene, lattice: &SolidLattice) -> Result<Self, SceneError> {
-        let scales = Scales::solid(&scene.elastic, scene.layer.block_m);
+    pub fn choose(scene: &Scene, lattice: &SpaceLattice) -> Result<Self, SceneError> {
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
         let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
-        let step_s = scene.run.step_s.unwrap_or(SOLID_STEP * scales.time_s);
+        let step_s = scene.run.step_s.unwrap_or(SPACE_STEP * scales.time_s);
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
         }
@@ -45,8 +45,8 @@ impl SolidScheme {
 }
 
 /// Largest eigenfrequency of `lattice` over sqrt(k/m); blocks on the counterface move vertically only if `liftoff`.
-pub fn largest_frequency(lattice: &SolidLattice, liftoff: bool) -> f64 {
-    let bonds = SolidBonds::new(lattice);
+pub fn largest_frequency(lattice: &SpaceLattice, liftoff: bool) -> f64 {
+    let bonds = SpaceBonds::new(lattice);
     let [nx, ny] = lattice.columns();
     let blocks = bonds.mass().len();
     let mut weight = vec![0.0; 3 * blocks];
@@ -74,17 +74,17 @@ pub fn largest_frequency(lattice: &SolidLattice, liftoff: bool) -> f64 {
 
 /// A cell under one load, ready to run.
 #[derive(Clone, Copy)]
-pub struct SolidRun<'a> {
+pub struct SpaceRun<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The load.
     pub load: &'a Load,
     /// A plain lattice.
-    pub lattice: &'a SolidLattice,
+    pub lattice: &'a SpaceLattice,
     /// Unit vector of the sliding direction.
     pub direction: [f64; 2],
     /// How to integrate.
-    pub scheme: SolidScheme,
+    pub scheme: SpaceScheme,
     /// Share of all work that this run is, for the progress report.
     pub share: f64,
     /// Seed of the local coefficients.
@@ -95,7 +95,7 @@ pub struct SolidRun<'a> {
     pub start: Option<&'a [[f64; 3]]>,
 }
 
-impl SolidRun<'_> {
+impl SpaceRun<'_> {
     /// Runs to the end.
     #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
@@ -107,13 +107,13 @@ impl SolidRun<'_> {
             return self.not_run(Status::TooManySteps, monitor);
         }
         let started_s = monitor.seconds();
-        let scales = Scales::solid(&scene.elastic, scene.layer.block_m);
+        let scales = Scales::space(&scene.elastic, scene.layer.block_m);
         let plane = Scales::new(&scene.elastic, scene.layer.block_m);
         let [nx, ny] = lattice.columns();
         let coefficients = draws::draw(&self.load.friction, self.seed, nx * ny);
-        let mut engine = SolidLeapfrog::new(
+        let mut engine = SpaceLeapfrog::new(
             lattice,
-            SolidSetup {
+            SpaceSetup {
                 coefficients: &coefficients,
                 law: LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa),
                 // P l^2 a column
@@ -161,7 +161,7 @@ impl SolidRun<'_> {
     }
 
     /// Whether a ceiling lies on or below the counterface at the end of the run.
-    fn is_closed(&self, engine: &SolidLeapfrog) -> bool {
+    fn is_closed(&self, engine: &SpaceLeapfrog) -> bool {
         let ([nx, ny], ceiling) = (self.lattice.columns(), self.lattice.cavity_rows());
         ceiling < self.lattice.rows()
             && (0..nx * ny).map(|column| [column % nx, column / nx]).any(|[i, j]| {
@@ -179,8 +179,8 @@ mod tests {
     #[test]
     fn the_largest_frequency_is_that_of_the_dense_matrix() {
         let pattern = Pattern::new(Planform::Square, 20e-6, 30e-6, 10e-6).unwrap();
-        for lattice in [SolidLattice::cell(&pattern, 10e-6, 3), SolidLattice::flat([4, 4], 3)] {
-            let bonds = SolidBonds::new(&lattice);
+        for lattice in [SpaceLattice::cell(&pattern, 10e-6, 3), SpaceLattice::flat([4, 4], 3)] {
+            let bonds = SpaceBonds::new(&lattice);
             let blocks = bonds.mass().len();
             let unknowns: Vec<(usize, usize)> = (0..3 * blocks)
                 .map(|n| (n / 3, n % 3))
@@ -209,12 +209,12 @@ mod tests {
     #[test]
     fn the_stability_limit_leaves_the_default_step_room() {
         // Inside: [100] waves of the shortest length, m w^2 = 12 k.
-        let flat = largest_frequency(&SolidLattice::flat([8, 8], 20), false);
+        let flat = largest_frequency(&SpaceLattice::flat([8, 8], 20), false);
         assert!(flat > 12.0_f64.sqrt() && flat < 4.5, "{flat}");
         let pattern = Pattern::new(Planform::Square, 40e-6, 80e-6, 20e-6).unwrap();
-        let patterned = largest_frequency(&SolidLattice::cell(&pattern, 10e-6, 10), false);
+        let patterned = largest_frequency(&SpaceLattice::cell(&pattern, 10e-6, 10), false);
         // Edges of lands weigh a quarter and keep most of their springs.
         assert!(patterned > flat && patterned < 5.2, "{patterned}");
-        assert!(SOLID_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
+        assert!(SPACE_STEP < 0.45 * LEAPFROG_LIMIT / patterned);
     }
 }

@@ -18,13 +18,13 @@ pub(super) fn pattern(planform: Planform, width_um: f64, spacing_um: f64, depth_
     Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
 }
 
-fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SolidSteadyModel {
+fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SpaceSteadyModel {
     let rows = (layer_um / block_um).round() as usize;
-    SolidSteadyModel::new(SolidLattice::cell(pattern, block_um * 1e-6, rows), block_um * 1e-6, E_PA, false)
+    SpaceSteadyModel::new(SpaceLattice::cell(pattern, block_um * 1e-6, rows), block_um * 1e-6, E_PA, false)
 }
 
-pub(super) fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SolidLoad<'a> {
-    SolidLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: 0.27, area_law: law, direction: [1.0, 0.0] }
+pub(super) fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SpaceLoad<'a> {
+    SpaceLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: 0.27, area_law: law, direction: [1.0, 0.0] }
 }
 
 fn ratio(pattern: &Pattern, block_um: f64) -> f64 {
@@ -48,7 +48,7 @@ fn roughness(values: &[f64]) -> (f64, bool) {
 }
 
 /// Largest force left on a block, in units of P l^2: every spring by itself, its displacements as solved.
-pub(super) fn largest_imbalance(model: &SolidSteadyModel, load: &SolidLoad) -> f64 {
+pub(super) fn largest_imbalance(model: &SpaceSteadyModel, load: &SpaceLoad) -> f64 {
     let lattice = model.lattice();
     let [nx, ny] = lattice.columns();
     let unit = load.pressure_pa / (0.4 * E_PA);
@@ -111,7 +111,7 @@ fn every_block_is_in_equilibrium() {
     let law = law();
     for pattern in assorted() {
         let model = model(&pattern, 10.0, 100.0);
-        let load = SolidLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
+        let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
         let imbalance = largest_imbalance(&model, &load);
         assert!(imbalance < 1e-8, "{pattern:?}: {imbalance}");
     }
@@ -123,7 +123,7 @@ fn hexagonal_discs_look_the_same_every_sixty_degrees() {
     let mu = |arrangement, angle_deg: f64| {
         let texture = Texture::new(Planform::Disc).with_arrangement(arrangement).unwrap();
         let pattern = Pattern::new(texture.with_sliding_angle_deg(angle_deg).unwrap(), 60e-6, 40e-6, 20e-6).unwrap();
-        let load = SolidLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
+        let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
         model(&pattern, 5.0, 50.0).solve(&load).mu_dynamic.unwrap()
     };
     // The pattern is the same; the cubic mesh is not.
@@ -136,7 +136,7 @@ fn hexagonal_discs_look_the_same_every_sixty_degrees() {
 #[test]
 fn amontons_coulomb_gives_mu_d_for_any_pattern() {
     for pattern in assorted() {
-        let load = SolidLoad { direction: pattern.sliding_direction(), ..load(1.0, None) };
+        let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(1.0, None) };
         let outcome = model(&pattern, 10.0, 100.0).solve(&load);
         assert_eq!(outcome.status, Status::Converged, "{pattern:?} {}", outcome.residual);
         assert!((outcome.mu_dynamic.unwrap() - 0.27).abs() < 1e-9, "{pattern:?}");
@@ -145,7 +145,7 @@ fn amontons_coulomb_gives_mu_d_for_any_pattern() {
 
 #[test]
 fn a_flat_layer_is_uniform_and_shears_by_its_shear_modulus() {
-    let model = SolidSteadyModel::new(SolidLattice::flat([4, 3], 20), 10e-6, E_PA, false);
+    let model = SpaceSteadyModel::new(SpaceLattice::flat([4, 3], 20), 10e-6, E_PA, false);
     let law = law();
     let load = load(2.6, Some(&law));
     let outcome = model.solve(&load);
@@ -160,7 +160,7 @@ fn a_flat_layer_is_uniform_and_shears_by_its_shear_modulus() {
 
 /// Normal forces over P l^2 on the contacts, x fastest, by elimination on the assembled equations of all blocks
 /// with friction in them: Amontons-Coulomb with `mu`.
-fn directly(lattice: &SolidLattice, mu: f64, direction: [f64; 2]) -> Vec<f64> {
+fn directly(lattice: &SpaceLattice, mu: f64, direction: [f64; 2]) -> Vec<f64> {
     let [nx, ny] = lattice.columns();
     let rows = lattice.rows();
     let number = |[i, j, k]: [usize; 3]| (k * ny + j) * nx + i;
@@ -215,12 +215,12 @@ fn pressures_are_those_of_elimination_on_all_blocks() {
     for (depth_um, direction) in [(20.0, [1.0, 0.0]), (4.0, [0.6, 0.8]), (13.0, [0.0, -1.0])] {
         let texture = texture.with_spacing_across_m(30e-6).unwrap();
         let pattern = Pattern::new(texture, 30e-6, 30e-6, depth_um * 1e-6).unwrap();
-        let lattice = SolidLattice::cell(&pattern, 10e-6, 4);
+        let lattice = SpaceLattice::cell(&pattern, 10e-6, 4);
         assert_eq!(lattice.columns(), [6, 5]);
         let expected = directly(&lattice, 0.27, direction);
         assert!(expected.iter().all(|normal| *normal > 0.0));
-        let model = SolidSteadyModel::new(lattice, 10e-6, E_PA, false);
-        let outcome = model.solve(&SolidLoad { direction, ..load(1.0, None) });
+        let model = SpaceSteadyModel::new(lattice, 10e-6, E_PA, false);
+        let outcome = model.solve(&SpaceLoad { direction, ..load(1.0, None) });
         assert_eq!(outcome.interface.len(), expected.len());
         for (point, expected) in outcome.interface.iter().zip(&expected) {
             assert!((point.pressure_pa / 1e6 - expected).abs() < 1e-9, "{depth_um} {point:?} {expected}");
@@ -233,11 +233,11 @@ fn a_thick_layer_is_that_of_all_blocks() {
     let texture = Texture::new(Planform::Rectangle).with_length_m(10e-6).unwrap();
     let texture = texture.with_spacing_across_m(20e-6).unwrap();
     let pattern = Pattern::new(texture, 20e-6, 20e-6, 14e-6).unwrap();
-    let lattice = SolidLattice::cell(&pattern, 10e-6, 30);
+    let lattice = SpaceLattice::cell(&pattern, 10e-6, 30);
     assert_eq!(lattice.columns(), [4, 3]);
     let expected = directly(&lattice, 0.27, [0.6, 0.8]);
-    let outcome = SolidSteadyModel::new(lattice, 10e-6, E_PA, false)
-        .solve(&SolidLoad { direction: [0.6, 0.8], ..load(1.0, None) });
+    let outcome = SpaceSteadyModel::new(lattice, 10e-6, E_PA, false)
+        .solve(&SpaceLoad { direction: [0.6, 0.8], ..load(1.0, None) });
     for (point, expected) in outcome.interface.iter().zip(&expected) {
         assert!((point.pressure_pa / 1e6 - expected).abs() < 1e-9, "{point:?} {expected}");
     }
@@ -254,22 +254,22 @@ fn a_transversal_groove_in_a_specimen_of_seven_millimetres_is_that_of_the_plane(
         let pattern = pattern(Planform::Groove, width, spacing, depth);
         let lattice = Lattice::new(columns::cell(&pattern, 10e-6), 700, true);
         let dynamic_mu = vec![0.27; lattice.nx()];
-        let section = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap();
-        let section = section
+        let plane = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap();
+        let plane = plane
             .solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) })
             .unwrap()
             .mu_dynamic
             .unwrap();
-        let solid = model(&pattern, 10.0, 7000.0).solve(&law_load).mu_dynamic.unwrap();
-        assert!((section - solid).abs() < 1e-9, "{width}: {section} {solid}");
+        let space = model(&pattern, 10.0, 7000.0).solve(&law_load).mu_dynamic.unwrap();
+        assert!((plane - space).abs() < 1e-9, "{width}: {plane} {space}");
         // A half-space is no other.
         let deeper = model(&pattern, 10.0, 1e6).solve(&law_load).mu_dynamic.unwrap();
-        assert!((deeper - solid).abs() < 1e-9, "{width}: {deeper} {solid}");
+        assert!((deeper - space).abs() < 1e-9, "{width}: {deeper} {space}");
     }
 }
 
 /// Pressures by column, x fastest; none where nothing touches.
-fn pressure_map(model: &SolidSteadyModel, load: &SolidLoad) -> Vec<Option<f64>> {
+fn pressure_map(model: &SpaceSteadyModel, load: &SpaceLoad) -> Vec<Option<f64>> {
     let [nx, ny] = model.lattice().columns();
     let mut map = vec![None; nx * ny];
     for point in model.solve(load).interface {
@@ -285,7 +285,7 @@ fn a_quarter_turn_and_a_mirror_turn_and_mirror_the_pressures() {
     // 12 columns with a cavity of 4: the lattice is its own mirror image.
     let model = model(&pattern(Planform::Square, 40.0, 80.0, 20.0), 10.0, 80.0);
     let n = 12;
-    let towards = |direction| pressure_map(&model, &SolidLoad { direction, ..load(2.6, Some(&law)) });
+    let towards = |direction| pressure_map(&model, &SpaceLoad { direction, ..load(2.6, Some(&law)) });
     let (along, across, back, oblique) =
         (towards([1.0, 0.0]), towards([0.0, 1.0]), towards([-1.0, 0.0]), towards([0.6, 0.8]));
     let same = |a: Option<f64>, b: Option<f64>| match (a, b) {
@@ -321,7 +321,7 @@ fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
     let law = law();
     let texture = Texture::new(Planform::Groove).with_groove_angle_deg(90.0).unwrap();
     let along = Pattern::new(texture, 130e-6, 1790e-6, 20e-6).unwrap();
-    let load = SolidLoad { direction: along.sliding_direction(), ..load(2.6, Some(&law)) };
+    let load = SpaceLoad { direction: along.sliding_direction(), ..load(2.6, Some(&law)) };
     let along = model(&along, 10.0, 200.0).solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6));
     for (name, found, stated) in [("across", across, 0.9607), ("along", along, 0.9609), ("squares", squares, 0.9616)] {
         assert!((found - stated).abs() < 1e-4, "{name}: {found}");
@@ -392,12 +392,12 @@ fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
         (21.0, 23.0, 8.0),
     ] {
         let pattern = pattern(Planform::Groove, width, spacing, depth);
-        let section = SteadyModel::new(Lattice::new(columns::cell(&pattern, 10e-6), 20, true), 10e-6, E_PA, false);
-        let dynamic_mu = vec![0.27; section.lattice().nx()];
-        let section = section.solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) });
-        let section = section.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6));
-        let solid = ratio(&pattern, 10.0);
-        assert!((section - solid).abs() < 1e-9, "{width}: {section} {solid}");
+        let plane = SteadyModel::new(Lattice::new(columns::cell(&pattern, 10e-6), 20, true), 10e-6, E_PA, false);
+        let dynamic_mu = vec![0.27; plane.lattice().nx()];
+        let plane = plane.solve(&SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) });
+        let plane = plane.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6));
+        let space = ratio(&pattern, 10.0);
+        assert!((plane - space).abs() < 1e-9, "{width}: {plane} {space}");
     }
 }
 
@@ -409,7 +409,7 @@ fn grooves_and_squares_of_equal_areal_density() {
     let law = law();
     let groove = |texture: Texture| {
         let pattern = Pattern::new(texture, 33.8e-6, 466.2e-6, 20e-6).unwrap();
-        let load = SolidLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
+        let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
         model(&pattern, 10.0, 200.0).solve(&load).mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
     };
     let (across, along) = (groove(texture), groove(texture.with_groove_angle_deg(90.0).unwrap()));
@@ -424,7 +424,7 @@ fn tipping_lands_and_strong_friction_end_in_an_equilibrium_or_say_so() {
     // Tall posts under strong friction: contact pulls at their rear.
     let model = model(&pattern(Planform::Square, 140.0, 60.0, 120.0), 10.0, 200.0);
     for mu in [0.0, 0.3, 1.0, 3.0] {
-        let outcome = model.solve(&SolidLoad { dynamic_mu: mu, ..load(2.6, Some(&law)) });
+        let outcome = model.solve(&SpaceLoad { dynamic_mu: mu, ..load(2.6, Some(&law)) });
         let expected = if mu == 0.0 { Status::NoFriction } else { Status::Converged };
         assert_eq!(outcome.status, expected, "{mu}: {}", outcome.residual);
     }
@@ -435,7 +435,7 @@ fn tipping_lands_and_strong_friction_end_in_an_equilibrium_or_say_so() {
 #[test]
 fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
     let pattern = pattern(Planform::Square, 300.0, 100.0, 3.0);
-    let lattice = SolidLattice::cell(&pattern, 10e-6, 20);
-    assert!(SolidSteadyModel::new(lattice.clone(), 10e-6, 1e6, false).solve(&load(2.6, None)).cavity_closed);
-    assert!(!SolidSteadyModel::new(lattice, 10e-6, 1e9, false).solve(&load(2.6, None)).cavity_closed);
+    let lattice = SpaceLattice::cell(&pattern, 10e-6, 20);
+    assert!(SpaceSteadyModel::new(lattice.clone(), 10e-6, 1e6, false).solve(&load(2.6, None)).cavity_closed);
+    assert!(!SpaceSteadyModel::new(lattice, 10e-6, 1e9, false).solve(&load(2.6, None)).cavity_closed);
 }

@@ -1,4 +1,4 @@
-//! Geometry of the three-dimensional lattice: where blocks are, which springs join them, what they weigh.
+//! Geometry of the lattice in space: where blocks are, which springs join them, what they weigh.
 //!
 //! Columns i along x and j along y, both periodic, rows k from the counterface up; the rigid bulk is the
 //! row above the top one. Lengths in lattice spacings l, stiffness in k = 2/5 E l, mass in m = rho l^3.
@@ -16,7 +16,7 @@ use crate::lattice::{joint_presence, stiffness_share};
 
 /// A periodic cell with or without cavities.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SolidLattice {
+pub struct SpaceLattice {
     columns: [usize; 2],
     rows: usize,
     spacing: [f64; 2],
@@ -28,7 +28,7 @@ pub struct SolidLattice {
 
 /// A spring between block `a` and block `b`, or the bulk.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolidBond {
+pub struct SpaceBond {
     /// Columns along x and y, and row, of the lower end.
     pub a: [usize; 3],
     /// The same of the other end; its row is that above the top one for the bulk.
@@ -41,7 +41,7 @@ pub struct SolidBond {
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
-impl SolidLattice {
+impl SpaceLattice {
     /// Columns along x and y of a cell of `pattern` in blocks of `block_m`.
     #[must_use]
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
@@ -177,7 +177,7 @@ impl SolidLattice {
 
     /// Every spring once, those to the bulk included: row by row, column by column. With `weakened` only those
     /// that have less than the stiffness they have in a flat layer, springs of removed blocks among them.
-    fn visit_bonds(&self, weakened: bool, mut visit: impl FnMut(SolidBond)) {
+    fn visit_bonds(&self, weakened: bool, mut visit: impl FnMut(SpaceBond)) {
         let kinds = springs(self.spacing);
         let rows = if weakened { self.cavity_rows() } else { self.rows };
         let [nx, ny] = self.columns;
@@ -187,29 +187,29 @@ impl SolidLattice {
                 let b = self.neighbour(a, &spring);
                 let share = self.spring_share(a, b);
                 if (weakened && share < 1.0) || (!weakened && share > 0.0) {
-                    visit(SolidBond { a, b, spring, share });
+                    visit(SpaceBond { a, b, spring, share });
                 }
             }
         }
     }
 
     /// Every spring once, those to the bulk included: row by row, column by column.
-    pub fn for_each_bond(&self, visit: impl FnMut(SolidBond)) {
+    pub fn for_each_bond(&self, visit: impl FnMut(SpaceBond)) {
         self.visit_bonds(false, visit);
     }
 
     /// Every spring of the flat layer that is missing here or weaker.
-    pub fn for_each_weakened_bond(&self, visit: impl FnMut(SolidBond)) {
+    pub fn for_each_weakened_bond(&self, visit: impl FnMut(SpaceBond)) {
         self.visit_bonds(true, visit);
     }
 
     /// The springs from block (i, j, 0) upward that are there.
-    pub fn upward(&self, i: usize, j: usize) -> impl Iterator<Item = SolidBond> + '_ {
+    pub fn upward(&self, i: usize, j: usize) -> impl Iterator<Item = SpaceBond> + '_ {
         let a = [i, j, 0];
         springs(self.spacing).into_iter().skip(LEVEL).filter_map(move |spring| {
             let b = self.neighbour(a, &spring);
             let share = self.spring_share(a, b);
-            (share > 0.0).then_some(SolidBond { a, b, spring, share })
+            (share > 0.0).then_some(SpaceBond { a, b, spring, share })
         })
     }
 
@@ -250,9 +250,9 @@ mod tests {
     use super::*;
     use slipgrid_pattern::Planform;
 
-    fn squares(width_um: f64, spacing_um: f64, depth_um: f64) -> SolidLattice {
+    fn squares(width_um: f64, spacing_um: f64, depth_um: f64) -> SpaceLattice {
         let pattern = Pattern::new(Planform::Square, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
-        SolidLattice::cell(&pattern, 10e-6, 20)
+        SpaceLattice::cell(&pattern, 10e-6, 20)
     }
 
     #[test]
@@ -300,7 +300,7 @@ mod tests {
         assert_eq!(lattice.mass(17, 25, 2), 0.75); // edge of the ceiling
         assert_eq!(lattice.mass(25, 25, 1), 0.0); // removed
         assert_eq!(lattice.mass(25, 25, 2), 0.5); // ceiling
-        let flat = SolidLattice::flat([5, 4], 3);
+        let flat = SpaceLattice::flat([5, 4], 3);
         let total: f64 = (0..60).map(|n| flat.mass(n % 5, n / 5 % 4, n / 20)).sum();
         assert!((total - 20.0 * 2.5).abs() < 1e-12);
         // A post of one column weighs no less than an eighth.
@@ -315,11 +315,11 @@ mod tests {
         assert!(whole.is_plain() && whole.columns() == [51; 2] && whole.depth() == 1.0);
         assert_eq!((0..51 * 51).filter(|n| whole.contact_share(n % 51, n / 51) == 0.0).count(), 13 * 13);
         // Cavities below half a block vanish, posts below it do not.
-        assert_eq!(squares(4.0, 46.0, 20.0).nearest_whole(), SolidLattice::flat([5; 2], 20));
+        assert_eq!(squares(4.0, 46.0, 20.0).nearest_whole(), SpaceLattice::flat([5; 2], 20));
         let post = squares(46.0, 4.0, 20.0).nearest_whole();
         assert!((0..25).any(|n| post.contact_share(n % 5, n / 5) == 1.0));
         assert!(squares(100.0, 100.0, 199.0).nearest_whole().depth() == 19.0);
-        let groove = SolidLattice::cell(&Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(), 10e-6, 5);
+        let groove = SpaceLattice::cell(&Pattern::new(Planform::Groove, 20e-6, 30e-6, 20e-6).unwrap(), 10e-6, 5);
         let long = groove.repeated_along_y(4);
         assert!((0..20).all(|n| long.contact_share(n % 5, n / 5) == groove.contact_share(n % 5, 0)));
     }

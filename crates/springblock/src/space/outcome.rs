@@ -1,10 +1,10 @@
-//! What steady sliding of the three-dimensional cell found.
+//! What steady sliding of the cell in space found.
 
-use crate::outcome::Status;
+use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 
 /// One contact block.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SolidPoint {
+pub struct SpacePoint {
     /// Centre along x, from the cell's corner, in metres.
     pub x_m: f64,
     /// Centre along y, in metres.
@@ -19,7 +19,7 @@ pub struct SolidPoint {
 
 /// Steady sliding under one load.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SolidOutcome {
+pub struct SpaceOutcome {
     /// How the solve ended.
     pub status: Status,
     /// Friction along the drive over normal force, compressive blocks only; absent where there is no load.
@@ -40,12 +40,12 @@ pub struct SolidOutcome {
     /// Responses of the flat layer that were computed.
     pub iterations: usize,
     /// The contact blocks, x fastest.
-    pub interface: Vec<SolidPoint>,
+    pub interface: Vec<SpacePoint>,
 }
 
-impl SolidOutcome {
+impl SpaceOutcome {
     /// What is said without a load or without contact.
-    pub(super) fn unloaded(interface: Vec<SolidPoint>) -> Self {
+    pub(super) fn unloaded(interface: Vec<SpacePoint>) -> Self {
         Self {
             status: Status::NoLoad,
             mu_dynamic: None,
@@ -57,6 +57,32 @@ impl SolidOutcome {
             residual: 0.0,
             iterations: 0,
             interface,
+        }
+    }
+}
+
+impl From<SpaceOutcome> for SurfaceOutcome {
+    fn from(outcome: SpaceOutcome) -> Self {
+        Self {
+            mu_dynamic: outcome.mu_dynamic,
+            peak_pressure_pa: outcome.peak_pressure_pa,
+            tension_blocks: outcome.tension_blocks,
+            cavity_closed: outcome.cavity_closed,
+            clearance_m: outcome.clearance_m,
+            area_law_extrapolated: outcome.area_law_extrapolated,
+            residual: Some(outcome.residual).filter(|_| outcome.status != Status::NoLoad),
+            iterations: outcome.iterations,
+            interface: outcome
+                .interface
+                .iter()
+                .map(|point| InterfacePoint {
+                    x_m: point.x_m,
+                    y_m: point.y_m,
+                    pressure_pa: point.pressure_pa,
+                    friction_pa: point.friction_pa,
+                })
+                .collect(),
+            ..Self::unsolved(outcome.status, std::iter::empty())
         }
     }
 }

@@ -12,11 +12,11 @@ use super::slip::SlipBlock;
 use super::stencil::Stencil;
 use super::sweep::{InsideRows, MoveRow, RowForces};
 use crate::draws::Coefficients;
-use crate::solid::SolidLattice;
+use crate::space::SpaceLattice;
 
 /// What the leapfrog starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
-pub struct SolidSetup<'a> {
+pub struct SpaceSetup<'a> {
     /// Coefficients of all columns, x fastest.
     pub coefficients: &'a [Coefficients],
     /// Friction law.
@@ -42,7 +42,7 @@ type Forces = [Vec<f64>; 3];
 
 /// The integrator with its state.
 #[derive(Clone, Debug)]
-pub struct SolidLeapfrog<'a> {
+pub struct SpaceLeapfrog<'a> {
     stencil: Stencil,
     field: Field,
     contact: ContactLayer<'a>,
@@ -58,11 +58,11 @@ pub struct SolidLeapfrog<'a> {
     row_force: Forces,
 }
 
-impl<'a> SolidLeapfrog<'a> {
+impl<'a> SpaceLeapfrog<'a> {
     /// A plain lattice at rest.
     #[must_use]
-    pub fn new(lattice: &SolidLattice, setup: SolidSetup<'a>) -> Self {
-        let SolidSetup { coefficients, law, protocol, direction, time_step, damping, liftoff } = setup;
+    pub fn new(lattice: &SpaceLattice, setup: SpaceSetup<'a>) -> Self {
+        let SpaceSetup { coefficients, law, protocol, direction, time_step, damping, liftoff } = setup;
         let [nx, ny] = lattice.columns();
         let padded = whole_lines(nx);
         let kick = Kick::new(time_step, damping);
@@ -203,7 +203,7 @@ impl<'a> SolidLeapfrog<'a> {
     }
 }
 
-impl Engine for SolidLeapfrog<'_> {
+impl Engine for SpaceLeapfrog<'_> {
     fn begin_drive(&mut self) {
         self.contact.begin_drive();
     }

@@ -7,15 +7,15 @@ use super::super::contact::LocalLaw;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
 use super::super::work_account::{Account, Instant};
-use super::bonds::SolidBonds;
-use super::leapfrog::{SolidLeapfrog, SolidSetup};
+use super::bonds::SpaceBonds;
+use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::draws;
-use crate::solid::SolidLattice;
+use crate::space::SpaceLattice;
 
 /// What the account lacks, as a share of the drive's work.
 fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
     let pattern = Pattern::new(Planform::Square, 30e-6, 50e-6, 20e-6).unwrap();
-    let lattice = SolidLattice::cell(&pattern, 10e-6, 5);
+    let lattice = SpaceLattice::cell(&pattern, 10e-6, 5);
     let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
     let blocks = nx * ny * rows;
     let coefficients = draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), 5, nx * ny);
@@ -23,12 +23,12 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
     let damping = 0.01;
     let law = LocalLaw::new(None, 1.0);
     let setup =
-        SolidSetup { coefficients: &coefficients, law, protocol, direction, time_step, damping, liftoff: false };
-    let mut engine = SolidLeapfrog::new(&lattice, setup);
-    let bonds = SolidBonds::new(&lattice);
+        SpaceSetup { coefficients: &coefficients, law, protocol, direction, time_step, damping, liftoff: false };
+    let mut engine = SpaceLeapfrog::new(&lattice, setup);
+    let bonds = SpaceBonds::new(&lattice);
     let contacts: Vec<usize> =
         (0..nx * ny).filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0).collect();
-    let state = |engine: &SolidLeapfrog| -> Vec<[f64; 3]> {
+    let state = |engine: &SpaceLeapfrog| -> Vec<[f64; 3]> {
         (0..blocks).map(|n| engine.displacement([n % nx, n / nx % ny, n / (nx * ny)])).collect()
     };
 

@@ -1,4 +1,4 @@
-//! Steady sliding of the three-dimensional cell.
+//! Steady sliding of the cell in space.
 //!
 //! The equations of [`super::interface`] are linear but for friction, t = mu f(p) max(N, 0), which bends
 //! little. They are solved by chords: the slope of friction at the nominal pressure makes a linear operator
@@ -9,12 +9,14 @@
 use std::borrow::Cow;
 
 use slipgrid_material::AreaLaw;
+use slipgrid_pattern::Pattern;
 
 use super::directions::{Direction, Directions, dot, norm, subtract};
 use super::interface::{Interface, Response};
-use super::lattice::SolidLattice;
-use super::outcome::{SolidOutcome, SolidPoint};
+use super::lattice::SpaceLattice;
+use super::outcome::{SpaceOutcome, SpacePoint};
 use crate::outcome::Status;
+use crate::scene::Load;
 
 /// Sum of the forces out of balance over the load below which the solve has converged.
 const TOLERANCE: f64 = 1e-10;
@@ -33,9 +35,9 @@ const SLOPE_STEP: f64 = 1e-6;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.
 const MOST_CONTACT_ROUNDS: usize = 60;
 
-/// One load on a [`SolidSteadyModel`].
+/// One load on a [`SpaceSteadyModel`].
 #[derive(Clone, Copy, Debug)]
-pub struct SolidLoad<'a> {
+pub struct SpaceLoad<'a> {
     /// Nominal pressure, in pascals.
     pub pressure_pa: f64,
     /// Local dynamic coefficient.
@@ -46,10 +48,18 @@ pub struct SolidLoad<'a> {
     pub direction: [f64; 2],
 }
 
+impl<'a> SpaceLoad<'a> {
+    /// `load` with its mean dynamic coefficient, along the sliding direction of `pattern`.
+    pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, pattern: &Pattern) -> Self {
+        let (dynamic_mu, direction) = (load.friction.dynamic_mean(), pattern.sliding_direction());
+        Self { pressure_pa: load.pressure_pa, dynamic_mu, area_law, direction }
+    }
+}
+
 /// What steady sliding needs to know of a cell, for all loads.
 #[derive(Clone, Debug)]
-pub struct SolidSteadyModel {
-    lattice: SolidLattice,
+pub struct SpaceSteadyModel {
+    lattice: SpaceLattice,
     block_m: f64,
     youngs_modulus_pa: f64,
     liftoff: bool,
@@ -68,7 +78,7 @@ struct State {
 
 /// A sequence of loads on one cell.
 struct Solver<'a> {
-    model: &'a SolidSteadyModel,
+    model: &'a SpaceSteadyModel,
     interface: Cow<'a, Interface>,
     response: Response,
     directions: Directions,
@@ -88,19 +98,19 @@ struct End {
     directions: usize,
 }
 
-impl SolidSteadyModel {
+impl SpaceSteadyModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart.
     ///
     /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
     #[must_use]
-    pub fn new(lattice: SolidLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
+    pub fn new(lattice: SpaceLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let interface = Interface::new(&lattice);
         Self { lattice, block_m, youngs_modulus_pa, liftoff, interface }
     }
 
     /// The lattice.
     #[must_use]
-    pub const fn lattice(&self) -> &SolidLattice {
+    pub const fn lattice(&self) -> &SpaceLattice {
         &self.lattice
     }
 
@@ -112,13 +122,13 @@ impl SolidSteadyModel {
 
     /// Steady sliding under `load`.
     #[must_use]
-    pub fn solve(&self, load: &SolidLoad) -> SolidOutcome {
+    pub fn solve(&self, load: &SpaceLoad) -> SpaceOutcome {
         Solver::new(self).outcome(load)
     }
 
     /// Steady sliding under each of `loads`, one helping the next.
     #[must_use]
-    pub fn solve_all(&self, loads: &[SolidLoad]) -> Vec<SolidOutcome> {
+    pub fn solve_all(&self, loads: &[SpaceLoad]) -> Vec<SpaceOutcome> {
         let mut solver = Solver::new(self);
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
@@ -126,7 +136,7 @@ impl SolidSteadyModel {
     /// Displacements over l of steady sliding under `load` by block number (k ny + j) nx + i, the bulk last as row
     /// `rows`, at x = y = 0; those of removed blocks mean nothing.
     #[must_use]
-    pub fn displacements(&self, load: &SolidLoad) -> Vec<[f64; 3]> {
+    pub fn displacements(&self, load: &SpaceLoad) -> Vec<[f64; 3]> {
         let [nx, ny] = self.lattice.columns();
         let plane = nx * ny;
         if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
@@ -155,7 +165,7 @@ impl SolidSteadyModel {
 
     /// Friction on a contact of the share `share` at the normal force `normal`. Where contact may open, tension lasts
     /// only until the block is lifted, and friction goes on below zero without a kink.
-    fn friction(&self, load: &SolidLoad, share: f64, normal: f64) -> f64 {
+    fn friction(&self, load: &SpaceLoad, share: f64, normal: f64) -> f64 {
         let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
         let pressure_pa = normal / (share * self.interface.column_area()) * load.pressure_pa;
@@ -181,11 +191,11 @@ impl SolidSteadyModel {
 }
 
 impl<'a> Solver<'a> {
-    fn new(model: &'a SolidSteadyModel) -> Self {
+    fn new(model: &'a SpaceSteadyModel) -> Self {
         Self::on(model, Cow::Borrowed(&model.interface))
     }
 
-    fn on(model: &'a SolidSteadyModel, interface: Cow<'a, Interface>) -> Self {
+    fn on(model: &'a SpaceSteadyModel, interface: Cow<'a, Interface>) -> Self {
         let elastic = interface.elastic_unknowns();
         let mut solver = Self {
             model,
@@ -227,7 +237,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Negative residual of all equations under `load`, and the sum of its magnitudes over the load.
-    fn residual(&self, load: &SolidLoad) -> (Vec<f64>, f64) {
+    fn residual(&self, load: &SpaceLoad) -> (Vec<f64>, f64) {
         let elastic = self.state.elastic.len();
         let mut residual: Vec<f64> = self.state.elastic.iter().map(|value| -value).collect();
         let friction = &self.state.unknowns[elastic..];
@@ -267,7 +277,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Slopes of friction: at the nominal pressure, or at the present normal forces.
-    fn set_slopes(&mut self, load: &SolidLoad, tangent: bool) {
+    fn set_slopes(&mut self, load: &SpaceLoad, tangent: bool) {
         let (model, area) = (self.model, self.model.interface.column_area());
         let slope_at = |share: f64, normal: f64| {
             let step = SLOPE_STEP * (share * area);
@@ -290,7 +300,7 @@ impl<'a> Solver<'a> {
 
     /// The equilibrium under `load`, and the solver that holds it where blocks have left the counterface: lifts
     /// those under tension and lands those that sink below it until none does.
-    fn equilibrate(&mut self, load: &SolidLoad) -> (End, Option<Self>) {
+    fn equilibrate(&mut self, load: &SpaceLoad) -> (End, Option<Self>) {
         let mut end = self.iterate(load);
         if !self.model.liftoff {
             return (end, None);
@@ -321,7 +331,7 @@ impl<'a> Solver<'a> {
     }
 
     /// Iterates to the equilibrium under `load` from where the last one ended.
-    fn iterate(&mut self, load: &SolidLoad) -> End {
+    fn iterate(&mut self, load: &SpaceLoad) -> End {
         if self.along != load.direction.map(|component| -component) {
             self.along = load.direction.map(|component| -component);
             self.observe();
@@ -381,16 +391,16 @@ impl<'a> Solver<'a> {
         End { status, residual, directions: applied }
     }
 
-    fn outcome(&mut self, load: &SolidLoad) -> SolidOutcome {
+    fn outcome(&mut self, load: &SpaceLoad) -> SpaceOutcome {
         if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
-            return SolidOutcome::unloaded(self.points(load, |_| (0.0, 0.0)));
+            return SpaceOutcome::unloaded(self.points(load, |_| (0.0, 0.0)));
         }
         let (end, lifted) = self.equilibrate(load);
         lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
     }
 
     /// The contact blocks, with the normal and the friction force that `forces` gives for their number.
-    fn points(&self, load: &SolidLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<SolidPoint> {
+    fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<SpacePoint> {
         let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
         contacts
@@ -400,7 +410,7 @@ impl<'a> Solver<'a> {
                 let scale = load.pressure_pa / (surface.contact_share * area);
                 let centre = |axis: usize| (surface.column[axis] as f64 + 0.5) * spacing[axis] * block_m;
                 let (normal, friction) = forces(number);
-                SolidPoint {
+                SpacePoint {
                     x_m: centre(0),
                     y_m: centre(1),
                     area_share: surface.contact_share,
@@ -412,14 +422,14 @@ impl<'a> Solver<'a> {
     }
 
     /// What the present state says of `load`.
-    fn outcome_of(&self, load: &SolidLoad, end: &End) -> SolidOutcome {
+    fn outcome_of(&self, load: &SpaceLoad, end: &End) -> SpaceOutcome {
         let friction = &self.state.unknowns[self.state.elastic.len()..];
         let interface = self.points(load, |number| (self.state.normal[number], friction[number]));
         let compressive: f64 = self.state.normal.iter().filter(|normal| **normal > 0.0).sum();
         let total: f64 = friction.iter().sum();
         let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
         let clearance = self.model.clearance(load.pressure_pa, &self.response.fields);
-        SolidOutcome {
+        SpaceOutcome {
             status: match mu {
                 Some(0.0) if end.status == Status::Converged => Status::NoFriction,
                 Some(_) => end.status,

@@ -16,8 +16,8 @@ fn frictionless(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize)
     let coverage = (0..columns[0] * columns[1])
         .map(|column| if touches(column % columns[0], column / columns[0]) { 0.0 } else { 1.0 })
         .collect();
-    let model = SolidSteadyModel::new(SolidLattice::of_cubes(columns, rows, coverage, 0.0), 10e-6, E_PA, false);
-    let outcome = model.solve(&SolidLoad { dynamic_mu: 0.0, ..load(2.6, None) });
+    let model = SpaceSteadyModel::new(SpaceLattice::of_cubes(columns, rows, coverage, 0.0), 10e-6, E_PA, false);
+    let outcome = model.solve(&SpaceLoad { dynamic_mu: 0.0, ..load(2.6, None) });
     assert_eq!(outcome.status, Status::NoFriction, "{}", outcome.residual);
     let mut pressure = vec![0.0; columns[0] * columns[1]];
     for point in outcome.interface {
@@ -75,12 +75,12 @@ fn pressure_at_the_corner_of_a_square_punch_has_the_exponent_of_a_charged_plate(
 fn a_groove_lifts_off_as_in_the_vertical_plane() {
     let law = law();
     let grooves = pattern(Planform::Groove, 100.0, 40.0, 120.0);
-    let section = SteadyModel::new(Lattice::new(columns::cell(&grooves, 10e-6), 20, true), 10e-6, E_PA, true);
-    let solid = SolidSteadyModel::new(SolidLattice::cell(&grooves, 10e-6, 20), 10e-6, E_PA, true);
+    let in_plane = SteadyModel::new(Lattice::new(columns::cell(&grooves, 10e-6), 20, true), 10e-6, E_PA, true);
+    let in_space = SpaceSteadyModel::new(SpaceLattice::cell(&grooves, 10e-6, 20), 10e-6, E_PA, true);
     for (mu, area_law) in [(0.6, None), (0.6, Some(&law)), (0.27, Some(&law)), (0.05, Some(&law))] {
-        let dynamic_mu = vec![mu; section.lattice().nx()];
-        let plane = section.solve(&SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law });
-        let space = solid.solve(&SolidLoad { dynamic_mu: mu, ..load(1.0, area_law) });
+        let dynamic_mu = vec![mu; in_plane.lattice().nx()];
+        let plane = in_plane.solve(&SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law });
+        let space = in_space.solve(&SpaceLoad { dynamic_mu: mu, ..load(1.0, area_law) });
         assert_eq!((plane.status, space.status), (Status::Converged, Status::Converged));
         assert_eq!((space.tension_blocks, space.interface.len()), (0, 4));
         for (plane, space) in plane.interface.iter().zip(&space.interface) {
@@ -97,11 +97,11 @@ fn posts_that_tip_neither_stick_nor_sink() {
     let patterns: Vec<Pattern> =
         [(100.0, 40.0, 120.0), (103.0, 37.0, 117.0)].map(|(w, s, d)| pattern(Planform::Square, w, s, d)).to_vec();
     for (pattern, direction) in patterns.iter().zip([[1.0, 0.0], [0.6, 0.8]]) {
-        let lattice = SolidLattice::cell(pattern, 10e-6, 20);
-        let tipping = SolidLoad { dynamic_mu: 0.9, direction, ..load(1.0, None) };
-        let pinned = SolidSteadyModel::new(lattice.clone(), 10e-6, E_PA, false).solve(&tipping);
+        let lattice = SpaceLattice::cell(pattern, 10e-6, 20);
+        let tipping = SpaceLoad { dynamic_mu: 0.9, direction, ..load(1.0, None) };
+        let pinned = SpaceSteadyModel::new(lattice.clone(), 10e-6, E_PA, false).solve(&tipping);
         assert!(pinned.tension_blocks > 0, "{pinned:?}");
-        let model = SolidSteadyModel::new(lattice, 10e-6, E_PA, true);
+        let model = SpaceSteadyModel::new(lattice, 10e-6, E_PA, true);
         let outcome = model.solve(&tipping);
         assert_eq!((outcome.status, outcome.tension_blocks), (Status::Converged, 0));
         assert!((outcome.mu_dynamic.unwrap() - 0.9).abs() < 1e-9);

@@ -7,20 +7,20 @@ use super::super::contact::{ContactRow, ContactSums, LocalLaw};
 use super::super::engine::{Engine, PlaneEngine, Setup};
 use super::super::protocol::Protocol;
 use super::super::strip_leapfrog::StripLeapfrog;
-use super::bonds::SolidBonds;
-use super::leapfrog::{SolidLeapfrog, SolidSetup};
+use super::bonds::SpaceBonds;
+use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::columns;
 use crate::draws::{self, Coefficients};
 use crate::lattice::Lattice;
-use crate::solid::{SolidLattice, SolidLoad, SolidSteadyModel};
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
 /// A cell of `nx` columns along x and `ny` along y with one rectangular cavity, `rows` high.
-fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SolidLattice {
+fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: usize) -> SpaceLattice {
     let um = |blocks: usize| blocks as f64 * 10e-6;
     let texture = Texture::new(Planform::Rectangle).with_length_m(um(length)).unwrap();
     let texture = texture.with_spacing_across_m(um(ny - length)).unwrap();
     let pattern = Pattern::new(texture, um(width), um(nx - width), um(depth)).unwrap();
-    let lattice = SolidLattice::cell(&pattern, 10e-6, rows);
+    let lattice = SpaceLattice::cell(&pattern, 10e-6, rows);
     assert!(lattice.is_plain() && lattice.columns() == [nx, ny]);
     lattice
 }
@@ -29,13 +29,13 @@ fn coefficients(seed: u64, count: usize) -> Vec<Coefficients> {
     draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), seed, count)
 }
 
-fn protocol(lattice: &SolidLattice, speed: f64) -> Protocol {
+fn protocol(lattice: &SpaceLattice, speed: f64) -> Protocol {
     let [nx, ny] = lattice.columns();
     Protocol { ramp: 20.0, start: 40.0, load: 0.005 * (nx * ny) as f64, speed }
 }
 
-fn setup<'a>(coefficients: &'a [Coefficients], protocol: Protocol, direction: [f64; 2]) -> SolidSetup<'a> {
-    SolidSetup {
+fn setup<'a>(coefficients: &'a [Coefficients], protocol: Protocol, direction: [f64; 2]) -> SpaceSetup<'a> {
+    SpaceSetup {
         coefficients,
         law: LocalLaw::new(None, 1.0),
         protocol,
@@ -62,8 +62,8 @@ fn the_sweeps_are_the_sum_over_springs() {
         cell(4, 3, [12, 10], 2, 6),
         cell(1, 1, [3, 2], 1, 3),
         cell(9, 4, [17, 9], 4, 5),
-        SolidLattice::flat([1, 1], 1),
-        SolidLattice::flat([8, 5], 4),
+        SpaceLattice::flat([1, 1], 1),
+        SpaceLattice::flat([8, 5], 4),
         cell(2, 2, [4, 4], 2, 4).repeated_along_y(2),
     ];
     for lattice in &lattices {
@@ -74,7 +74,7 @@ fn the_sweeps_are_the_sum_over_springs() {
         let mut setup = setup(&drawn, start, [1.0, 0.0]);
         setup.damping = 0.0;
         let dt = setup.time_step;
-        let mut engine = SolidLeapfrog::new(lattice, setup);
+        let mut engine = SpaceLeapfrog::new(lattice, setup);
         let there = |n: usize| lattice.presence(n % nx, n / nx % ny, n / (nx * ny)) > 0.0;
         let touches = |n: usize| n < nx * ny && lattice.contact_share(n % nx, n / nx) > 0.0;
         let mut u: Vec<[f64; 3]> = (0..=blocks)
@@ -88,7 +88,7 @@ fn the_sweeps_are_the_sum_over_springs() {
             })
             .collect();
         engine.start_sheared(&|[i, j, k]| u[(k * ny + j) * nx + i]);
-        let bonds = SolidBonds::new(lattice);
+        let bonds = SpaceBonds::new(lattice);
         bonds.balance(&mut u, 0.3);
         let mut force = vec![[0.0; 3]; blocks + 1];
         bonds.forces(&u, &mut force);
@@ -116,7 +116,7 @@ fn the_sweeps_are_the_sum_over_springs() {
 #[test]
 fn waves_along_axes_and_diagonals_have_their_dispersion() {
     let n = 12;
-    let lattice = SolidLattice::flat([n, n], 7);
+    let lattice = SpaceLattice::flat([n, n], 7);
     let drawn = coefficients(1, n * n);
     let still = Protocol { ramp: 0.0, start: 0.0, load: 0.0, speed: 0.0 };
     let half = |angle: f64| (0.5 * angle).sin().powi(2);
@@ -137,7 +137,7 @@ fn waves_along_axes_and_diagonals_have_their_dispersion() {
             let mut setup = setup(&drawn, still, [1.0, 0.0]);
             setup.damping = 0.0;
             let dt = setup.time_step;
-            let mut engine = SolidLeapfrog::new(&lattice, setup);
+            let mut engine = SpaceLeapfrog::new(&lattice, setup);
             let wave = |[i, j, k]: [usize; 3]| {
                 let phase = 0.3 + q[0] * i as f64 + q[1] * j as f64 + q[2] * k as f64;
                 polarization.map(|p| p * phase.cos())
@@ -164,7 +164,7 @@ fn without_friction_the_leapfrog_is_of_second_order() {
     let at = |dt: f64, steps: usize| {
         let mut setup = setup(&none, still, [1.0, 0.0]);
         setup.time_step = dt;
-        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        let mut engine = SpaceLeapfrog::new(&lattice, setup);
         // A smooth push, small enough that every contact stays under pressure.
         engine.start_sheared(&|[i, _, k]| [1e-4 * (i as f64).cos(), 2e-4 * (k as f64).sin(), -1.6e-3 * k as f64]);
         for _ in 0..steps {
@@ -192,7 +192,7 @@ fn a_cell_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts()
         setup.damping = 0.2;
         setup.liftoff = liftoff;
         let load = setup.protocol.load;
-        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        let mut engine = SpaceLeapfrog::new(&lattice, setup);
         let mut sums = engine.step();
         for _ in 0..10_000 {
             sums = engine.step();
@@ -206,18 +206,18 @@ fn a_cell_under_load_without_drive_comes_to_rest_with_the_load_on_its_contacts()
 #[test]
 fn a_steady_equilibrium_stays_where_it_is() {
     let lattice = cell(4, 4, [12, 12], 2, 8);
-    let model = SolidSteadyModel::new(lattice.clone(), 10e-6, 0.38e9, false);
+    let model = SpaceSteadyModel::new(lattice.clone(), 10e-6, 0.38e9, false);
     let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
     let unit_pa = 0.4 * 0.38e9;
     for direction in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8]] {
-        let load = SolidLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, area_law: Some(&law), direction };
+        let load = SpaceLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, area_law: Some(&law), direction };
         let displacement = model.displacements(&load);
         // Friction at rest may reach what the contact slides at.
         let equal = vec![Coefficients { static_mu: 0.27000001, dynamic_mu: 0.27 }; 144];
         let still = Protocol { ramp: 0.0, start: 0.0, load: 144.0 * 2.6e6 / unit_pa, speed: 0.0 };
         let mut setup = setup(&equal, still, direction);
         setup.law = LocalLaw::new(Some(&law), unit_pa);
-        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        let mut engine = SpaceLeapfrog::new(&lattice, setup);
         engine.start_sheared(&|[i, j, k]| displacement[(k * 12 + j) * 12 + i]);
         let sums = engine.step();
         let steady = model.solve(&load).mu_dynamic.unwrap();
@@ -240,10 +240,10 @@ fn a_steady_equilibrium_stays_where_it_is() {
 const STEPS: usize = 1500;
 
 /// Sums over the contact layer in time.
-fn slide(lattice: &SolidLattice, drawn: &[Coefficients], direction: [f64; 2], liftoff: bool) -> Vec<ContactSums> {
+fn slide(lattice: &SpaceLattice, drawn: &[Coefficients], direction: [f64; 2], liftoff: bool) -> Vec<ContactSums> {
     let mut setup = setup(drawn, protocol(lattice, 1e-4), direction);
     setup.liftoff = liftoff;
-    let mut engine = SolidLeapfrog::new(lattice, setup);
+    let mut engine = SpaceLeapfrog::new(lattice, setup);
     (0..STEPS).map(|_| engine.step()).collect()
 }
 
@@ -292,8 +292,8 @@ fn mirrored_cells_slide_alike() {
 #[test]
 fn what_is_uniform_across_is_the_vertical_plane_to_rounding() {
     let pattern = Pattern::new(Planform::Groove, 40e-6, 80e-6, 20e-6).unwrap();
-    let lattice = SolidLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
-    let section = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
+    let lattice = SpaceLattice::cell(&pattern, 10e-6, 6).repeated_along_y(3);
+    let in_plane = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
     let (nx, ny) = (12, 3);
     let row = coefficients(5, nx);
     let drawn: Vec<Coefficients> = (0..nx * ny).map(|n| row[n % nx]).collect();
@@ -303,22 +303,22 @@ fn what_is_uniform_across_is_the_vertical_plane_to_rounding() {
     let mut setup = setup(&drawn, own, [1.0, 0.0]);
     setup.law = LocalLaw::new(Some(&law), unit_pa);
     let (dt, damping) = (setup.time_step, setup.damping);
-    let mut engine = SolidLeapfrog::new(&lattice, setup);
+    let mut engine = SpaceLeapfrog::new(&lattice, setup);
     let plane = Protocol {
         ramp: own.ramp * root,
         start: own.start * root,
         load: own.load / ny as f64 / 2.0,
         speed: own.speed / root,
     };
-    let contact = ContactRow::new(section.contacts(), &row, LocalLaw::new(Some(&law), 2.0 * unit_pa));
+    let contact = ContactRow::new(in_plane.contacts(), &row, LocalLaw::new(Some(&law), 2.0 * unit_pa));
     let setup = Setup { contact, protocol: plane, time_step: dt * root, damping: damping / root, liftoff: false };
-    let mut flat = StripLeapfrog::new(&section, setup);
+    let mut flat = StripLeapfrog::new(&in_plane, setup);
     let mut moved = false;
     for step in 0..2500 {
-        let (solid, plane) = (engine.step(), flat.step());
-        let worst = (solid.friction / 2.0 / ny as f64 - plane.friction).abs();
-        assert!(worst < 1e-11 && solid.across.abs() < 1e-11, "{step}: {solid:?} {plane:?}");
-        assert!((solid.normal / 2.0 / ny as f64 - plane.normal).abs() < 1e-11, "{step}");
+        let (space, plane) = (engine.step(), flat.step());
+        let worst = (space.friction / 2.0 / ny as f64 - plane.friction).abs();
+        assert!(worst < 1e-11 && space.across.abs() < 1e-11, "{step}: {space:?} {plane:?}");
+        assert!((space.normal / 2.0 / ny as f64 - plane.normal).abs() < 1e-11, "{step}");
         moved |= engine.all_have_slipped();
     }
     assert!(moved, "every block has slipped");
@@ -344,7 +344,7 @@ fn steps_beyond_the_limit_blow_up_and_steps_below_do_not() {
         let mut setup = setup(&drawn, protocol(&lattice, 0.0), [1.0, 0.0]);
         setup.damping = 0.0;
         setup.time_step = factor * limit;
-        let mut engine = SolidLeapfrog::new(&lattice, setup);
+        let mut engine = SpaceLeapfrog::new(&lattice, setup);
         // Nothing of the lattice's symmetry: it would keep modes from growing.
         let number = |[i, j, k]: [usize; 3]| (k * 8 + j) * 8 + i;
         engine.start_sheared(&|block| {
@@ -366,8 +366,8 @@ fn friction_never_gives_work_and_never_exceeds_its_law() {
     let lattice = cell(4, 3, [10, 7], 2, 5);
     let drawn = coefficients(6, 70);
     let contacts: Vec<usize> = (0..70).filter(|n| lattice.contact_share(n % 10, n / 10) > 0.0).collect();
-    let mut engine = SolidLeapfrog::new(&lattice, setup(&drawn, protocol(&lattice, 1e-4), [0.8, 0.6]));
-    let place = |engine: &SolidLeapfrog, n: usize| engine.displacement([n % 10, n / 10, 0]);
+    let mut engine = SpaceLeapfrog::new(&lattice, setup(&drawn, protocol(&lattice, 1e-4), [0.8, 0.6]));
+    let place = |engine: &SpaceLeapfrog, n: usize| engine.displacement([n % 10, n / 10, 0]);
     let mut before: Vec<[f64; 3]> = contacts.iter().map(|n| place(&engine, *n)).collect();
     let mut earlier = before.clone();
     let (mut slides, mut stops) = (0, 0);

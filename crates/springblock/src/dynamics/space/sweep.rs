@@ -313,7 +313,7 @@ mod tests {
     use super::super::super::any_width::{assert_same_bits, fill};
     use super::super::stencil::Stencil;
     use super::*;
-    use crate::solid::SolidLattice;
+    use crate::space::SpaceLattice;
     use slipgrid_pattern::{Pattern, Planform};
 
     /// Everything that the sweeps write, on a cell of `nx` columns along both axes.
@@ -329,7 +329,7 @@ mod tests {
             let um = |blocks: usize| blocks as f64 * 10e-6;
             let cavity = (nx / 3).max(1);
             let pattern = Pattern::new(Planform::Square, um(cavity), um(nx - cavity), um(1)).unwrap();
-            let lattice = SolidLattice::cell(&pattern, 10e-6, 4);
+            let lattice = SpaceLattice::cell(&pattern, 10e-6, 4);
             let stencil = Stencil::new(&lattice);
             let mut field = Field::at_rest([nx, nx], 4);
             let size = LINE + 5 * field.layer + LINE;

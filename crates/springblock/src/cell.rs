@@ -4,24 +4,33 @@ use std::cell::OnceCell;
 
 use rayon::prelude::*;
 use slipgrid_material::{AreaLaw, Elastic};
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_pattern::{Pattern, Planform, Texture};
 
 use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Layer, Load, Scene};
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
+/// Bytes that a column of a cell in space takes for each of its explicit rows: displacements three times, their spectra,
+/// condensed matrices, and the share of a cavity's unknowns in the directions kept.
+const BYTES_PER_BLOCK: f64 = 1200.0;
+/// Most memory of a cell in space, and of one in the plane, whose equations may be those of all blocks, in bytes.
+const MOST_SPACE_BYTES: f64 = (1_u64 << 30) as f64;
+const MOST_PLANE_BYTES: f64 = 4.0 * MOST_SPACE_BYTES;
 
-/// Steady sliding of one periodic cell with mean coefficients, for any pattern.
+/// Steady sliding of one periodic cell with mean coefficients, for any pattern, in the vertical plane along the sliding
+/// direction or in space.
 ///
 /// The flat surface needs no solve: a uniform layer carries the nominal pressure P everywhere and
 /// slides at mu_d f(P), so that ratio = mu / (mu_d f(P)). Cells are as thick as the specimen where the scene says how thick
 /// that is, at the cost of the layer alone.
 #[derive(Clone, Debug)]
-pub struct SectionModel {
+pub struct SteadyCell {
+    dimensions: u8,
     elastic: Elastic,
     area_law: Option<AreaLaw>,
     layer: Layer,
@@ -31,7 +40,7 @@ pub struct SectionModel {
 
 /// One load's answer for a pattern.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SectionOutcome {
+pub struct CellOutcome {
     /// The patterned surface.
     pub surface: SurfaceOutcome,
     /// mu of the flat surface; `None` if its friction vanishes.
@@ -40,11 +49,39 @@ pub struct SectionOutcome {
     pub ratio: Option<f64>,
 }
 
-impl SectionModel {
-    /// The model behind `scene`, whose pattern is ignored.
+impl CellOutcome {
+    /// What `surface` found under `load`, beside the flat surface.
+    fn new(load: &Load, area_law: Option<&AreaLaw>, surface: SurfaceOutcome) -> Self {
+        // mu_flat = mu_d f(P)
+        let mu_flat = Some(load.friction.dynamic_mean() * area_law.map_or(1.0, |law| law.factor(load.pressure_pa)))
+            .filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
+        let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
+            (Status::Converged | Status::NoFriction, Some(mu), Some(flat)) => Some(mu / flat),
+            _ => None,
+        };
+        Self { surface, mu_flat, ratio }
+    }
+}
+
+impl SteadyCell {
+    /// The cell of `scene`, whose options of time integration are ignored: in the dimensions that it asks for, otherwise in
+    /// those that its pattern needs; without a pattern in the plane.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
+        let needed = scene.pattern.map_or(2, |pattern| pattern.dimensions());
+        Self::in_dimensions(scene, scene.run.dimensions.unwrap_or(needed))
+    }
+
+    /// As [`Self::new`], where it is patterns of `texture` that will be asked for.
+    #[must_use]
+    pub fn of_texture(scene: &Scene, texture: &Texture) -> Self {
+        Self::in_dimensions(scene, scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))
+    }
+
+    /// The cell of `scene` in 2 or 3 `dimensions`.
+    pub(crate) fn in_dimensions(scene: &Scene, dimensions: u8) -> Self {
         Self {
+            dimensions,
             elastic: scene.elastic,
             area_law: scene.area_law.clone(),
             layer: scene.layer,
@@ -53,43 +90,85 @@ impl SectionModel {
         }
     }
 
-    /// Memory that [`Self::solve`] takes, in bytes, at most.
+    /// In how many dimensions it is solved: 2 in the plane, 3 in space.
+    #[must_use]
+    pub const fn dimensions(&self) -> u8 {
+        self.dimensions
+    }
+
+    /// Whether it is solved in space.
+    #[must_use]
+    pub const fn is_spatial(&self) -> bool {
+        self.dimensions == 3
+    }
+
+    /// Columns of the cell of `pattern` along x and y: whole numbers, one along grooves and in the plane.
+    #[must_use]
+    pub fn columns(&self, pattern: &Pattern) -> [f64; 2] {
+        if self.is_spatial() {
+            return SpaceLattice::columns_of(pattern, self.layer.block_m);
+        }
+        [self.lattice(pattern).nx() as f64, 1.0]
+    }
+
+    /// Memory that [`Self::solve`] takes, in bytes, roughly and at most.
     #[must_use]
     pub fn bytes(&self, pattern: &Pattern) -> f64 {
+        if self.is_spatial() {
+            let [nx, ny] = self.columns(pattern);
+            return nx * ny * ((pattern.depth_m() / self.layer.block_m).ceil() + 1.0).max(2.0) * BYTES_PER_BLOCK;
+        }
         if self.layer.is_backed() {
             return condensing_cell(pattern, self.layer.block_m).1;
         }
-        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
-        let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
-        factor_bytes(columns, self.layer.rows(), true)
+        factor_bytes(self.most_columns(pattern), self.layer.rows(), true)
     }
 
-    /// Multiplications that [`Self::solve`] takes, roughly and at most.
+    /// Memory, in bytes, that a cell solved beside several others should not take more than.
     #[must_use]
-    pub fn products(&self, pattern: &Pattern) -> f64 {
+    pub const fn most_bytes(&self) -> f64 {
+        if self.is_spatial() { MOST_SPACE_BYTES } else { MOST_PLANE_BYTES }
+    }
+
+    /// Multiplications that [`Self::solve`] takes in the plane, roughly and at most.
+    pub(crate) fn products(&self, pattern: &Pattern) -> f64 {
         let (condensed, _) = condensing_cell(pattern, self.layer.block_m);
         if self.layer.is_backed() {
             return condensed;
         }
-        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
-        let columns = (pattern.pitch_m() / self.layer.block_m).ceil() as usize;
-        band_products(columns, self.layer.rows()).min(condensed)
+        band_products(self.most_columns(pattern), self.layer.rows()).min(condensed)
     }
 
-    /// Steady sliding on `pattern`, one answer per load: by the few forces about the cavity where that is possible and
-    /// cheaper, otherwise as [`Self::solve_all_blocks`] does. Both give the same to rounding.
+    /// Columns of the cell in the plane, at most.
+    fn most_columns(&self, pattern: &Pattern) -> usize {
+        // The cast saturates: what is beyond 2^64 columns is beyond every limit.
+        (pattern.pitch_m() / self.layer.block_m).ceil() as usize
+    }
+
+    /// Whether the cell in space of `pattern` is made of whole cubes.
+    pub(crate) fn is_plain(&self, pattern: &Pattern) -> bool {
+        SpaceLattice::cell(pattern, self.layer.block_m, self.layer.rows()).is_plain()
+    }
+
+    /// Steady sliding on `pattern`, one answer per load. In the plane by the few forces about the cavity where that is
+    /// possible and cheaper, otherwise as [`Self::solve_all_blocks`] does; both give the same to rounding. In space the cell
+    /// is condensed once, and loads help each other.
     #[must_use]
-    pub fn solve(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
+    pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
+        if self.is_spatial() {
+            let lattice = SpaceLattice::cell(pattern, self.layer.block_m, self.layer.thick_rows());
+            return self.solve_in_space(lattice, pattern);
+        }
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
         if self.layer.is_backed() {
             let columns = lattice.nx();
             let model = ThickModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
-            return self.answers(columns, |load| model.solve(load));
+            return self.solve_in_plane(columns, |load| model.solve(load));
         }
         let condensed = CondensedModel::new(&lattice, self.layer.block_m, stiffness, self.liftoff);
         let all_blocks = OnceCell::new();
-        self.answers(lattice.nx(), |load| {
+        self.solve_in_plane(lattice.nx(), |load| {
             condensed
                 .as_ref()
                 .and_then(|model| model.solve(load))
@@ -97,12 +176,12 @@ impl SectionModel {
         })
     }
 
-    /// Steady sliding on `pattern` by a factorization of the equations of all blocks: slower, and the judge of
+    /// Steady sliding on `pattern` in the plane by a factorization of the equations of all blocks: slower, and the judge of
     /// [`Self::solve`].
     #[must_use]
-    pub fn solve_all_blocks(&self, pattern: &Pattern) -> Vec<SectionOutcome> {
+    pub fn solve_all_blocks(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         let model = self.steady_model(self.lattice(pattern));
-        self.answers(model.lattice().nx(), |load| model.solve(load))
+        self.solve_in_plane(model.lattice().nx(), |load| model.solve(load))
     }
 
     fn lattice(&self, pattern: &Pattern) -> Lattice {
@@ -113,24 +192,24 @@ impl SectionModel {
         SteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
     }
 
-    fn answers(&self, columns: usize, solve: impl Fn(&SteadyLoad) -> SurfaceOutcome) -> Vec<SectionOutcome> {
-        self.loads
-            .iter()
-            .map(|load| {
-                let mean = load.friction.dynamic_mean();
-                let dynamic_mu = vec![mean; columns];
-                let area_law = self.area_law.as_ref();
-                let surface = solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
-                // mu_flat = mu_d f(P)
-                let mu_flat = Some(mean * area_law.map_or(1.0, |law| law.factor(load.pressure_pa)))
-                    .filter(|mu| *mu > 0.0 && load.pressure_pa > 0.0);
-                let ratio = match (surface.status, surface.mu_dynamic, mu_flat) {
-                    (Status::Converged | Status::NoFriction, Some(mu), Some(flat)) => Some(mu / flat),
-                    _ => None,
-                };
-                SectionOutcome { surface, mu_flat, ratio }
-            })
-            .collect()
+    fn solve_in_plane(&self, columns: usize, solve: impl Fn(&SteadyLoad) -> SurfaceOutcome) -> Vec<CellOutcome> {
+        let area_law = self.area_law.as_ref();
+        let solved = |load: &Load| {
+            let dynamic_mu = vec![load.friction.dynamic_mean(); columns];
+            let surface = solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
+            CellOutcome::new(load, area_law, surface)
+        };
+        self.loads.iter().map(solved).collect()
+    }
+
+    /// Steady sliding of `lattice` along the sliding direction of `pattern`, one answer per load.
+    pub(crate) fn solve_in_space(&self, lattice: SpaceLattice, pattern: &Pattern) -> Vec<CellOutcome> {
+        let area_law = self.area_law.as_ref();
+        let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff);
+        let loads: Vec<SpaceLoad<'_>> =
+            self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern)).collect();
+        let outcomes = model.solve_all(&loads).into_iter().zip(&self.loads);
+        outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome.into())).collect()
     }
 
     /// The ratios alone.
@@ -180,9 +259,9 @@ mod tests {
     use crate::scene::RunOptions;
     use slipgrid_material::LocalFriction;
 
-    fn model() -> SectionModel {
+    fn model() -> SteadyCell {
         let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-        SectionModel::new(&Scene {
+        SteadyCell::new(&Scene {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
             pattern: None,
