@@ -6,6 +6,7 @@
 
 use slipgrid_material::{AreaLaw, Piece};
 
+use super::sweep::Kick;
 use crate::draws::Coefficients;
 
 /// Local friction law: what a block of given coefficients resists at a given normal force.
@@ -80,22 +81,46 @@ pub enum Motion {
     Lifted,
 }
 
-/// One contact block.
+/// One contact block, which moves along `H` horizontal axes: 1 in the plane, 2 in space. Forces in units of k l.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactBlock {
+pub struct ContactBlock<const H: usize> {
     /// Local coefficients.
     pub coefficients: Coefficients,
     /// State of motion.
     pub motion: Motion,
     /// Whether it has slipped along the drive, or was free to, since the drive began.
     pub has_slipped: bool,
-    /// Its column.
+    /// Its column: its place in arrays over the contact blocks.
     pub column: usize,
     /// Normal force, positive in compression, at the last force evaluation.
     pub normal: f64,
-    /// Friction, positive against the drive, at the last force evaluation.
-    pub friction: f64,
-    near: usize,
+    /// Friction, as a resistance to motion along each axis, at the last force evaluation.
+    pub friction: [f64; H],
+}
+
+/// What a leapfrog step does to a contact block.
+#[derive(Clone, Copy, Debug)]
+pub struct Push<const H: usize> {
+    /// Share of the velocity that damping leaves.
+    pub kept: f64,
+    /// Displacement per step that a unit force adds.
+    pub kick: f64,
+    /// Horizontal spring forces.
+    pub force: [f64; H],
+    /// Vertical spring force: minus the normal force on the counterface.
+    pub lift: f64,
+    /// Direction of the drive.
+    pub drive: [f64; H],
+}
+
+/// The friction law along `H` axes.
+pub trait Slide<const H: usize> {
+    /// Whether friction up to `threshold` holds a block at rest against `force`.
+    fn is_held(force: [f64; H], threshold: f64) -> bool;
+
+    /// Velocity times the step after a step in which the block slides against `resistance`: from `v`, and `free` where nothing
+    /// resisted.
+    fn slide(&mut self, v: [f64; H], free: [f64; H], push: &Push<H>, resistance: f64) -> [f64; H];
 }
 
 /// What the spring forces of an instant mean for a contact block.
@@ -104,78 +129,116 @@ enum Meeting {
     Free,
     /// It stays at rest; friction balances the horizontal force.
     Held,
-    /// It slides, or starts to; `grip` is f(p) F_n.
-    Sliding { grip: f64 },
+    /// It slides, or starts to, against mu_d f(p) F_n.
+    Sliding { resistance: f64 },
 }
 
-impl ContactBlock {
-    /// Takes note of the spring forces: normal force, friction at rest, and whether the block starts.
-    /// `grip_at` gives f(p) F_n for a normal force above zero.
-    fn meet(&mut self, force_x: f64, force_y: f64, grip_at: impl FnOnce(f64, &mut usize) -> f64) -> Meeting {
-        // F_n = -(force of the springs)_y
-        self.normal = if self.motion == Motion::Lifted { 0.0 } else { -force_y };
-        if self.normal <= 0.0 {
-            return self.let_go();
-        }
-        let grip = grip_at(self.normal, &mut self.near);
-        if grip * self.coefficients.starting_mu() == 0.0 {
-            // A law that reaches zero holds nothing, and a reversal is no end of motion.
-            return self.let_go();
-        }
-        if self.motion == Motion::Rest {
-            if force_x.abs() <= self.coefficients.starting_mu() * grip {
-                self.friction = force_x;
-                return Meeting::Held;
-            }
-            self.motion = Motion::Slip;
-        }
-        Meeting::Sliding { grip }
-    }
-
-    /// Takes note of a slip in `direction`: what load or waves push against the drive does not slide with it.
-    fn slips(&mut self, direction: f64) {
-        self.has_slipped |= direction > 0.0;
-    }
-
-    /// Velocity after one leapfrog kick by the spring forces `force_x`, `force_y`; `kept` and `kick` as in
-    /// [`ContactRow::kick`], `grip_at` as in [`ContactBlock::meet`].
-    pub fn kick(
-        &mut self,
-        v: f64,
-        [force_x, force_y]: [f64; 2],
-        kept: f64,
-        kick: f64,
-        grip_at: impl FnOnce(f64, &mut usize) -> f64,
-    ) -> f64 {
-        let free = kept * v + kick * force_x;
-        match self.meet(force_x, force_y, grip_at) {
-            Meeting::Free => free,
-            Meeting::Held => v,
-            Meeting::Sliding { grip } => {
-                let direction = slip_direction(v, force_x);
-                self.slips(direction);
-                let resistance = self.coefficients.dynamic_mu * grip;
-                let slowed = free - direction * kick * resistance;
-                if slowed * direction > 0.0 {
-                    self.friction = direction * resistance;
-                    slowed
-                } else {
-                    // The step ends at rest: friction is what it took to stop the block.
-                    self.motion = Motion::Rest;
-                    self.friction = free / kick;
-                    0.0
-                }
-            }
-        }
+impl<const H: usize> ContactBlock<H> {
+    /// A block at rest.
+    #[must_use]
+    pub const fn new(column: usize, coefficients: Coefficients) -> Self {
+        Self { coefficients, motion: Motion::Rest, has_slipped: false, column, normal: 0.0, friction: [0.0; H] }
     }
 
     fn let_go(&mut self) -> Meeting {
-        self.friction = 0.0;
+        self.friction = [0.0; H];
         self.has_slipped = true;
         if self.motion == Motion::Rest {
             self.motion = Motion::Slip;
         }
         Meeting::Free
+    }
+
+    /// Vertical motion under unilateral contact: lifts a block under tension, moves one in the air, lands one that reaches the
+    /// counterface. `fall`: vertical displacement of the last step; `force`: vertical spring force. Returns the height after
+    /// the step where it began at `height` in the air.
+    pub fn fly(&mut self, height: f64, fall: &mut f64, kick: Kick, inverse_mass: f64, force: f64) -> Option<f64> {
+        if self.motion != Motion::Lifted && self.normal < 0.0 {
+            self.motion = Motion::Lifted;
+        }
+        if self.motion != Motion::Lifted {
+            return None;
+        }
+        *fall = kick.kept * *fall + kick.kick * inverse_mass * force;
+        let height = height + *fall;
+        if height > 0.0 || height.is_nan() {
+            return Some(height);
+        }
+        // Landing ends the vertical motion on the counterface.
+        *fall = 0.0;
+        self.motion = Motion::Slip;
+        Some(0.0)
+    }
+}
+
+impl<const H: usize> ContactBlock<H>
+where
+    Self: Slide<H>,
+{
+    /// Takes note of the spring forces: normal force, friction at rest, and whether the block starts.
+    /// `grip_at` gives f(p) F_n for a normal force above zero.
+    #[inline]
+    fn meet(&mut self, force: [f64; H], lift: f64, grip_at: impl FnOnce(f64) -> f64) -> Meeting {
+        // F_n = -(vertical force of the springs)
+        self.normal = if self.motion == Motion::Lifted { 0.0 } else { -lift };
+        if self.normal <= 0.0 {
+            return self.let_go();
+        }
+        let grip = grip_at(self.normal);
+        let threshold = self.coefficients.starting_mu() * grip;
+        if threshold == 0.0 {
+            // A law that reaches zero holds nothing, and a reversal is no end of motion.
+            return self.let_go();
+        }
+        if self.motion == Motion::Rest {
+            if Self::is_held(force, threshold) {
+                self.friction = force;
+                return Meeting::Held;
+            }
+            self.motion = Motion::Slip;
+        }
+        Meeting::Sliding { resistance: self.coefficients.dynamic_mu * grip }
+    }
+
+    /// Velocity times the step after one leapfrog kick from `v`; `grip_at` gives f(p) F_n for a normal force above zero.
+    #[inline]
+    pub fn kick(&mut self, v: [f64; H], push: Push<H>, grip_at: impl FnOnce(f64) -> f64) -> [f64; H] {
+        let free = std::array::from_fn(|axis| push.kept * v[axis] + push.kick * push.force[axis]);
+        match self.meet(push.force, push.lift, grip_at) {
+            Meeting::Free => free,
+            Meeting::Held => v,
+            Meeting::Sliding { resistance } => self.slide(v, free, &push, resistance),
+        }
+    }
+}
+
+impl ContactBlock<1> {
+    /// Takes note of a slip in `direction`: what load or waves push against the drive does not slide with it.
+    fn slips(&mut self, direction: f64) {
+        self.has_slipped |= direction > 0.0;
+    }
+}
+
+impl Slide<1> for ContactBlock<1> {
+    #[inline]
+    fn is_held([force]: [f64; 1], threshold: f64) -> bool {
+        force.abs() <= threshold
+    }
+
+    #[inline]
+    fn slide(&mut self, [v]: [f64; 1], [free]: [f64; 1], push: &Push<1>, resistance: f64) -> [f64; 1] {
+        let direction = slip_direction(v, push.force[0]);
+        self.slips(direction);
+        let slowed = free - direction * push.kick * resistance;
+        if slowed * direction > 0.0 {
+            self.friction = [direction * resistance];
+            [slowed]
+        } else {
+            // The step ends at rest: friction is what it took to stop the block.
+            self.motion = Motion::Rest;
+            self.friction = [free / push.kick];
+            [0.0]
+        }
     }
 }
 
@@ -198,8 +261,8 @@ impl ContactSums {
         self.normal += other.normal;
     }
 
-    fn add_block(&mut self, block: &ContactBlock) {
-        self.friction += block.friction;
+    fn add_block(&mut self, block: &ContactBlock<1>) {
+        self.friction += block.friction[0];
         self.normal += block.normal.max(0.0);
     }
 }
@@ -215,11 +278,13 @@ pub struct ContactForce {
     pub sliding: f64,
 }
 
-/// The contact row.
+/// The contact row of the plane, block by block.
 #[derive(Clone, Debug)]
 pub struct ContactRow<'a> {
     /// Contact blocks, left to right.
-    pub blocks: Vec<ContactBlock>,
+    pub blocks: Vec<ContactBlock<1>>,
+    /// Intervals of the law's table that they were on last.
+    near: Vec<usize>,
     law: LocalLaw<'a>,
 }
 
@@ -227,23 +292,13 @@ impl<'a> ContactRow<'a> {
     /// Blocks in `columns`, at rest, with the coefficients of their columns.
     #[must_use]
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
-        let blocks = columns
-            .map(|column| ContactBlock {
-                column,
-                coefficients: coefficients[column],
-                motion: Motion::Rest,
-                has_slipped: false,
-                normal: 0.0,
-                friction: 0.0,
-                near: 0,
-            })
-            .collect();
-        Self { blocks, law }
+        let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
+        Self { near: vec![0; blocks.len()], blocks, law }
     }
 
     /// Its blocks and their law.
     #[must_use]
-    pub fn into_parts(self) -> (Vec<ContactBlock>, LocalLaw<'a>) {
+    pub fn into_parts(self) -> (Vec<ContactBlock<1>>, LocalLaw<'a>) {
         (self.blocks, self.law)
     }
 
@@ -272,7 +327,8 @@ impl<'a> ContactRow<'a> {
     /// Forces on the blocks at the last force evaluation.
     #[must_use]
     pub fn forces(&self) -> Vec<ContactForce> {
-        let force = |block: &ContactBlock| self.law.force(block.normal, block.friction, block.coefficients.dynamic_mu);
+        let force =
+            |block: &ContactBlock<1>| self.law.force(block.normal, block.friction[0], block.coefficients.dynamic_mu);
         self.blocks.iter().map(force).collect()
     }
 
@@ -291,10 +347,10 @@ impl<'a> ContactRow<'a> {
     ) -> ContactSums {
         let mut sums = ContactSums::default();
         let law = self.law;
-        for block in &mut self.blocks {
+        for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            let grip_at = |normal: f64, near: &mut usize| law.grip(normal, near);
-            velocity[i] = block.kick(velocity[i], [force_x[i], force_y[i]], kept, kick[i], grip_at);
+            let push = Push { kept, kick: kick[i], force: [force_x[i]], lift: force_y[i], drive: [1.0] };
+            [velocity[i]] = block.kick([velocity[i]], push, |normal| law.grip(normal, near));
             sums.add_block(block);
         }
         sums
@@ -305,13 +361,13 @@ impl<'a> ContactRow<'a> {
     pub fn begin_step(&mut self, velocity: &[f64], force_x: &[f64], force_y: &[f64]) -> ContactSums {
         let mut sums = ContactSums::default();
         let law = self.law;
-        for block in &mut self.blocks {
+        for (block, near) in self.blocks.iter_mut().zip(&mut self.near) {
             let i = block.column;
-            if let Meeting::Sliding { grip } = block.meet(force_x[i], force_y[i], |normal, near| law.grip(normal, near))
-            {
+            let met = block.meet([force_x[i]], force_y[i], |normal| law.grip(normal, near));
+            if let Meeting::Sliding { resistance } = met {
                 let direction = slip_direction(velocity[i], force_x[i]);
                 block.slips(direction);
-                block.friction = direction * block.coefficients.dynamic_mu * grip;
+                block.friction = [direction * resistance];
             }
             sums.add_block(block);
         }
@@ -327,7 +383,7 @@ impl<'a> ContactRow<'a> {
         if normal <= 0.0 || block.motion == Motion::Lifted {
             return 0.0;
         }
-        direction * block.coefficients.dynamic_mu * law.grip(normal, &mut block.near)
+        direction * block.coefficients.dynamic_mu * law.grip(normal, &mut self.near[number])
     }
 }
 

@@ -8,15 +8,14 @@
 //! dt < 2/omega_max. Units: k = 1, l = 1, m = 1.
 
 use super::bonds::Bonds;
-use super::contact::{ContactForce, ContactRow, ContactSums, Motion};
+use super::contact::{ContactForce, ContactRow, ContactSums};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
 
-/// Vertical motion of contact blocks under unilateral contact: lifts those under tension, moves those
-/// in the air, lands those that reach the counterface.
+/// Vertical motion of contact blocks under unilateral contact.
 fn move_vertically(
     contact: &mut ContactRow,
     coefficients: Kick,
@@ -27,17 +26,9 @@ fn move_vertically(
 ) {
     for block in &mut contact.blocks {
         let i = block.column;
-        if block.motion != Motion::Lifted && block.normal < 0.0 {
-            block.motion = Motion::Lifted;
-        }
-        if block.motion == Motion::Lifted {
-            wy[i] = coefficients.kept * wy[i] + coefficients.kick * inverse_mass[i] * force_y[i];
-            if uy[i] + wy[i] <= 0.0 {
-                // Landing ends the vertical motion on the counterface.
-                uy[i] = 0.0;
-                wy[i] = 0.0;
-                block.motion = Motion::Slip;
-            }
+        // What has landed stays where it is.
+        if block.fly(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(0.0) {
+            uy[i] = 0.0;
         }
     }
 }

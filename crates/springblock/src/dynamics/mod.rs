@@ -25,7 +25,7 @@ mod bond_rows;
 mod bonds;
 mod contact;
 mod contact_columns;
-mod contact_strip;
+mod contact_vectors;
 mod crew;
 mod drive;
 mod engine;

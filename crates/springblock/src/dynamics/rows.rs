@@ -103,6 +103,13 @@ impl Plane {
         &self.values[self.skip..]
     }
 
+    /// Places the blocks from `start` on `by` beside where they are `now`.
+    pub fn place_moved(&mut self, now: &Self, start: usize, by: &[f64]) {
+        for ((value, now), by) in self.rows_mut()[start..].iter_mut().zip(&now.rows()[start..]).zip(by) {
+            *value = now + by;
+        }
+    }
+
     /// All rows, padding included.
     #[inline(always)]
     pub fn rows_mut(&mut self) -> &mut [f64] {

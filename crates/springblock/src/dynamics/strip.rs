@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::contact::{ContactBlock, ContactSums, LocalLaw, Motion};
-use super::contact_strip::ContactStrip;
+use super::contact::{ContactBlock, ContactSums, LocalLaw};
+use super::contact_vectors::ContactVectors;
 use super::rows::{Field, whole_lines};
 use super::stencil::StripStencil;
 use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, side, vectorized};
@@ -29,7 +29,7 @@ pub enum Side {
 pub struct Strip<'a> {
     stencil: StripStencil,
     field: Field,
-    contact: ContactStrip<'a>,
+    contact: ContactVectors<'a, 1>,
     kick: Kick,
     liftoff: bool,
     /// Vertical displacements of the last step of contact blocks in the air, by column.
@@ -44,7 +44,7 @@ impl<'a> Strip<'a> {
     pub fn new(
         stencil: StripStencil,
         rows: usize,
-        blocks: &[ContactBlock],
+        blocks: &[ContactBlock<1>],
         law: LocalLaw<'a>,
         kick: Kick,
         liftoff: bool,
@@ -60,7 +60,7 @@ impl<'a> Strip<'a> {
                 own
             })
             .collect();
-        let contact = ContactStrip::new(own, law, &stencil.general[0].inverse_mass, kick);
+        let contact = ContactVectors::new(own, law, [1.0], stencil.general[0].inverse_mass.iter().copied(), kick);
         Self {
             stencil,
             field: Field::at_rest(nx, rows),
@@ -81,7 +81,7 @@ impl<'a> Strip<'a> {
 
     /// The contact blocks.
     #[must_use]
-    pub const fn contact(&self) -> &ContactStrip<'a> {
+    pub const fn contact(&self) -> &ContactVectors<'a, 1> {
         &self.contact
     }
 
@@ -176,14 +176,17 @@ impl<'a> Strip<'a> {
                 vectorized(RowForces { coefficients, field, row, force_x, force_y });
             }
             if row == 0 {
-                sums = contact.kick(force_x, force_y, kick.kept);
-                move_contacts(contact, field);
+                sums = contact.kick([force_x], force_y, kick.kept);
+                let [velocity] = contact.velocity();
+                field.other[0].place_moved(&field.now[0], field.at(0, 0), &velocity[..field.nx]);
                 if self.liftoff {
                     move_vertically(contact, *kick, &coefficients.inverse_mass, force_y, field, &mut self.fall);
                 }
             } else {
                 let inverse_mass = &coefficients.inverse_mass;
-                vectorized(MoveRow { inverse_mass, field, row, kick: *kick, force_x, force_y });
+                let (columns, start) = (field.nx, field.at(0, row));
+                let (now, other, force) = (&field.now, &mut field.other, [&force_x[..], force_y]);
+                vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
             }
         }
         let from = stencil.general.len();
@@ -212,19 +215,9 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// Moves contact blocks by their velocities.
-fn move_contacts(contact: &ContactStrip, field: &mut Field) {
-    let (start, nx) = (field.at(0, 0), field.nx);
-    let (now, other) = (&field.now[0].rows()[start..][..nx], &mut field.other[0].rows_mut()[start..][..nx]);
-    for ((other, now), velocity) in other.iter_mut().zip(now).zip(contact.velocity()) {
-        *other = now + velocity;
-    }
-}
-
-/// Vertical motion of contact blocks under unilateral contact: lifts those under tension, moves those
-/// in the air, lands those that reach the counterface.
+/// Vertical motion of contact blocks under unilateral contact.
 fn move_vertically(
-    contact: &mut ContactStrip,
+    contact: &mut ContactVectors<1>,
     kick: Kick,
     inverse_mass: &[f64],
     force_y: &[f64],
@@ -236,18 +229,8 @@ fn move_vertically(
     other[..field.nx].copy_from_slice(now);
     for block in contact.unsettled() {
         let i = block.column;
-        if block.motion != Motion::Lifted && block.normal < 0.0 {
-            block.motion = Motion::Lifted;
-        }
-        if block.motion == Motion::Lifted {
-            fall[i] = kick.kept * fall[i] + kick.kick * inverse_mass[i] * force_y[i];
-            other[i] = now[i] + fall[i];
-            if other[i] <= 0.0 {
-                // Landing ends the vertical motion on the counterface.
-                other[i] = 0.0;
-                fall[i] = 0.0;
-                block.motion = Motion::Slip;
-            }
+        if let Some(height) = block.fly(now[i], &mut fall[i], kick, inverse_mass[i], force_y[i]) {
+            other[i] = height;
         }
     }
 }

@@ -73,16 +73,16 @@ struct RowSums<S: Simd> {
 
 /// A row's values seen from its west, centre and east, in vectors.
 #[derive(Clone, Copy)]
-struct Views<'a, V> {
-    west: &'a [V],
-    centre: &'a [V],
-    east: &'a [V],
+pub struct Views<'a, V> {
+    pub west: &'a [V],
+    pub centre: &'a [V],
+    pub east: &'a [V],
 }
 
 impl<'a, V> Views<'a, V> {
-    /// The first `count` vectors from column 0 of row 0 on.
+    /// The first `count` vectors from where rows begin.
     #[inline(always)]
-    fn new<S: Simd<f64s = V>>(_: S, plane: &'a Plane, count: usize) -> Self {
+    pub fn new<S: Simd<f64s = V>>(_: S, plane: &'a Plane, count: usize) -> Self {
         let rows = plane.rows();
         Self {
             west: &S::as_simd_f64s(&rows[LINE - 1..]).0[..count],
@@ -233,27 +233,29 @@ fn coefficient_vectors<S: Simd>(values: &[f64], vectors: usize) -> &[S::f64s] {
     &S::as_simd_f64s(values).0[..vectors]
 }
 
-/// Moves a row by given forces.
-pub struct MoveRow<'a> {
+/// Moves a row of blocks, which have `D` displacements each, by given forces.
+pub struct MoveRow<'a, const D: usize> {
     pub inverse_mass: &'a [f64],
-    pub field: &'a mut Field,
-    pub row: usize,
+    pub now: &'a [Plane; D],
+    /// One step earlier, replaced by one step later.
+    pub other: &'a mut [Plane; D],
+    /// Columns of the row, and where the first stands.
+    pub columns: usize,
+    pub start: usize,
     pub kick: Kick,
-    pub force_x: &'a [f64],
-    pub force_y: &'a [f64],
+    pub force: [&'a [f64]; D],
 }
 
-impl WithSimd for MoveRow<'_> {
+impl<const D: usize> WithSimd for MoveRow<'_, D> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { inverse_mass, field, row, kick: Kick { kept, kick }, force_x, force_y } = self;
-        let vectors = field.nx.div_ceil(S::F64_LANES);
-        let start = field.at(0, row);
+        let Self { inverse_mass, now, other, columns, start, kick: Kick { kept, kick }, force } = self;
+        let vectors = columns.div_ceil(S::F64_LANES);
         let (kept, kick) = (simd.splat_f64s(kept), simd.splat_f64s(kick));
         let inverse_mass = coefficient_vectors::<S>(inverse_mass, vectors);
-        for ((now, other), force) in field.now.iter().zip(&mut field.other).zip([force_x, force_y]) {
+        for ((now, other), force) in now.iter().zip(other).zip(force) {
             let now = &S::as_simd_f64s(&now.rows()[start..]).0[..vectors];
             let other = &mut S::as_mut_simd_f64s(&mut other.rows_mut()[start..]).0[..vectors];
             let force = coefficient_vectors::<S>(force, vectors);
@@ -329,15 +331,9 @@ mod tests {
                 |force_x, force_y| ContactRowForces { coefficients: &coefficients, field: &field, force_x, force_y };
             simd.vectorize(contact(&mut force_x, &mut force_y));
             written.extend([&force_x, &force_y].map(|force| force[..nx].to_vec()).concat());
-            let inverse_mass = &coefficients.inverse_mass;
-            simd.vectorize(MoveRow {
-                inverse_mass,
-                field: &mut field,
-                row: 1,
-                kick,
-                force_x: &force_x,
-                force_y: &force_y,
-            });
+            let (inverse_mass, start, force) = (&coefficients.inverse_mass, field.at(0, 1), [&force_x[..], &force_y]);
+            let (now, other) = (&field.now, &mut field.other);
+            simd.vectorize(MoveRow { inverse_mass, now, other, columns: nx, start, kick, force });
             simd.vectorize(InsideRows { field: &mut field, from: 2, kick });
             for plane in &field.other {
                 for j in 1..field.ny {

@@ -1,16 +1,15 @@
 //! Leapfrog on a plain cell in space, linear springs, damping implicit.
 
-use super::super::contact::{ContactForce, ContactSums, LocalLaw, Motion};
+use super::super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw};
+use super::super::contact_vectors::ContactVectors;
 use super::super::engine::Engine;
 use super::super::protocol::Protocol;
 use super::super::rows::whole_lines;
 use super::super::stencil::fixed_sum;
-use super::super::sweep::{Kick, vectorized};
-use super::contact::ContactLayer;
+use super::super::sweep::{Kick, MoveRow, vectorized};
 use super::field::Field;
-use super::slip::SlipBlock;
 use super::stencil::Stencil;
-use super::sweep::{InsideRows, MoveRow, RowForces};
+use super::sweep::{InsideRows, RowForces};
 use crate::draws::Coefficients;
 use crate::space::SpaceLattice;
 
@@ -45,7 +44,7 @@ type Forces = [Vec<f64>; 3];
 pub struct SpaceLeapfrog<'a> {
     stencil: Stencil,
     field: Field,
-    contact: ContactLayer<'a>,
+    contact: ContactVectors<'a, 2>,
     protocol: Protocol,
     direction: [f64; 2],
     kick: Kick,
@@ -69,10 +68,10 @@ impl<'a> SpaceLeapfrog<'a> {
         let stencil = Stencil::new(lattice);
         let blocks = (0..nx * ny)
             .filter(|column| lattice.contact_share(column % nx, column / nx) > 0.0)
-            .map(|column| SlipBlock::new(column / nx * padded + column % nx, coefficients[column]))
+            .map(|column| ContactBlock::new(column / nx * padded + column % nx, coefficients[column]))
             .collect();
         let inverse_mass = stencil.contact.iter().flat_map(|row| row.inverse_mass.iter().copied());
-        let contact = ContactLayer::new(blocks, law, direction, inverse_mass, kick);
+        let contact = ContactVectors::new(blocks, law, direction, inverse_mass, kick);
         let zero = |size: usize| [vec![0.0; size], vec![0.0; size], vec![0.0; size]];
         Self {
             stencil,
@@ -108,7 +107,7 @@ impl<'a> SpaceLeapfrog<'a> {
     /// The contact layer.
     #[cfg(test)]
     #[must_use]
-    pub const fn contact(&self) -> &ContactLayer<'a> {
+    pub const fn contact(&self) -> &ContactVectors<'a, 2> {
         &self.contact
     }
 
@@ -132,15 +131,12 @@ impl<'a> SpaceLeapfrog<'a> {
             let row = force.each_mut().map(|force| &mut force[j * padded..][..padded]);
             vectorized(RowForces { coefficients, field, layer: 0, row: j, force: row });
         }
-        let sums = contact.kick(force.each_ref().map(Vec::as_slice), kick.kept);
+        let [x, y, lift] = force.each_ref().map(Vec::as_slice);
+        let sums = contact.kick([x, y], lift, kick.kept);
         for j in 0..field.ny {
             let start = field.at(0, j, 0);
             for (c, velocity) in contact.velocity().into_iter().enumerate() {
-                let now = &field.now[c].rows()[start..][..field.nx];
-                let other = &mut field.other[c].rows_mut()[start..][..field.nx];
-                for ((other, now), velocity) in other.iter_mut().zip(now).zip(&velocity[j * padded..]) {
-                    *other = now + velocity;
-                }
+                field.other[c].place_moved(&field.now[c], start, &velocity[j * padded..][..field.nx]);
             }
         }
         if self.liftoff {
@@ -149,8 +145,7 @@ impl<'a> SpaceLeapfrog<'a> {
         sums
     }
 
-    /// Vertical motion of contact blocks under unilateral contact: lifts those under tension, moves those
-    /// in the air, lands those that reach the counterface.
+    /// Vertical motion of contact blocks under unilateral contact.
     fn move_vertically(&mut self) {
         let Self { stencil, field, contact, kick, contact_force: [_, _, force], fall, .. } = self;
         let padded = whole_lines(field.nx);
@@ -159,22 +154,11 @@ impl<'a> SpaceLeapfrog<'a> {
             field.other[2].rows_mut()[start..][..nx].copy_from_slice(&field.now[2].rows()[start..][..nx]);
         }
         for block in contact.unsettled() {
-            if block.motion != Motion::Lifted && block.normal < 0.0 {
-                block.motion = Motion::Lifted;
-            }
-            if block.motion == Motion::Lifted {
-                let (place, i, j) = (block.place, block.place % padded, block.place / padded);
-                let at = field.at(i, j, 0);
-                let inverse_mass = stencil.contact[j].inverse_mass[i];
-                fall[place] = kick.kept * fall[place] + kick.kick * inverse_mass * force[place];
-                let height = field.now[2].rows()[at] + fall[place];
-                // Landing ends the vertical motion on the counterface.
-                let lands = height <= 0.0;
-                field.other[2].rows_mut()[at] = if lands { 0.0 } else { height };
-                if lands {
-                    fall[place] = 0.0;
-                    block.motion = Motion::Slip;
-                }
+            let (place, i, j) = (block.column, block.column % padded, block.column / padded);
+            let (at, inverse_mass) = (field.at(i, j, 0), stencil.contact[j].inverse_mass[i]);
+            let height = field.now[2].rows()[at];
+            if let Some(height) = block.fly(height, &mut fall[place], *kick, inverse_mass, force[place]) {
+                field.other[2].rows_mut()[at] = height;
             }
         }
     }
@@ -188,7 +172,9 @@ impl<'a> SpaceLeapfrog<'a> {
             vectorized(RowForces { coefficients, field, layer, row, force: forces });
             let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
             // What lanes beyond the last column write is restored below.
-            vectorized(MoveRow { inverse_mass, field, layer, row, kick: *kick, force });
+            let (columns, start) = (field.nx, field.at(0, row, layer));
+            let (now, other) = (&field.now, &mut field.other);
+            vectorized(MoveRow { inverse_mass, now, other, columns, start, kick: *kick, force });
         }
         for tile in (0..field.ny).step_by(TILE) {
             for (layer, ranges) in stencil.inside.iter().enumerate() {

@@ -12,7 +12,6 @@
 //! | `run` | one run of one cell |
 
 mod bonds;
-mod contact;
 mod field;
 mod leapfrog;
 mod run;

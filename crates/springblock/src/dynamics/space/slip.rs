@@ -10,117 +10,122 @@
 //!
 //! friction R d points against the mean of the two velocities, of second order in the step, and takes the work R |v +
 //! v'|/2 of every step. A step whose v' would have no part along v ends at rest: friction could stop the block within
-//! it. Along one axis these are the formulas of the vertical plane.
+//! it. Along one axis these are the formulas of the plane. The pass in vectors does the same for all blocks that go on as they
+//! were.
 
-use super::super::contact::{GripPiece, Motion};
-use crate::draws::Coefficients;
+use pulp::{Simd, WithSimd};
 
-/// One contact block. Forces in units of k l.
-#[derive(Clone, Copy, Debug)]
-pub struct SlipBlock {
-    /// Local coefficients.
-    pub coefficients: Coefficients,
-    /// State of motion.
-    pub motion: Motion,
-    /// Whether it has slipped along the drive, or was free to, since the drive began.
-    pub has_slipped: bool,
-    /// Its place in arrays over the contact layer.
-    pub place: usize,
-    /// Normal force, positive in compression, at the last force evaluation.
-    pub normal: f64,
-    /// Friction, as a resistance to motion along x and y, at the last force evaluation.
-    pub friction: [f64; 2],
-}
-
-/// What a step does to one contact block.
-#[derive(Clone, Copy, Debug)]
-pub struct Push {
-    /// Share of the velocity that damping leaves.
-    pub kept: f64,
-    /// Displacement per step that a unit force adds.
-    pub kick: f64,
-    /// Spring forces.
-    pub force: [f64; 3],
-    /// Direction of the drive.
-    pub drive: [f64; 2],
-}
+use super::super::contact::{ContactBlock, Motion, Push, Slide};
+use super::super::contact_vectors::Pass;
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-impl SlipBlock {
-    /// A block at rest.
-    #[must_use]
-    pub const fn new(place: usize, coefficients: Coefficients) -> Self {
-        Self { coefficients, motion: Motion::Rest, has_slipped: false, place, normal: 0.0, friction: [0.0; 2] }
+impl Slide<2> for ContactBlock<2> {
+    #[inline]
+    fn is_held(force: [f64; 2], threshold: f64) -> bool {
+        dot(force, force) <= threshold * threshold
     }
 
-    fn let_go(&mut self, free: [f64; 2]) -> [f64; 2] {
-        self.friction = [0.0; 2];
-        self.has_slipped = true;
-        if self.motion == Motion::Rest {
-            self.motion = Motion::Slip;
-        }
-        free
-    }
-
-    /// Velocity times the step after one leapfrog kick. `piece_at` gives the interval of the law around a normal force
-    /// above zero.
-    pub fn kick(&mut self, v: [f64; 2], push: Push, piece_at: impl FnOnce(f64) -> GripPiece) -> [f64; 2] {
-        let Push { kept, kick, force: [fx, fy, fz], drive } = push;
-        let force = [fx, fy];
-        let free = [kept * v[0] + kick * fx, kept * v[1] + kick * fy];
-        // F_n = -(force of the springs)_z
-        self.normal = if self.motion == Motion::Lifted { 0.0 } else { -fz };
-        if self.normal <= 0.0 {
-            return self.let_go(free);
-        }
-        let grip = piece_at(self.normal).grip(self.normal);
-        let threshold = self.coefficients.starting_mu() * grip;
-        if threshold == 0.0 {
-            // A law that reaches zero holds nothing, and a reversal is no end of motion.
-            return self.let_go(free);
-        }
-        if self.motion == Motion::Rest {
-            if dot(force, force) <= threshold * threshold {
-                self.friction = force;
-                return v;
-            }
-            self.motion = Motion::Slip;
-        }
-        let resistance = self.coefficients.dynamic_mu * grip;
+    #[inline]
+    fn slide(&mut self, v: [f64; 2], free: [f64; 2], push: &Push<2>, resistance: f64) -> [f64; 2] {
         let along = [free[0] + v[0], free[1] + v[1]];
-        self.has_slipped |= dot(along, drive) > 0.0;
+        self.has_slipped |= dot(along, push.drive) > 0.0;
         let per_length = resistance / dot(along, along).sqrt();
         let friction = [per_length * along[0], per_length * along[1]];
-        let slowed = [free[0] - kick * friction[0], free[1] - kick * friction[1]];
+        let slowed = [free[0] - push.kick * friction[0], free[1] - push.kick * friction[1]];
         // A block that starts has no velocity yet: it moves along the force.
-        let before = if v == [0.0; 2] { force } else { v };
+        let before = if v == [0.0; 2] { push.force } else { v };
         if dot(free, before) > 0.0 && dot(slowed, before) > 0.0 {
             self.friction = friction;
             slowed
         } else {
             // The step ends at rest: friction is what it took to stop the block.
             self.motion = Motion::Rest;
-            self.friction = [free[0] / kick, free[1] / kick];
+            self.friction = [free[0] / push.kick, free[1] / push.kick];
             [0.0; 2]
         }
     }
 }
 
+#[inline(always)]
+fn dots<S: Simd>(simd: S, a: [S::f64s; 2], b: [S::f64s; 2]) -> S::f64s {
+    simd.add_f64s(simd.mul_f64s(a[0], b[0]), simd.mul_f64s(a[1], b[1]))
+}
+
+impl WithSimd for Pass<'_, 2> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { columns: c, velocity: [vx, vy], normal, friction: [rx, ry], left, force: [fx, fy], lift, kept } =
+            self;
+        let vectors = normal.len() / S::F64_LANES;
+        let column = |values| &S::as_simd_f64s(values).0[..vectors];
+        let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
+        let (vx, vy, normal) = (column_mut(vx), column_mut(vy), column_mut(normal));
+        let (rx, ry, left) = (column_mut(rx), column_mut(ry), column_mut(left));
+        let (fx, fy, lift, kick) = (column(fx), column(fy), column(lift), column(&c.kick));
+        let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
+        let (from, to) = (column(&c.from), column(&c.to));
+        let (starting_mu, dynamic_mu) = (column(&c.starting_mu), column(&c.dynamic_mu));
+        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+        let kept = simd.splat_f64s(kept);
+        let mut any = zero;
+        for i in 0..vectors {
+            let (v, force, pressing) = ([vx[i], vy[i]], [fx[i], fy[i]], simd.neg_f64s(lift[i]));
+            let bent = simd.mul_f64s(pressing, quadratic[i]);
+            let grip = simd.add_f64s(constant[i], simd.mul_f64s(pressing, simd.add_f64s(linear[i], bent)));
+            let known =
+                simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
+            let at_rest = simd.and_m64s(simd.equal_f64s(v[0], zero), simd.equal_f64s(v[1], zero));
+            let threshold = simd.mul_f64s(starting_mu[i], grip);
+            let held = simd.less_than_or_equal_f64s(dots(simd, force, force), simd.mul_f64s(threshold, threshold));
+            let free_x = simd.add_f64s(simd.mul_f64s(kept, v[0]), simd.mul_f64s(kick[i], force[0]));
+            let free_y = simd.add_f64s(simd.mul_f64s(kept, v[1]), simd.mul_f64s(kick[i], force[1]));
+            // mu_d f(p) F_n against the mean of the velocities before and after the step
+            let along = [simd.add_f64s(free_x, v[0]), simd.add_f64s(free_y, v[1])];
+            let length = simd.sqrt_f64s(dots(simd, along, along));
+            let per_length = simd.div_f64s(simd.mul_f64s(dynamic_mu[i], grip), length);
+            let resistance_x = simd.mul_f64s(per_length, along[0]);
+            let resistance_y = simd.mul_f64s(per_length, along[1]);
+            let slowed_x = simd.sub_f64s(free_x, simd.mul_f64s(kick[i], resistance_x));
+            let slowed_y = simd.sub_f64s(free_y, simd.mul_f64s(kick[i], resistance_y));
+            let slides_on = simd.and_m64s(
+                simd.less_than_f64s(zero, dots(simd, [free_x, free_y], v)),
+                simd.less_than_f64s(zero, dots(simd, [slowed_x, slowed_y], v)),
+            );
+            // At rest v is 0 and it cannot slide on.
+            let goes_on = simd.and_m64s(known, simd.or_m64s(simd.and_m64s(at_rest, held), slides_on));
+            let moves = simd.and_m64s(goes_on, slides_on);
+            vx[i] = simd.select_f64s(moves, slowed_x, v[0]);
+            vy[i] = simd.select_f64s(moves, slowed_y, v[1]);
+            rx[i] = simd.select_f64s(at_rest, force[0], resistance_x);
+            ry[i] = simd.select_f64s(at_rest, force[1], resistance_y);
+            normal[i] = pressing;
+            left[i] = simd.select_f64s(goes_on, zero, one);
+            any = simd.add_f64s(any, left[i]);
+        }
+        simd.reduce_sum_f64s(any) > 0.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::super::contact::GripPiece;
     use super::*;
+    use crate::draws::Coefficients;
 
     const UNIT: GripPiece = GripPiece { from: 0.0, to: f64::INFINITY, constant: 0.0, linear: 1.0, quadratic: 0.0 };
 
-    fn block(static_mu: f64, dynamic_mu: f64) -> SlipBlock {
-        SlipBlock::new(0, Coefficients { static_mu, dynamic_mu })
+    fn block(static_mu: f64, dynamic_mu: f64) -> ContactBlock<2> {
+        ContactBlock::new(0, Coefficients { static_mu, dynamic_mu })
     }
 
-    fn kick(block: &mut SlipBlock, v: [f64; 2], force: [f64; 3]) -> [f64; 2] {
-        block.kick(v, Push { kept: 1.0, kick: 0.1, force, drive: [1.0, 0.0] }, |_| UNIT)
+    fn kick(block: &mut ContactBlock<2>, v: [f64; 2], [fx, fy, lift]: [f64; 3]) -> [f64; 2] {
+        let push = Push { kept: 1.0, kick: 0.1, force: [fx, fy], lift, drive: [1.0, 0.0] };
+        block.kick(v, push, |normal| UNIT.grip(normal))
     }
 
     /// Angles in a fixed sequence.
@@ -156,7 +161,8 @@ mod tests {
             let mut steps = 0;
             while v != [0.0; 2] {
                 // Velocities lie half a step before forces: the first step starts there.
-                v = own.kick(v, Push { kept: 1.0, kick, force: [0.0, 0.0, -1.0], drive: [1.0, 0.0] }, |_| UNIT);
+                let push = Push { kept: 1.0, kick, force: [0.0; 2], lift: -1.0, drive: [1.0, 0.0] };
+                v = own.kick(v, push, |normal| UNIT.grip(normal));
                 at = [at[0] + v[0], at[1] + v[1]];
                 assert!((at[0] * sin - at[1] * cos).abs() < 1e-12, "leaves its line");
                 steps += 1;

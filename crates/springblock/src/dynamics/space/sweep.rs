@@ -14,31 +14,10 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::super::rows::{LINE, Plane};
-use super::super::sweep::Kick;
+use super::super::rows::LINE;
+use super::super::sweep::{Kick, Views};
 use super::field::Field;
 use super::stencil::{RowCoefficients, SPRINGS};
-
-/// A component's values seen from its west, centre and east, in vectors.
-#[derive(Clone, Copy)]
-struct Views<'a, V> {
-    west: &'a [V],
-    centre: &'a [V],
-    east: &'a [V],
-}
-
-impl<'a, V> Views<'a, V> {
-    /// The first `count` vectors from the image before column 0 of row 0 on.
-    #[inline(always)]
-    fn new<S: Simd<f64s = V>>(_: S, plane: &'a Plane, count: usize) -> Self {
-        let values = plane.rows();
-        Self {
-            west: &S::as_simd_f64s(&values[LINE - 1..]).0[..count],
-            centre: &S::as_simd_f64s(&values[LINE..]).0[..count],
-            east: &S::as_simd_f64s(&values[LINE + 1..]).0[..count],
-        }
-    }
-}
 
 /// Moves rows that are inside blocks alone: those of `layer`, which is not the lowest. Lanes beyond the last column
 /// write into the images, which the caller restores.
@@ -275,42 +254,10 @@ impl WithSimd for RowForces<'_> {
     }
 }
 
-/// Moves a row by given forces.
-pub struct MoveRow<'a> {
-    pub inverse_mass: &'a [f64],
-    pub field: &'a mut Field,
-    pub layer: usize,
-    pub row: usize,
-    pub kick: Kick,
-    pub force: [&'a [f64]; 3],
-}
-
-impl WithSimd for MoveRow<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { inverse_mass, field, layer, row, kick: Kick { kept, kick }, force } = self;
-        let vectors = field.nx.div_ceil(S::F64_LANES);
-        let start = field.at(0, row, layer);
-        let (kept, kick) = (simd.splat_f64s(kept), simd.splat_f64s(kick));
-        let inverse_mass = &S::as_simd_f64s(inverse_mass).0[..vectors];
-        for ((now, other), force) in field.now.iter().zip(&mut field.other).zip(force) {
-            let now = &S::as_simd_f64s(&now.rows()[start..]).0[..vectors];
-            let other = &mut S::as_mut_simd_f64s(&mut other.rows_mut()[start..]).0[..vectors];
-            let force = &S::as_simd_f64s(force).0[..vectors];
-            for i in 0..vectors {
-                // u_after = u + kept (u - u_before) + kick F/m
-                let coasting = simd.add_f64s(now[i], simd.mul_f64s(kept, simd.sub_f64s(now[i], other[i])));
-                other[i] = simd.add_f64s(coasting, simd.mul_f64s(simd.mul_f64s(kick, inverse_mass[i]), force[i]));
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::super::any_width::{assert_same_bits, fill};
+    use super::super::super::sweep::MoveRow;
     use super::super::stencil::Stencil;
     use super::*;
     use crate::space::SpaceLattice;
@@ -345,7 +292,9 @@ mod tests {
                 simd.vectorize(RowForces { coefficients, field: &field, layer, row, force: forces });
                 written.extend(force.iter().flat_map(|force| force[..nx].to_vec()));
                 let (inverse_mass, force) = (&coefficients.inverse_mass, force.each_ref().map(Vec::as_slice));
-                simd.vectorize(MoveRow { inverse_mass, field: &mut field, layer, row, kick, force });
+                let (columns, start) = (nx, field.at(0, row, layer));
+                let (now, other) = (&field.now, &mut field.other);
+                simd.vectorize(MoveRow { inverse_mass, now, other, columns, start, kick, force });
             }
             for (layer, ranges) in stencil.inside.iter().enumerate() {
                 for rows in ranges {

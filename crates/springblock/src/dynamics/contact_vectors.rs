@@ -1,4 +1,4 @@
-//! Friction on the contact blocks of a strip, in vectors.
+//! Friction on contact blocks, in vectors.
 //!
 //! Nearly all blocks go on as they were: at rest below their threshold, or sliding without a reversal, on
 //! the same interval of the area law. One pass does these; the few others, whose law, state or direction
@@ -6,44 +6,60 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion};
+use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Push, Slide};
 use super::contact_columns::ContactColumns;
 use super::stencil::fixed_sum;
 use super::sweep::{Kick, vectorized};
 
-/// The contact blocks of a strip, with their velocities.
+/// Contact blocks that move along `H` axes, with their velocities: of a strip in the plane, or of a cell in space, whose arrays
+/// hold row by row, each padded to whole cache lines.
 #[derive(Clone, Debug)]
-pub struct ContactStrip<'a> {
-    blocks: Vec<ContactBlock>,
+pub struct ContactVectors<'a, const H: usize> {
+    blocks: Vec<ContactBlock<H>>,
     law: LocalLaw<'a>,
+    /// Direction of the drive.
+    drive: [f64; H],
     /// Position in `blocks` by column; only contact columns are looked up.
     number: Vec<usize>,
     columns: ContactColumns,
-    /// Horizontal velocity times the step, by column.
-    velocity: Vec<f64>,
+    /// Horizontal velocities times the step, by column.
+    velocity: [Vec<f64>; H],
     normal: Vec<f64>,
-    friction: Vec<f64>,
+    friction: [Vec<f64>; H],
     /// 1 for a block that the pass has left to the scalar law, 0 for others.
     left: Vec<f64>,
     /// Blocks that have not slipped since the drive began.
     holding: usize,
 }
 
-impl<'a> ContactStrip<'a> {
-    /// `blocks` have columns within the strip, of which `inverse_mass` holds whole cache lines.
+impl<'a, const H: usize> ContactVectors<'a, H> {
+    /// `blocks` at rest, with columns among those of `inverse_mass`, which fill whole cache lines.
     #[must_use]
-    pub fn new(blocks: Vec<ContactBlock>, law: LocalLaw<'a>, inverse_mass: &[f64], kick: Kick) -> Self {
-        let nx = inverse_mass.len();
-        let zero = || vec![0.0; nx];
-        let kick = inverse_mass.iter().map(|inverse| kick.kick * inverse).collect();
-        let mut columns = ContactColumns::without_blocks(kick);
-        let mut number = vec![usize::MAX; nx];
+    pub fn new(
+        blocks: Vec<ContactBlock<H>>,
+        law: LocalLaw<'a>,
+        drive: [f64; H],
+        inverse_mass: impl Iterator<Item = f64>,
+        kick: Kick,
+    ) -> Self {
+        let mut columns = ContactColumns::without_blocks(inverse_mass.map(|inverse| kick.kick * inverse).collect());
+        let count = columns.kick.len();
+        let mut number = vec![usize::MAX; count];
         for (n, block) in blocks.iter().enumerate() {
             number[block.column] = n;
             columns.set_block(block.column, block.coefficients.starting_mu(), block.coefficients.dynamic_mu);
         }
         let holding = blocks.iter().filter(|block| !block.has_slipped).count();
-        Self { blocks, law, number, columns, velocity: zero(), normal: zero(), friction: zero(), left: zero(), holding }
+        let zero = || vec![0.0; count];
+        let zeros = || std::array::from_fn(|_| zero());
+        let (velocity, friction) = (zeros(), zeros());
+        Self { blocks, law, drive, number, columns, velocity, normal: zero(), friction, left: zero(), holding }
+    }
+
+    /// Number of contact blocks.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.blocks.len()
     }
 
     /// Starts the account of which blocks have slipped: the bulk begins to move.
@@ -62,66 +78,100 @@ impl<'a> ContactStrip<'a> {
         self.holding == 0
     }
 
-    /// Normal force, negative under tension, and friction of every block at the last force evaluation.
-    pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
+    /// Normal force, negative under tension, and friction along each axis of every block at the last force evaluation.
+    pub fn vectors(&self) -> impl Iterator<Item = (f64, [f64; H])> + '_ {
         self.blocks.iter().map(|block| {
             let i = block.column;
-            let [normal, friction] =
-                if self.is_settled(i) { [self.normal[i], self.friction[i]] } else { [block.normal, block.friction] };
-            self.law.force(normal, friction, block.coefficients.dynamic_mu)
+            if self.columns.from[i] == f64::INFINITY {
+                (block.normal, block.friction)
+            } else {
+                (self.normal[i], self.friction.each_ref().map(|friction| friction[i]))
+            }
         })
     }
 
-    /// Whether the pass takes the block in column `i`.
-    fn is_settled(&self, i: usize) -> bool {
-        self.columns.from[i] != f64::INFINITY
+    /// Normal force and friction against the drive of every block.
+    pub fn forces(&self) -> impl Iterator<Item = ContactForce> + '_ {
+        self.vectors().zip(&self.blocks).map(|((normal, friction), block)| {
+            self.law.force(normal, along(self.drive, friction), block.coefficients.dynamic_mu)
+        })
     }
 
-    /// Horizontal displacements of the last step, by column.
-    pub fn velocity(&self) -> &[f64] {
-        &self.velocity
+    /// Horizontal displacements of the last step along each axis, by column.
+    #[must_use]
+    pub fn velocity(&self) -> [&[f64]; H] {
+        self.velocity.each_ref().map(Vec::as_slice)
     }
 
-    /// One leapfrog kick by the spring forces `force_x`, `force_y`, by column; the sums over the strip.
-    pub fn kick(&mut self, force_x: &[f64], force_y: &[f64], kept: f64) -> ContactSums {
+    /// Blocks that may be in the air or under tension: those that the pass leaves alone.
+    pub fn unsettled(&mut self) -> impl Iterator<Item = &mut ContactBlock<H>> {
+        let from = &self.columns.from;
+        self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
+    }
+}
+
+/// The part of `vector` along `drive`.
+#[inline]
+fn along<const H: usize>(drive: [f64; H], vector: [f64; H]) -> f64 {
+    drive.into_iter().zip(vector).map(|(drive, part)| drive * part).reduce(|sum, part| sum + part).unwrap_or(0.0)
+}
+
+impl<const H: usize> ContactVectors<'_, H>
+where
+    ContactBlock<H>: Slide<H>,
+    for<'p> Pass<'p, H>: WithSimd<Output = bool>,
+{
+    /// One leapfrog kick by the spring forces, horizontal and vertical, by column; the sums over all blocks.
+    pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
         let left = vectorized(Pass {
             columns: &self.columns,
             velocity: &mut self.velocity,
             normal: &mut self.normal,
             friction: &mut self.friction,
             left: &mut self.left,
-            force: [force_x, force_y],
+            force,
+            lift,
             kept,
         });
         if left {
             for i in 0..self.left.len() {
                 if self.left[i] != 0.0 {
-                    self.kick_block(i, [force_x[i], force_y[i]], kept);
+                    self.kick_block(i, force.map(|force| force[i]), lift[i], kept);
                 }
             }
         }
-        ContactSums { friction: fixed_sum(&self.friction), normal: fixed_sum(&self.normal), ..ContactSums::default() }
+        let sums = self.friction.each_ref().map(|friction| fixed_sum(friction));
+        let across = match (&self.drive[..], &sums[..]) {
+            ([x, y], [sum_x, sum_y]) => x * sum_y - y * sum_x,
+            _ => 0.0,
+        };
+        ContactSums { friction: along(self.drive, sums), across, normal: fixed_sum(&self.normal) }
     }
 
-    fn kick_block(&mut self, i: usize, force: [f64; 2], kept: f64) {
+    fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
         // What is no block has no friction, even where displacements are no longer finite.
         let Some(block) = blocks.get_mut(self.number[i]) else { return };
         let had_slipped = block.has_slipped;
         let mut piece = columns.piece(i);
-        self.velocity[i] = block.kick(self.velocity[i], force, kept, columns.kick[i], |normal, _| {
+        let push = Push { kept, kick: columns.kick[i], force, lift, drive: self.drive };
+        let v = block.kick(self.velocity.each_ref().map(|velocity| velocity[i]), push, |normal| {
             if !(piece.from <= normal && normal < piece.to) {
                 piece = law.piece(normal);
             }
             piece.grip(normal)
         });
         self.holding -= usize::from(block.has_slipped && !had_slipped);
+        for (axis, (v, friction)) in v.into_iter().zip(block.friction).enumerate() {
+            self.velocity[axis][i] = v;
+            self.friction[axis][i] = friction;
+        }
         // The sum of normal forces counts compressive blocks only.
-        (self.normal[i], self.friction[i]) = (block.normal.max(0.0), block.friction);
+        self.normal[i] = block.normal.max(0.0);
         let goes_on = match block.motion {
             Motion::Rest => true,
             // Without velocity the pass would take it for a block at rest.
-            Motion::Slip => self.velocity[i] != 0.0 && block.normal > 0.0,
+            Motion::Slip => v != [0.0; H] && block.normal > 0.0,
             Motion::Lifted => false,
         };
         if goes_on {
@@ -130,37 +180,33 @@ impl<'a> ContactStrip<'a> {
             columns.from[i] = f64::INFINITY;
         }
     }
-
-    /// Blocks that may be in the air or under tension: those that the pass leaves alone.
-    pub fn unsettled(&mut self) -> impl Iterator<Item = &mut ContactBlock> {
-        let from = &self.columns.from;
-        self.blocks.iter_mut().filter(|block| from[block.column] == f64::INFINITY)
-    }
 }
 
 /// The pass over blocks that go on as they were; whether it left any.
-struct Pass<'a> {
-    columns: &'a ContactColumns,
-    velocity: &'a mut [f64],
-    normal: &'a mut [f64],
-    friction: &'a mut [f64],
-    left: &'a mut [f64],
-    force: [&'a [f64]; 2],
-    kept: f64,
+pub struct Pass<'a, const H: usize> {
+    pub columns: &'a ContactColumns,
+    pub velocity: &'a mut [Vec<f64>; H],
+    pub normal: &'a mut [f64],
+    pub friction: &'a mut [Vec<f64>; H],
+    pub left: &'a mut [f64],
+    pub force: [&'a [f64]; H],
+    pub lift: &'a [f64],
+    pub kept: f64,
 }
 
-impl WithSimd for Pass<'_> {
+impl WithSimd for Pass<'_, 1> {
     type Output = bool;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { columns: c, velocity, normal, friction, left, force: [force_x, force_y], kept } = self;
-        let vectors = velocity.len() / S::F64_LANES;
+        let Self { columns: c, velocity: [velocity], normal, friction: [friction], left, force: [force_x], lift, kept } =
+            self;
+        let vectors = normal.len() / S::F64_LANES;
         let column = |values| &S::as_simd_f64s(values).0[..vectors];
         let column_mut = |values| &mut S::as_mut_simd_f64s(values).0[..vectors];
         let (velocity, normal) = (column_mut(velocity), column_mut(normal));
         let (friction, left) = (column_mut(friction), column_mut(left));
-        let (force_x, force_y, kick) = (column(force_x), column(force_y), column(&c.kick));
+        let (force_x, lift, kick) = (column(force_x), column(lift), column(&c.kick));
         let (constant, linear, quadratic) = (column(&c.constant), column(&c.linear), column(&c.quadratic));
         let (from, to) = (column(&c.from), column(&c.to));
         let (starting_mu, dynamic_mu) = (column(&c.starting_mu), column(&c.dynamic_mu));
@@ -169,7 +215,7 @@ impl WithSimd for Pass<'_> {
         let (sign, kept) = (simd.splat_f64s(-0.0), simd.splat_f64s(kept));
         let mut any = zero;
         for i in 0..vectors {
-            let (v, force, pressing) = (velocity[i], force_x[i], simd.neg_f64s(force_y[i]));
+            let (v, force, pressing) = (velocity[i], force_x[i], simd.neg_f64s(lift[i]));
             let grip = add(constant[i], mul(pressing, add(linear[i], mul(pressing, quadratic[i]))));
             let known =
                 simd.and_m64s(simd.less_than_or_equal_f64s(from[i], pressing), simd.less_than_f64s(pressing, to[i]));
