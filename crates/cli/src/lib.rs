@@ -67,9 +67,9 @@ pub mod exit_code {
 /// Where a command reports, and how much.
 pub struct Console<'a> {
     /// Results.
-    pub out: &'a mut dyn Write,
+    pub out: &'a mut (dyn Write + Send),
     /// Notes.
-    pub err: &'a mut dyn Write,
+    pub err: &'a mut (dyn Write + Send),
     /// No progress bar and no notes.
     pub quiet: bool,
     /// Threads that compute.

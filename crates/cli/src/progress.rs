@@ -1,13 +1,15 @@
 //! A bar on a terminal, and the clock of long runs.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError, RwLock};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use slipgrid_monitor::Monitor;
 
-use crate::interruption;
+use crate::diagnostic::printable_lines;
+use crate::{Console, interruption};
 
 /// Parts into which the work is counted.
 const PARTS: f64 = 1e6;
@@ -95,6 +97,57 @@ impl Monitor for Progress {
 
     fn cancelled(&self) -> bool {
         self.is_over()
+    }
+}
+
+/// The monitor of a job of several stages: each has its bar, and what is worth a line goes to the console.
+pub struct JobProgress<'a> {
+    start: Instant,
+    quiet: bool,
+    notes: Mutex<&'a mut (dyn Write + Send)>,
+    stage: RwLock<Option<Progress>>,
+}
+
+impl<'a> JobProgress<'a> {
+    /// The monitor of a job that `console` asked for.
+    #[must_use]
+    pub fn new(console: &'a mut Console<'_>) -> Self {
+        let notes: &'a mut (dyn Write + Send) = &mut *console.err;
+        Self { start: Instant::now(), quiet: console.quiet, notes: Mutex::new(notes), stage: RwLock::new(None) }
+    }
+}
+
+impl Monitor for JobProgress<'_> {
+    fn stage(&self, name: &str) {
+        *self.stage.write().unwrap_or_else(PoisonError::into_inner) = Some(Progress::start(name, self.quiet));
+    }
+
+    fn stage_ended(&self) {
+        if let Some(stage) = self.stage.write().unwrap_or_else(PoisonError::into_inner).take() {
+            stage.finish();
+        }
+    }
+
+    fn advance(&self, share: f64) {
+        if let Some(stage) = &*self.stage.read().unwrap_or_else(PoisonError::into_inner) {
+            stage.advance(share);
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        interruption::asked()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.start.elapsed().as_secs_f64()
+    }
+
+    fn note(&self, text: &str) {
+        if !self.quiet {
+            // Notes are a courtesy: a closed stderr stops nothing.
+            let mut notes = self.notes.lock().unwrap_or_else(PoisonError::into_inner);
+            let _ = writeln!(notes, "{}", printable_lines(text));
+        }
     }
 }
 

@@ -5,12 +5,13 @@ use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
 use crate::diagnostic::Diagnostic;
 use crate::formats::calibration::Calibration;
 use crate::formats::file_kind::FileKind;
-use crate::formats::measurements::{self, Measurement};
+use crate::formats::measurements;
 use crate::formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition, notes};
 use crate::output::{Outputs, Place, check_folder};
 use crate::report::table::fixed;
 use crate::report::{Table, VERSION};
 use crate::{CliError, Console, exit_code};
+use slipgrid_calibrate::Measurement;
 use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S, tidy};
 

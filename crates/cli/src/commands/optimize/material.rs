@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use slipgrid_calibrate::Selection;
 use slipgrid_material::Material;
 
-use crate::commands::calibrate::{Purpose, material, provisional};
-use crate::formats::calibration::{Calibration, DiscrepancyForm};
+use crate::commands::calibrate::{outcome, provisional};
+use crate::formats::calibration::Calibration;
 use crate::formats::design::{Design, MaterialInput};
 use crate::{CliError, Console};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -37,17 +38,13 @@ fn calibrated(
     design.resolve(&measured.friction)?;
     design.loads(&measured)?;
     let has_patterned = calibration.pattern.is_some() && !calibration.patterned.is_empty();
-    if design.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
+    if design.discrepancy && !(has_patterned && calibration.discrepancy.is_some()) {
         return Err(design.refuse_discrepancy("needs patterned samples in the calibration, which has none").into());
     }
-    let purpose = Purpose {
-        condition: design.condition,
-        also_at: &design.also_at,
-        pressures_pa: &design.pressures_pa(),
-        layer: design.layer,
-        seed: design.seed,
-    };
-    let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
+    let conditions = design.condition.iter().chain(&design.also_at).copied().collect();
+    let selection = Selection { conditions, pressures_pa: design.pressures_pa() };
+    let (_, found) = outcome(path, &calibration, (design.layer, design.seed), selection, console)?;
+    let (material, uncertainty) = (found.material, found.uncertainty);
     if design.discrepancy && uncertainty.discrepancy_at(design.humidity()).is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";
         return Err(design.refuse_discrepancy(reason).into());

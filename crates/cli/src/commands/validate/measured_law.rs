@@ -9,9 +9,9 @@ use super::flat_point;
 use super::model::{Body, Case, FlatPoint, predict};
 use super::ratios::{MeasuredLawRatio, Pair, same_condition};
 use crate::formats::calibration::Calibration;
-use crate::formats::measurements::Measurement;
 use crate::progress::Progress;
 use crate::{CliError, Console};
+use slipgrid_calibrate::Measurement;
 
 /// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at its own condition, one per extrapolation;
 /// empty where these are at one pressure only.
