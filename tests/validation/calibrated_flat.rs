@@ -14,9 +14,11 @@ fn the_calibrated_flat_sample_slides_as_measured() {
         area_law: Some(persson_law().unwrap()),
         area_law_scale: None,
         layer: scene.layer,
+        specimen_area_m2: 1.0,
         measurements: vec![Measurement {
-            pressure_pa: 2.546e6,
+            force_n: 2.546e6,
             speed_m_s: 2e-3,
+            humidity: 0.15,
             mu_dynamic: 0.278,
             mu_dynamic_std: 0.001,
             static_peak: None,

@@ -168,9 +168,11 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
                 area_law: Some(law(stiffer)),
                 area_law_scale: None,
                 layer,
+                specimen_area_m2: 1.0,
                 measurements: vec![Measurement {
-                    pressure_pa: PRESSURE_PA,
+                    force_n: PRESSURE_PA,
                     speed_m_s: 2e-3,
+                    humidity: 0.15,
                     mu_dynamic: truth * (1.0 + FRICTION_STD * flat[replicate]),
                     mu_dynamic_std: truth * FRICTION_STD,
                     static_peak: None,
@@ -182,7 +184,7 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
             };
             let fit = calibrate(&problem, &Unwatched).unwrap();
             let (pair, predicted) = (fit.pairs[0], fit.predictions[0]);
-            let conditional = pair.dynamic_std_error / pair.dynamic_mean;
+            let conditional = pair.dynamic_std_error.unwrap() / pair.dynamic_mean;
             let loads = [FlatLoad { pressure_pa: PRESSURE_PA, weight: 1.0 }];
             let law = problem.area_law.as_ref().unwrap();
             let marginal = marginal_relative_std(conditional, law, MODULUS_STD / stiffer, &loads).unwrap();

@@ -11,7 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::CalibrationError;
+use crate::FitError;
 
 /// A measured ratio beside the modelled one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,17 @@ pub enum DiscrepancyForm {
     Constant,
     /// Its logarithm is linear in pressure.
     Linear,
+}
+
+impl DiscrepancyForm {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Linear => "linear",
+        }
+    }
 }
 
 /// A discrepancy with its uncertainty.
@@ -76,12 +87,12 @@ pub struct RatioInterval {
 /// Estimates the discrepancy of `points`.
 ///
 /// # Errors
-/// [`CalibrationError`] if a number has no meaning or there are fewer points than coefficients.
+/// [`FitError`] if a number has no meaning or there are fewer points than coefficients.
 pub fn estimate(
     points: &[RatioPoint],
     form: DiscrepancyForm,
     modulus_relative_std: f64,
-) -> Result<Discrepancy, CalibrationError> {
+) -> Result<Discrepancy, FitError> {
     for (number, point) in points.iter().enumerate() {
         for (quantity, value) in [
             ("pressure_pa", point.pressure_pa),
@@ -90,7 +101,7 @@ pub fn estimate(
             ("modelled ratio", point.modelled),
         ] {
             if !(value.is_finite() && value > 0.0) {
-                return Err(CalibrationError::Measurement { number: number + 1, quantity, value });
+                return Err(FitError::Measurement { number: number + 1, quantity, value });
             }
         }
     }
@@ -100,7 +111,7 @@ pub fn estimate(
     };
     let count = points.len();
     if count < needed {
-        return Err(CalibrationError::NoMeasurement);
+        return Err(FitError::NoMeasurement);
     }
     let reference_pressure_pa = points.iter().map(|point| point.pressure_pa).sum::<f64>() / count as f64;
     let design = DMatrix::from_fn(count, needed, |i, j| {
@@ -117,7 +128,7 @@ pub fn estimate(
         let chi_square: f64 = (0..count).map(|i| weight(i) * residual[i] * residual[i]).sum();
         Some((coefficients, inverse, chi_square, weighted))
     };
-    let singular = CalibrationError::OutOfRange {
+    let singular = FitError::OutOfRange {
         quantity: "number of different pressures",
         value: 1.0,
         expected: "two or more for a discrepancy linear in pressure",
@@ -391,8 +402,8 @@ mod tests {
         assert!((found.coefficients[0] + 0.1).abs() < 1e-12 && (found.coefficients[1] - 0.05).abs() < 1e-12);
         assert!(found.scatter == 0.0 && found.correct(3e6, 0.9, 0.0).outside_measured_range);
         let same = vec![data[0]; 3];
-        assert!(matches!(estimate(&same, DiscrepancyForm::Linear, 0.2), Err(CalibrationError::OutOfRange { .. })));
-        assert!(matches!(estimate(&[], DiscrepancyForm::Constant, 0.2), Err(CalibrationError::NoMeasurement)));
+        assert!(matches!(estimate(&same, DiscrepancyForm::Linear, 0.2), Err(FitError::OutOfRange { .. })));
+        assert!(matches!(estimate(&[], DiscrepancyForm::Constant, 0.2), Err(FitError::NoMeasurement)));
     }
 
     #[test]

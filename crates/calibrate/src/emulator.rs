@@ -2,7 +2,7 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 
-use crate::{CalibrationError, Problem, flat};
+use crate::{FitError, Problem, flat};
 
 /// Coefficients at which the sample is solved, relative to the present ones.
 const NODES: [f64; 3] = [0.8, 1.0, 1.25];
@@ -22,7 +22,7 @@ pub struct Emulator<'a> {
 
 impl<'a> Emulator<'a> {
     /// Solves the sample about the coefficients `dynamic_means`, one a measurement.
-    pub fn new(problem: &'a Problem, dynamic_means: &[f64]) -> Result<Self, CalibrationError> {
+    pub fn new(problem: &'a Problem, dynamic_means: &[f64]) -> Result<Self, FitError> {
         let log_scales: Vec<f64> = problem.area_law_scale.as_ref().map_or(vec![0.0], |unknown| {
             let [from, to] = unknown.bounds_pa.map(f64::ln);
             (0..SCALES).map(|i| from + (to - from) * i as f64 / (SCALES - 1) as f64).collect()
@@ -73,5 +73,5 @@ impl<'a> Emulator<'a> {
 }
 
 fn factor_at(law: Option<&AreaLaw>, problem: &Problem, i: usize) -> f64 {
-    law.map_or(1.0, |law| law.factor(problem.measurements[i].pressure_pa))
+    law.map_or(1.0, |law| law.factor(problem.pressure_pa(&problem.measurements[i])))
 }

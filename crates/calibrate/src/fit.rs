@@ -12,7 +12,7 @@ use slipgrid_springblock::{Monitor, Unwatched};
 use crate::emulator::Emulator;
 use crate::flat::{self, DynamicFlat, Pairs, Portion};
 use crate::least_squares::{LeastSquares, Solution};
-use crate::{CalibrationError, Coefficients, Problem};
+use crate::{Coefficients, FitError, Problem};
 
 /// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: the second round
 /// confirms the first.
@@ -35,8 +35,12 @@ pub struct FittedPair {
     pub static_std_error: Option<f64>,
     /// Mean local dynamic coefficient.
     pub dynamic_mean: f64,
-    /// Its standard error, from the measurements' standard deviations and those of the dynamic runs.
-    pub dynamic_std_error: f64,
+    /// Its standard error, from the measurements' standard deviations and those of the dynamic runs; `None` where the data
+    /// do not determine it.
+    pub dynamic_std_error: Option<f64>,
+    /// That at the given area law, that of flat friction, where `dynamic_std_error` is one whatever Young's modulus and the
+    /// area law are ([`Fit::free_of_the_law`]).
+    pub dynamic_std_error_given_law: Option<f64>,
 }
 
 /// What was fitted to one measurement.
@@ -48,6 +52,8 @@ pub struct Prediction {
     pub residual: f64,
     /// delta: dynamic over steady friction.
     pub dynamic_over_steady: f64,
+    /// Dynamic friction over mu_d f(P), that of an endless sample in steady sliding.
+    pub over_local_law: f64,
     /// Standard error of the dynamic run behind delta, relative.
     pub relative_stderr: f64,
 }
@@ -151,20 +157,20 @@ impl Layout {
     }
 
     /// The area law at the parameters, and the logarithm of its scale.
-    fn law(&self, problem: &Problem, parameters: &[f64]) -> Result<(Option<AreaLaw>, f64), CalibrationError> {
+    fn law(&self, problem: &Problem, parameters: &[f64]) -> Result<(Option<AreaLaw>, f64), FitError> {
         let log_scale = self.log_scale.map_or(0.0, |number| parameters[number]);
         Ok((problem.law_at(log_scale.exp())?, log_scale))
     }
 
     /// Local coefficients at measurement `i`.
-    fn pair(&self, problem: &Problem, parameters: &[f64], i: usize) -> Result<LocalFriction, CalibrationError> {
+    fn pair(&self, problem: &Problem, parameters: &[f64], i: usize) -> Result<LocalFriction, FitError> {
         let dynamic_mean = parameters[self.dynamic[i]];
         let static_mean =
             self.fixed_static[i].map_or(problem.static_over_dynamic * dynamic_mean, |number| parameters[number]);
         Ok(LocalFriction::new(static_mean, dynamic_mean, problem.relative_std)?)
     }
 
-    fn pairs(&self, problem: &Problem, parameters: &[f64]) -> Result<Pairs, CalibrationError> {
+    fn pairs(&self, problem: &Problem, parameters: &[f64]) -> Result<Pairs, FitError> {
         (0..self.dynamic.len()).map(|i| self.pair(problem, parameters, i)).collect()
     }
 }
@@ -189,9 +195,9 @@ struct PeakLine {
 /// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the notes.
 ///
 /// # Errors
-/// [`CalibrationError`] if a number has no meaning, the flat sample does not slide in the model, or the
+/// [`FitError`] if a number has no meaning, the flat sample does not slide in the model, or the
 /// monitor asks to stop. What can be known before the first run is.
-pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, CalibrationError> {
+pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, FitError> {
     problem.validate()?;
     let (mut problem, mut left_out) = before::without_hidden_peaks(problem);
     before::check(&problem)?;
@@ -219,7 +225,7 @@ enum Attempt {
     Flat(Vec<usize>),
 }
 
-fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, CalibrationError> {
+fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError> {
     let layout = Layout::new(problem);
     let mut parameters = first_guess(problem, &layout);
     let mut emulator = None;
@@ -264,7 +270,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, Calibrat
         }
     }
     let (Some(solution), Some(corrections), Some(emulator)) = (solution, corrections, emulator) else {
-        return Err(CalibrationError::NoMeasurement);
+        return Err(FitError::NoMeasurement);
     };
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
     Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
@@ -305,11 +311,11 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    fn least_squares(&self) -> LeastSquares<impl Fn(&[f64]) -> Result<Vec<f64>, CalibrationError>> {
+    fn least_squares(&self) -> LeastSquares<impl Fn(&[f64]) -> Result<Vec<f64>, FitError>> {
         LeastSquares::new(|parameters: &[f64]| self.residuals(parameters), self.layout.bounds(self.problem))
     }
 
-    fn residuals(&self, parameters: &[f64]) -> Result<Vec<f64>, CalibrationError> {
+    fn residuals(&self, parameters: &[f64]) -> Result<Vec<f64>, FitError> {
         let Self { problem, layout, corrections, emulator } = self;
         let (law, log_scale) = layout.law(problem, parameters)?;
         let law = law.as_ref();
@@ -334,7 +340,7 @@ impl Model<'_> {
     }
 
     /// The best fit from `start`; with `everywhere` from scales over all their range as well.
-    fn fit(&self, start: &[f64], everywhere: bool) -> Result<Solution, CalibrationError> {
+    fn fit(&self, start: &[f64], everywhere: bool) -> Result<Solution, FitError> {
         let problem = self.least_squares();
         let mut best = problem.solve(start)?;
         let (Some(number), Some(unknown), true) = (self.layout.log_scale, &self.problem.area_law_scale, everywhere)
@@ -362,7 +368,7 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
         problem.area_law_scale.as_ref().map_or(0.0, |unknown| unknown.bounds_pa.map(f64::ln).iter().sum::<f64>() / 2.0);
     let law = problem.law_at(middle.exp()).ok().flatten();
     for (i, measured) in problem.measurements.iter().enumerate() {
-        let factor = law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+        let factor = law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
         let mut add = |number: usize, mu: f64| {
             sums[number].0 += mu / factor;
             sums[number].1 += 1.0;
@@ -383,7 +389,7 @@ fn correct(
     layout: &Layout,
     parameters: &[f64],
     monitor: &dyn Monitor,
-) -> Result<Corrections, CalibrationError> {
+) -> Result<Corrections, FitError> {
     let pairs = layout.pairs(problem, parameters)?;
     let (area_law, _) = layout.law(problem, parameters)?;
     let problem = &Problem { area_law, ..problem.clone() };
@@ -398,11 +404,7 @@ fn correct(
 }
 
 /// The slope of every measured static peak, by runs at slightly larger mu_s.
-fn peak_lines(
-    problem: &Problem,
-    pairs: &Pairs,
-    dynamic: &[DynamicFlat],
-) -> Result<Vec<Option<PeakLine>>, CalibrationError> {
+fn peak_lines(problem: &Problem, pairs: &Pairs, dynamic: &[DynamicFlat]) -> Result<Vec<Option<PeakLine>>, FitError> {
     if dynamic.iter().all(|d| d.mu_static.is_none()) {
         return Ok(vec![None; dynamic.len()]);
     }
@@ -425,7 +427,7 @@ fn peak_lines(
         .collect())
 }
 
-fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, CalibrationError> {
+fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, FitError> {
     let Model { problem, layout, corrections, .. } = *model;
     let count = problem.measurements.len();
     let pairs_per_fit = match problem.coefficients {
@@ -443,16 +445,23 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
                     .map(|number| solution.standard_error(number))
                     .filter(|error| error.is_finite()),
                 dynamic_mean: pair.dynamic_mean(),
-                dynamic_std_error: solution.standard_error(layout.dynamic[i]).hypot(of_runs),
+                dynamic_std_error: Some(solution.standard_error(layout.dynamic[i]).hypot(of_runs))
+                    .filter(|error| error.is_finite()),
+                dynamic_std_error_given_law: None,
             })
         })
-        .collect::<Result<Vec<FittedPair>, CalibrationError>>()?;
+        .collect::<Result<Vec<FittedPair>, FitError>>()?;
+    let area_law = layout.law(problem, &solution.parameters)?.0;
     let predictions = (0..count)
         .map(|i| {
             let measured = &problem.measurements[i];
             let residual = solution.residuals[i] * measured.mu_dynamic_std;
+            let mu_dynamic = measured.mu_dynamic + residual;
+            let pair = pairs.get(i).unwrap_or(&pairs[0]);
+            let factor = area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
             Prediction {
-                mu_dynamic: measured.mu_dynamic + residual,
+                mu_dynamic,
+                over_local_law: mu_dynamic / (pair.dynamic_mean * factor),
                 residual,
                 dynamic_over_steady: corrections.delta[i],
                 relative_stderr: corrections.relative_stderr[i],
@@ -465,7 +474,7 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
         predictions,
         parameters,
         covariance: solution.covariance.clone(),
-        area_law: layout.law(problem, &solution.parameters)?.0,
+        area_law,
         chi_square: solution.chi_square(),
         degrees_of_freedom: solution.residuals.len().saturating_sub(layout.count),
         settled,

@@ -5,7 +5,7 @@ use slipgrid_springblock::{
     Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate,
 };
 
-use crate::{CalibrationError, Measurement, Problem};
+use crate::{FitError, Measurement, Problem};
 
 /// Travel of a dynamic run from steady sliding, in metres: a hundred stick-slip cycles of a block.
 /// Against four times the travel the mean moves by less than 0.03 %.
@@ -40,9 +40,9 @@ fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> 
     } else {
         (WARM_TRAVEL_M, WARM_ONSETS, (pair.static_mean() - pair.dynamic_mean()).max(0.0))
     };
-    let factor = problem.area_law.as_ref().map_or(1.0, |law| law.factor(measured.pressure_pa));
+    let factor = problem.area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
     // u = mu f P h / G
-    let onset_m = mu * factor * measured.pressure_pa / shear_modulus_pa * problem.layer.height_m;
+    let onset_m = mu * factor * problem.pressure_pa(measured) / shear_modulus_pa * problem.layer.height_m;
     let travel_m = usual_m.max(LEAST_PERIODS * period_s * measured.speed_m_s);
     if travel_m > ENOUGH * onset_m { travel_m } else { onsets * onset_m }
 }
@@ -60,7 +60,12 @@ fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) 
 pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
     let of = |(measured, pair): (&Measurement, &LocalFriction)| {
         let run = run_options(problem, measured, pair);
-        slipgrid_springblock::planned_steps(&scene(problem, measured.speed_m_s, vec![load(measured, *pair)], run))
+        slipgrid_springblock::planned_steps(&scene(
+            problem,
+            measured.speed_m_s,
+            vec![load(problem, measured, *pair)],
+            run,
+        ))
     };
     problem.measurements.iter().zip(pairs).map(of).collect()
 }
@@ -80,13 +85,13 @@ fn scene(problem: &Problem, speed_m_s: f64, loads: Vec<Load>, run: RunOptions) -
     }
 }
 
-fn load(measured: &Measurement, friction: LocalFriction) -> Load {
-    Load { pressure_pa: measured.pressure_pa, friction }
+fn load(problem: &Problem, measured: &Measurement, friction: LocalFriction) -> Load {
+    Load { pressure_pa: problem.pressure_pa(measured), friction }
 }
 
 /// mu of the flat sample in steady sliding, one per measurement.
-pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, CalibrationError> {
-    let loads = problem.measurements.iter().zip(pairs).map(|(measured, pair)| load(measured, *pair)).collect();
+pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, FitError> {
+    let loads = problem.measurements.iter().zip(pairs).map(|(measured, pair)| load(problem, measured, *pair)).collect();
     // Speed plays no part in steady sliding.
     let scene = scene(problem, problem.measurements[0].speed_m_s, loads, RunOptions::default());
     let simulation = simulate(&scene, &slipgrid_springblock::Unwatched)?;
@@ -95,11 +100,11 @@ pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, CalibrationE
     simulation.loads.iter().enumerate().map(slid).collect()
 }
 
-fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, CalibrationError> {
+fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, FitError> {
     match (surface.status, surface.mu_dynamic) {
         (Status::Converged, Some(mu)) => Ok(mu),
-        (Status::Cancelled, _) => Err(CalibrationError::Cancelled),
-        (status, _) => Err(CalibrationError::NoSliding { number: 1, pressure_pa, status: status.name() }),
+        (Status::Cancelled, _) => Err(FitError::Cancelled),
+        (status, _) => Err(FitError::NoSliding { number: 1, pressure_pa, status: status.name() }),
     }
 }
 
@@ -116,13 +121,13 @@ pub struct DynamicFlat {
 
 /// Dynamic runs of the flat sample, one per measurement. Runs start from steady sliding, but from rest
 /// where a static peak was measured.
-pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Result<Vec<DynamicFlat>, CalibrationError> {
+pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Result<Vec<DynamicFlat>, FitError> {
     let count = problem.measurements.len();
     let mut found = vec![DynamicFlat::default(); count];
     // Measurements that differ in nothing the model sees, as humidities do under one pair, share a run.
     let seen = |i: usize| {
         let measured = &problem.measurements[i];
-        (measured.pressure_pa, measured.speed_m_s, measured.static_peak.is_some(), pairs[i])
+        (problem.pressure_pa(measured), measured.speed_m_s, measured.static_peak.is_some(), pairs[i])
     };
     let run_of: Vec<usize> = (0..count).map(|i| (0..i).find(|&j| seen(j) == seen(i)).unwrap_or(i)).collect();
     let mut done: Vec<bool> = (0..count).map(|i| run_of[i] != i).collect();
@@ -134,7 +139,7 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
         };
         let speed_m_s = problem.measurements[first].speed_m_s;
         let group: Vec<usize> = (first..count).filter(|&i| !done[i] && kind(i) == kind(first)).collect();
-        let loads = group.iter().map(|&i| load(&problem.measurements[i], pairs[i])).collect();
+        let loads = group.iter().map(|&i| load(problem, &problem.measurements[i], pairs[i])).collect();
         let run = run_options(problem, &problem.measurements[first], &pairs[first]);
         let runs = (0..count).filter(|&i| run_of[i] == i).count();
         let portion = Portion { whole: monitor, share: group.len() as f64 / runs as f64 };

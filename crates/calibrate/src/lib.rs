@@ -38,9 +38,11 @@
 //!     area_law: None,
 //!     area_law_scale: None,
 //!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+//!     specimen_area_m2: 78.54e-6,
 //!     measurements: vec![Measurement {
-//!         pressure_pa: 2.546e6,
+//!         force_n: 200.0,
 //!         speed_m_s: 2e-3,
+//!         humidity: 0.15,
 //!         mu_dynamic: 0.278,
 //!         mu_dynamic_std: 0.001,
 //!         static_peak: None,
@@ -55,25 +57,38 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod area_law;
 mod area_law_scale;
 mod discrepancies;
 mod discrepancy;
 mod emulator;
 mod fit;
+mod fitted_material;
 mod flat;
+mod flat_friction_law;
 mod least_squares;
 mod marginal;
 mod noise;
+mod patterned_samples;
 mod problem;
+mod select_measurements;
+mod surface;
+mod task;
 pub mod trace;
 mod trials;
 pub mod uncertainty;
+pub mod windows;
 
 pub use area_law_scale::AreaLawScale;
 pub use discrepancies::Discrepancies;
 pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
 pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
+pub use flat_friction_law::flat_friction_law;
 pub use marginal::{FlatLoad, marginal_relative_std};
 pub use noise::Noise;
-pub use problem::{CalibrationError, Coefficients, Measurement, Problem, StaticPeak};
+pub use patterned_samples::{PatternedSamples, RatioAtCondition};
+pub use problem::{Coefficients, FitError, Measurement, Problem, StaticPeak};
+pub use select_measurements::{Selection, measured_friction};
+pub use surface::{AreaLawOrigin, SurfaceFindings};
+pub use task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run};
 pub use trials::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

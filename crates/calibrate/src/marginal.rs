@@ -5,6 +5,8 @@
 
 use slipgrid_material::{AreaLaw, MaterialError};
 
+use crate::{Fit, Problem};
+
 /// A measured load behind a coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlatLoad {
@@ -35,6 +37,48 @@ pub fn marginal_relative_std(
     let of_modulus = mean(&|at_pa| 0.5 * (softer.factor(at_pa) / stiffer.factor(at_pa)).ln());
     let of_law = mean(&|at_pa| (off.factor(at_pa) / law.factor(at_pa)).ln());
     Ok(conditional.hypot(of_modulus).hypot(of_law))
+}
+
+impl Fit {
+    /// Adds to the errors of the coefficients, which take the area law of `problem` for known, what Young's modulus, with this
+    /// relative standard deviation, and the law's own errors leave open. A law whose scale was fitted is in them already.
+    ///
+    /// # Errors
+    /// [`MaterialError`] where the law cannot be moved.
+    pub fn free_of_the_law(
+        &mut self,
+        problem: &Problem,
+        modulus_relative_std: Option<f64>,
+    ) -> Result<(), MaterialError> {
+        let log_modulus_std = modulus_relative_std.unwrap_or(0.0);
+        let Some(law) = problem.area_law.as_ref().filter(|_| problem.area_law_scale.is_none()) else { return Ok(()) };
+        if log_modulus_std == 0.0 && law.factor_std().is_none() {
+            return Ok(());
+        }
+        let loads: Vec<FlatLoad> = problem
+            .measurements
+            .iter()
+            .map(|measured| {
+                let pressure_pa = problem.pressure_pa(measured);
+                // Of sum [(mu_d f_i - mu_i) / s_i]^2.
+                FlatLoad { pressure_pa, weight: (law.factor(pressure_pa) / measured.mu_dynamic_std).powi(2) }
+            })
+            .collect();
+        let single = self.pairs.len() == 1;
+        for (place, pair) in self.pairs.iter_mut().enumerate() {
+            let Some(error) = pair.dynamic_std_error else { continue };
+            let own = if single { &loads[..] } else { &loads[place..=place] };
+            let relative = marginal_relative_std(error / pair.dynamic_mean, law, log_modulus_std, own)?;
+            pair.dynamic_std_error_given_law = Some(error);
+            pair.dynamic_std_error = Some(relative * pair.dynamic_mean);
+        }
+        self.notes.push(
+            "dynamic_std_error: with what Young's modulus and the area law leave open of the local coefficient; \
+             dynamic_std_error_given_law: at the given law, as flat friction is known, which errors of friction and of ratios are made of"
+                .to_owned(),
+        );
+        Ok(())
+    }
 }
 
 #[cfg(test)]

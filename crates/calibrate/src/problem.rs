@@ -1,5 +1,5 @@
 use crate::AreaLawScale;
-use slipgrid_material::{AreaLaw, Elastic, MaterialError};
+use slipgrid_material::{AreaLaw, Condition, Elastic, MaterialError};
 use slipgrid_springblock::{Layer, SceneError};
 
 /// A measured peak of friction at the onset of sliding.
@@ -11,13 +11,15 @@ pub struct StaticPeak {
     pub std: f64,
 }
 
-/// One measurement on a flat sample.
+/// One measurement on a flat or a patterned sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Nominal pressure, in pascals.
-    pub pressure_pa: f64,
+    /// Normal force on one specimen, in newtons.
+    pub force_n: f64,
     /// Sliding speed, in m/s.
     pub speed_m_s: f64,
+    /// Relative humidity, 0 to 1.
+    pub humidity: f64,
     /// Dynamic friction coefficient.
     pub mu_dynamic: f64,
     /// Its standard deviation.
@@ -26,13 +28,35 @@ pub struct Measurement {
     pub static_peak: Option<StaticPeak>,
 }
 
+impl Measurement {
+    /// Speed and humidity.
+    #[must_use]
+    pub const fn condition(&self) -> Condition {
+        Condition { speed_m_s: self.speed_m_s, humidity: self.humidity }
+    }
+}
+
 /// What is fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coefficients {
     /// One pair for all measurements.
     Single,
-    /// One pair for each measurement.
+    /// One pair for each load, speed and humidity.
     PerCondition,
+}
+
+impl Coefficients {
+    /// All kinds of fit.
+    pub const ALL: [Self; 2] = [Self::Single, Self::PerCondition];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::PerCondition => "per-condition",
+        }
+    }
 }
 
 /// Measurements and what is known of the material.
@@ -47,6 +71,8 @@ pub struct Problem {
     pub area_law_scale: Option<AreaLawScale>,
     /// The modelled layer of the specimen.
     pub layer: Layer,
+    /// Area of one specimen's face, in square metres.
+    pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub measurements: Vec<Measurement>,
     /// What is fitted.
@@ -59,9 +85,9 @@ pub struct Problem {
     pub seed: u64,
 }
 
-/// Why a calibration was refused.
+/// Why a fit was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum CalibrationError {
+pub enum FitError {
     /// There is nothing to fit.
     #[error("there is no measurement: expected at least one")]
     NoMeasurement,
@@ -193,7 +219,7 @@ pub enum CalibrationError {
     Cancelled,
 }
 
-impl CalibrationError {
+impl FitError {
     /// Number of the measurement that it is about, from 1.
     #[must_use]
     pub const fn measurement(&self) -> Option<usize> {
@@ -219,18 +245,25 @@ impl CalibrationError {
 }
 
 impl Problem {
+    /// Nominal pressure of a measurement, in pascals.
+    #[must_use]
+    pub fn pressure_pa(&self, measured: &Measurement) -> f64 {
+        // P = F / A
+        measured.force_n / self.specimen_area_m2
+    }
+
     /// Checks every number for a meaning.
     ///
     /// # Errors
-    /// [`CalibrationError`] names the first that has none.
-    pub fn validate(&self) -> Result<(), CalibrationError> {
+    /// [`FitError`] names the first that has none.
+    pub fn validate(&self) -> Result<(), FitError> {
         if self.measurements.is_empty() {
-            return Err(CalibrationError::NoMeasurement);
+            return Err(FitError::NoMeasurement);
         }
         for (number, measured) in self.measurements.iter().enumerate() {
             let peak = measured.static_peak.unwrap_or(StaticPeak { mu: 1.0, std: 1.0 });
             for (quantity, value) in [
-                ("pressure_pa", measured.pressure_pa),
+                ("force_n", measured.force_n),
                 ("speed_m_s", measured.speed_m_s),
                 ("mu_dynamic", measured.mu_dynamic),
                 ("mu_dynamic_std", measured.mu_dynamic_std),
@@ -238,14 +271,14 @@ impl Problem {
                 ("mu_static_std", peak.std),
             ] {
                 if !(value.is_finite() && value > 0.0) {
-                    return Err(CalibrationError::Measurement { number: number + 1, quantity, value });
+                    return Err(FitError::Measurement { number: number + 1, quantity, value });
                 }
             }
         }
         if let Some(unknown) = &self.area_law_scale {
             let [from, to] = unknown.bounds_pa;
             if !(from > 0.0 && to > from && to.is_finite()) {
-                return Err(CalibrationError::OutOfRange {
+                return Err(FitError::OutOfRange {
                     quantity: "bound of the area law's scale",
                     value: from,
                     expected: "two increasing positive pressures",
@@ -254,27 +287,35 @@ impl Problem {
             unknown.law(from)?;
             unknown.law(to)?;
             if self.coefficients == Coefficients::PerCondition {
-                return Err(CalibrationError::AreaLawNotIdentifiable {
+                return Err(FitError::AreaLawNotIdentifiable {
                     reason: "a pair of coefficients for each load absorbs any area law: expected coefficients = \"single\", or a map",
                 });
             }
-            let first = self.measurements[0].pressure_pa;
-            if self.measurements.iter().all(|measured| (measured.pressure_pa / first - 1.0).abs() < 1e-6) {
-                return Err(CalibrationError::AreaLawNotIdentifiable {
+            let first = self.measurements[0].force_n;
+            if self.measurements.iter().all(|measured| (measured.force_n / first - 1.0).abs() < 1e-6) {
+                return Err(FitError::AreaLawNotIdentifiable {
                     reason: "all measurements are at one load: expected two loads or more, or a map",
                 });
             }
         }
         let (ratio, std) = (self.static_over_dynamic, self.relative_std);
+        let area_m2 = self.specimen_area_m2;
+        if !(area_m2.is_finite() && area_m2 > 0.0) {
+            return Err(FitError::OutOfRange {
+                quantity: "specimen_area_m2",
+                value: area_m2,
+                expected: "a positive number",
+            });
+        }
         if !(ratio.is_finite() && ratio > 0.0) {
-            return Err(CalibrationError::OutOfRange {
+            return Err(FitError::OutOfRange {
                 quantity: "static_over_dynamic",
                 value: ratio,
                 expected: "a positive number",
             });
         }
         if !(std.is_finite() && std >= 0.0) {
-            return Err(CalibrationError::OutOfRange {
+            return Err(FitError::OutOfRange {
                 quantity: "relative_std",
                 value: std,
                 expected: "a number not below zero",
@@ -284,7 +325,7 @@ impl Problem {
     }
 
     /// The area law at a scale, where the scale is fitted; the given one otherwise.
-    pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, CalibrationError> {
+    pub(crate) fn law_at(&self, scale_pa: f64) -> Result<Option<AreaLaw>, FitError> {
         match &self.area_law_scale {
             Some(unknown) => Ok(Some(unknown.law(scale_pa)?)),
             None => Ok(self.area_law.clone()),

@@ -63,7 +63,7 @@ pub mod exit_code {
 /// Where a command reports, and how much.
 pub struct Console<'a> {
     /// Results.
-    pub out: &'a mut dyn Write,
+    pub out: &'a mut (dyn Write + Send),
     /// Notes.
     pub err: &'a mut (dyn Write + Send),
     /// No progress bar and no notes.

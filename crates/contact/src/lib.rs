@@ -16,7 +16,7 @@
 //! | [`SolveOptions`] | tolerance and limit of iterations |
 //! | [`ContactState`], [`AreaCurve`] | what was found, with its [`Convergence`] |
 //! | [`ContactArea`] | area fraction: counted pixels, and corrected for the boundary of the contact |
-//! | [`windows`], [`coarser`], [`periodic_component`] | maps made of a map: what a smaller, a blunter, a periodic one gives |
+//! | [`windows`], [`coarser`] | maps made of a map: what a smaller, a blunter one gives |
 //! | [`Monitor`] | progress and cancellation |
 //! | [`closed_form`] | Hertz, Westergaard, crossed waves, Persson |
 //!
@@ -52,5 +52,5 @@ pub use area::ContactArea;
 pub use curve::{AreaCurve, AreaPoint, area_curve};
 pub use error::ContactError;
 pub use rough_contact::{ContactState, Convergence, RoughContact, SolveOptions, Status};
-pub use sampling::{coarser, periodic_component, side_step_ratio, windows};
+pub use sampling::{coarser, windows};
 pub use slipgrid_monitor::{Monitor, Unwatched};

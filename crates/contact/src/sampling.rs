@@ -1,72 +1,9 @@
-//! Maps made of a map: windows, coarser pixels, and a period where a map has none.
+//! Maps made of a map: windows and coarser pixels.
 
-use std::f64::consts::TAU;
-
-use slipgrid_topography::HeightMap;
-use slipgrid_topography::fourier::Fourier;
+use slipgrid_topography::{HeightMap, periodic_component};
 
 use crate::ContactError;
 use crate::error::within;
-
-/// How far opposite sides of `map` are from continuing each other: the rms step across the pair of sides over
-/// the rms step between neighbours, the larger of both directions. About 1 for one period of a surface; large
-/// for a window cut out of a smooth one, whose sides know nothing of each other. 1 for a flat map.
-///
-/// # Errors
-/// [`ContactError::Map`] if points are missing.
-pub fn side_step_ratio(map: &HeightMap) -> Result<f64, ContactError> {
-    map.require_complete()?;
-    let (rows, cols, height) = (map.rows(), map.cols(), map.heights_m());
-    let ratio = |count: usize, points: usize, at: &dyn Fn(usize, usize) -> usize| {
-        let steps = |from: usize, to: usize| -> f64 {
-            (0..points).map(|n| (height[at(to, n)] - height[at(from, n)]).powi(2)).sum()
-        };
-        let across = steps(count - 1, 0);
-        let between = (1..count).map(|line| steps(line - 1, line)).sum::<f64>() / (count.max(2) - 1) as f64;
-        if across > 0.0 { (across / between).sqrt() } else { 0.0 }
-    };
-    let along_x = ratio(rows, cols, &|i, j| i * cols + j);
-    let along_y = ratio(cols, rows, &|j, i| i * cols + j);
-    let larger = along_x.max(along_y);
-    Ok(if larger > 0.0 { larger } else { 1.0 })
-}
-
-/// The periodic component of `map`: it continues itself without a step across its sides, and differs from
-/// the map by a field as smooth as the steps allow.
-///
-/// L. Moisan, J. Math. Imaging Vis. 39, 161 (2011): the smooth field s solves Lap s = v with the periodic
-/// five-point Laplacian and mean 0, v the steps across opposite sides, put on the points along them. A map
-/// that is one period of a smooth surface is changed only by what it varies from one point to the next.
-///
-/// # Errors
-/// [`ContactError::Map`] if points are missing.
-pub fn periodic_component(map: &HeightMap) -> Result<HeightMap, ContactError> {
-    map.require_complete()?;
-    let (rows, cols, height) = (map.rows(), map.cols(), map.heights_m());
-    let mut steps = vec![0.0; height.len()];
-    for j in 0..cols {
-        let (first, last) = (j, (rows - 1) * cols + j);
-        let step = height[last] - height[first];
-        steps[first] += step;
-        steps[last] -= step;
-    }
-    for i in 0..rows {
-        let (first, last) = (i * cols, (i + 1) * cols - 1);
-        let step = height[last] - height[first];
-        steps[first] += step;
-        steps[last] -= step;
-    }
-    let fourier = Fourier::new(rows, cols);
-    // s_kl = v_kl / (2 cos(2 pi k/rows) + 2 cos(2 pi l/cols) - 4)
-    let inverse_laplacian = fourier.wave_multiplier(|k, l| {
-        let cosine = |k: usize, n: usize| (TAU * k as f64 / n as f64).cos();
-        if k == 0 && l == 0 { 0.0 } else { 0.5 / (cosine(k, rows) + cosine(l, cols) - 2.0) }
-    });
-    let mut smooth = vec![0.0; height.len()];
-    fourier.filter(&steps, &inverse_laplacian, &mut smooth, &mut fourier.work());
-    let periodic = height.iter().zip(&smooth).map(|(h, s)| h - s).collect();
-    Ok(HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), periodic)?)
-}
 
 /// `map` cut into `per_side` x `per_side` windows of equal size, row by row, each levelled by its least-squares
 /// plane and made periodic ([`periodic_component`]). What the sides leave over is dropped.
@@ -86,7 +23,7 @@ pub fn windows(map: &HeightMap, per_side: usize) -> Result<Vec<HeightMap>, Conta
             let height = lines.flat_map(|line| &line[first_col..first_col + cols]).copied().collect();
             let mut window = HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), height)?;
             window.subtract_plane()?;
-            periodic_component(&window)
+            Ok(periodic_component(&window)?)
         })
         .collect()
 }
@@ -122,45 +59,6 @@ mod tests {
 
     fn period() -> HeightMap {
         SelfAffine { pixels: 64, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap()
-    }
-
-    /// A window of the period: 40 x 48 of its points.
-    fn window() -> HeightMap {
-        let (map, rows, cols) = (period(), 40, 48);
-        let height = (0..rows * cols).map(|n| map.heights_m()[n / cols * 64 + n % cols]).collect();
-        HeightMap::new(rows, cols, map.dx_m(), map.dy_m(), height).unwrap()
-    }
-
-    #[test]
-    fn the_periodic_component_differs_by_a_smooth_field() {
-        let map = window();
-        let periodic = periodic_component(&map).unwrap();
-        let (rows, cols) = (map.rows(), map.cols());
-        let smooth: Vec<f64> = map.heights_m().iter().zip(periodic.heights_m()).map(|(h, p)| h - p).collect();
-        // Away from the sides it is harmonic on the grid; nothing is taken from the mean.
-        for i in 1..rows - 1 {
-            for j in 1..cols - 1 {
-                let at = |i: usize, j: usize| smooth[i * cols + j];
-                let laplacian = at(i - 1, j) + at(i + 1, j) + at(i, j - 1) + at(i, j + 1) - 4.0 * at(i, j);
-                assert!(laplacian.abs() < 1e-12 * map.sq_m(), "{laplacian}");
-            }
-        }
-        assert!((map.mean_m() - periodic.mean_m()).abs() < 1e-12 * map.sq_m());
-        // The steps across the sides go from several times those between neighbours to what neighbours have.
-        assert!(side_step_ratio(&map).unwrap() > 3.0);
-        assert!(side_step_ratio(&periodic).unwrap() < 1.5);
-        assert!(side_step_ratio(&period()).unwrap() < 1.5);
-    }
-
-    #[test]
-    fn a_tilt_is_no_part_of_a_period() {
-        let height = (0..32 * 24).map(|n| 1e-6 * (n / 24) as f64 - 3e-7 * (n % 24) as f64).collect();
-        let tilted = HeightMap::new(32, 24, 1e-6, 1e-6, height).unwrap();
-        assert!((side_step_ratio(&tilted).unwrap() - 31.0).abs() < 1e-9);
-        assert!(periodic_component(&tilted).unwrap().sq_m() < 0.1 * tilted.sq_m());
-        let flat = HeightMap::new(4, 4, 1e-6, 1e-6, vec![2e-6; 16]).unwrap();
-        assert_eq!(side_step_ratio(&flat).unwrap(), 1.0);
-        assert_eq!(periodic_component(&flat).unwrap(), flat);
     }
 
     #[test]

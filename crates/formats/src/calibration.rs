@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use slipgrid_calibrate::{
+    CalibrationTask, Coefficients, DiscrepancyForm, Measurement, Selection, Surface as LawSource, flat_friction_law,
+};
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Layer;
 use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser;
-use super::material::existing;
+use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
 use super::measured::{self, Placed, Specimens};
-use super::measurements::{self, Measurement};
+use super::measurements;
 use super::pattern::{PatternFile, read_pattern};
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
@@ -78,55 +82,6 @@ struct FitFile {
     relative_std: Option<Number>,
 }
 
-/// What is fitted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Coefficients {
-    /// One pair for all measurements.
-    Single,
-    /// One pair for each load, speed and humidity.
-    PerCondition,
-}
-
-impl Coefficients {
-    /// All kinds of fit.
-    pub const ALL: [Self; 2] = [Self::Single, Self::PerCondition];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Single => "single",
-            Self::PerCondition => "per-condition",
-        }
-    }
-}
-
-/// How the model's error on patterned samples is estimated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DiscrepancyForm {
-    /// One factor.
-    Constant,
-    /// A factor whose logarithm is linear in pressure.
-    Linear,
-    /// Not at all.
-    None,
-}
-
-impl DiscrepancyForm {
-    /// All forms.
-    pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::None];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Constant => "constant",
-            Self::Linear => "linear",
-            Self::None => "none",
-        }
-    }
-}
-
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
@@ -154,8 +109,8 @@ pub struct Calibration {
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples, where the file names it.
     pub pattern: Option<Pattern>,
-    /// How the model's error on patterned samples is estimated.
-    pub discrepancy: DiscrepancyForm,
+    /// How the model's error on patterned samples is estimated; `None` where it is not wanted.
+    pub discrepancy: Option<DiscrepancyForm>,
     /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
     /// Measured flat friction as the law of local pressure, where the calibration takes it for that: its shape is the mean over
@@ -242,11 +197,13 @@ impl Calibration {
             pattern,
             area_law_scale_pa,
             measured_law,
-            discrepancy: fit
-                .and_then(|fit| fit.discrepancy.as_ref())
-                .map_or(Ok(DiscrepancyForm::Constant), |name| {
-                    document.choice(name, &DiscrepancyForm::ALL, DiscrepancyForm::name)
-                })?,
+            discrepancy: fit.and_then(|fit| fit.discrepancy.as_ref()).map_or(
+                Ok(Some(DiscrepancyForm::Constant)),
+                |name| {
+                    let forms = [Some(DiscrepancyForm::Constant), Some(DiscrepancyForm::Linear), None];
+                    document.choice(name, &forms, |form| form.map_or("none", DiscrepancyForm::name))
+                },
+            )?,
             coefficients,
             relative_std: document
                 .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
@@ -254,6 +211,35 @@ impl Calibration {
             placed,
             told: told.iter().map(Diagnostic::to_string).collect(),
         })
+    }
+
+    /// The calibration of a `layer` with this `seed`, with what `surface` is once its maps are read; as far as `selection`
+    /// needs it.
+    #[must_use]
+    pub fn task(&self, surface: LawSource, (layer, seed): (Layer, u64), selection: Selection) -> CalibrationTask {
+        let mut notes = self.told.clone();
+        notes.extend(traces::notes(&self.traces));
+        CalibrationTask {
+            name: self.name.clone(),
+            source: self.source.clone(),
+            elastic: self.elastic,
+            youngs_modulus_std_pa: self.youngs_modulus_std_pa,
+            poisson_ratio: self.poisson_ratio,
+            surface,
+            threshold_pa: self.threshold_pa,
+            specimen_area_m2: self.specimen_area_m2,
+            flat: self.flat.clone(),
+            patterned: self.patterned.clone(),
+            pattern: self.pattern,
+            discrepancy: self.discrepancy,
+            coefficients: self.coefficients,
+            relative_std: self.relative_std,
+            static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
+            layer,
+            seed,
+            selection,
+            notes,
+        }
     }
 
     /// Where `measurement` on a flat sample stands.
@@ -270,8 +256,7 @@ impl Calibration {
     }
 }
 
-/// The law that flat friction `rows` says of local pressure: the mean over conditions of friction over that at the pressure that all
-/// begin with.
+/// The law that flat friction `rows` says of local pressure.
 fn measured_law(
     document: &Document,
     table: &Spanned<SurfaceFile>,
@@ -279,42 +264,17 @@ fn measured_law(
     area_m2: f64,
     extrapolation: Extrapolation,
 ) -> Result<AreaLaw, Diagnostic> {
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-    let alike = |a: &Measurement, b: &Measurement| same(a.speed_m_s, b.speed_m_s) && same(a.humidity, b.humidity);
-    let measured: Vec<&Measurement> = rows.iter().map(|row| &row.measurement).collect();
-    let mut forces: Vec<f64> = measured.iter().map(|row| row.force_n).collect();
-    forces.sort_by(f64::total_cmp);
-    forces.dedup_by(|a, b| same(*a, *b));
-    let at = |of: &Measurement, force_n: f64| {
-        let own = measured.iter().find(|other| alike(other, of) && same(other.force_n, force_n));
-        own.map(|other| other.mu_dynamic)
-    };
-    let refuse = || {
+    let flat: Vec<Measurement> = rows.iter().map(|row| row.measurement).collect();
+    let law = flat_friction_law(&flat, area_m2, extrapolation)
+        .map_err(|error| document.refuse(table.span(), error.to_string()))?;
+    law.ok_or_else(|| {
         document
             .refuse(
                 table.span(),
                 "takes flat friction for the law of local pressure, and no condition has it at several pressures",
             )
             .expected("flat samples measured at one speed and humidity at two forces or more, the lightest among them")
-    };
-    let lightest = *forces.first().ok_or_else(refuse)?;
-    // Conditions with the lightest load and another.
-    let of: Vec<(&Measurement, f64)> = measured
-        .iter()
-        .filter(|row| same(row.force_n, lightest) && measured.iter().filter(|other| alike(other, row)).count() > 1)
-        .map(|row| (*row, row.mu_dynamic))
-        .collect();
-    let mean = |force_n: f64| {
-        let all: Vec<f64> = of.iter().filter_map(|(row, first)| Some(at(row, force_n)? / first)).collect();
-        (!all.is_empty()).then(|| [force_n / area_m2, all.iter().sum::<f64>() / all.len() as f64])
-    };
-    let (pressures_pa, shape): (Vec<f64>, Vec<f64>) =
-        forces.iter().filter_map(|f| mean(*f)).map(|[p, f]| (p, f)).unzip();
-    if pressures_pa.len() < 2 {
-        return Err(refuse());
-    }
-    AreaLaw::from_flat_friction(&pressures_pa, &shape, extrapolation)
-        .map_err(|error| document.refuse(table.span(), error.to_string()))
+    })
 }
 
 /// The specimen's face: a disc by its radius, or the shapes of a design's specimen.

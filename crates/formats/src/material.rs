@@ -1,6 +1,7 @@
 //! Material tables: inline in a scene or design, or a file of their own. The keys are the same.
 
 use serde::{Deserialize, Serialize};
+use slipgrid_calibrate::area_law::table_warnings;
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, MaterialError, Provenance,
 };
@@ -223,7 +224,7 @@ pub fn read_material(
     let told = |warning: &String| file.warnings.iter().any(|known| named(known) == named(warning));
     // A measured law may rise: it is none of contact area.
     let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
-    warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(law_warnings).filter(|warning| !told(warning)));
+    warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(table_warnings).filter(|warning| !told(warning)));
     if let Some(discrepancy) = &file.discrepancy {
         read_discrepancies(document, discrepancy)?;
     }
@@ -330,24 +331,6 @@ fn read_conditions(
         }
     }
     Ok(Friction::PerCondition(rows))
-}
-
-/// What is odd about a law that a table gives.
-fn law_warnings(law: &AreaLaw) -> Vec<String> {
-    let step = law.step().map(|(pressure_pa, factor)| {
-        format!(
-            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
-             begins with 1",
-            PRESSURE_MPA.from_si(pressure_pa)
-        )
-    });
-    let above = law.above_one().map(|(pressure_pa, factor)| {
-        format!(
-            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
-            PRESSURE_MPA.from_si(pressure_pa)
-        )
-    });
-    step.into_iter().chain(above).collect()
 }
 
 fn read_area_law(document: &Document, file: &Spanned<AreaLawFile>) -> Result<AreaLaw, Diagnostic> {

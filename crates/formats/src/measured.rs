@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::calibration::Coefficients;
-use super::measurements::Measurement;
+use slipgrid_calibrate::{Coefficients, Measurement, StaticPeak};
+
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{FORCE, FRICTION, PRESSURE, RELATIVE_DEVIATION, SPEED, STRAIN};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -88,7 +88,7 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         told.extend(STRAIN.check(strain, || by_area(strain, "of Young's modulus"))?);
         told.extend(FRICTION.check(measured.mu_dynamic, || row.at("mu_dynamic", measured.mu_dynamic))?);
         told.extend(RELATIVE_DEVIATION.check(deviation, || row.at("mu_dynamic_std", measured.mu_dynamic_std))?);
-        if let (Some(peak), Some(std)) = (measured.mu_static, measured.mu_static_std) {
+        if let Some(StaticPeak { mu: peak, std }) = measured.static_peak {
             told.extend(FRICTION.check(peak, || row.at("mu_static", peak))?);
             told.extend(RELATIVE_DEVIATION.check(std / peak, || row.at("mu_static_std", std))?);
             if peak <= measured.mu_dynamic {

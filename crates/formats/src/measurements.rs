@@ -2,28 +2,11 @@
 
 use std::path::Path;
 
+use slipgrid_calibrate::{Measurement, StaticPeak};
+
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::source::{Source, read_text};
 use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
-
-/// One row of a table of measurements, SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measurement {
-    /// Normal force on one specimen, in newtons.
-    pub force_n: f64,
-    /// Sliding speed, in m/s.
-    pub speed_m_s: f64,
-    /// Relative humidity, 0 to 1.
-    pub humidity: f64,
-    /// Dynamic friction coefficient.
-    pub mu_dynamic: f64,
-    /// Its standard deviation.
-    pub mu_dynamic_std: f64,
-    /// Static friction coefficient, where measured.
-    pub mu_static: Option<f64>,
-    /// Its standard deviation.
-    pub mu_static_std: Option<f64>,
-}
 
 /// Columns: name, range, whether every table must have it.
 const COLUMNS: [(&str, Quantity, bool); 7] = [
@@ -133,8 +116,8 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
                 return Err(refuse(line, Some(there), None, format!("stands without {absent}"))
                     .expected("both in a row, or neither where no static peak was measured"));
             }
-            let row =
-                Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, mu_static, mu_static_std };
+            let static_peak = mu_static.zip(mu_static_std).map(|(mu, std)| StaticPeak { mu, std });
+            let row = Measurement { force_n, speed_m_s, humidity, mu_dynamic, mu_dynamic_std, static_peak };
             rows.push((line, row));
         }
     }
@@ -157,8 +140,8 @@ pub fn table(comment: &str, rows: &[Measurement]) -> String {
             HUMIDITY_PCT.from_si(row.humidity).to_string(),
             rounded(row.mu_dynamic),
             rounded(row.mu_dynamic_std),
-            optional(row.mu_static),
-            optional(row.mu_static_std),
+            optional(row.static_peak.map(|peak| peak.mu)),
+            optional(row.static_peak.map(|peak| peak.std)),
         ];
         text += &format!("{}\n", cells.join(","));
     }
@@ -181,8 +164,7 @@ mod tests {
                 humidity: 0.15,
                 mu_dynamic: 0.278,
                 mu_dynamic_std: 0.001,
-                mu_static: None,
-                mu_static_std: None,
+                static_peak: None,
             }]
         );
     }
@@ -195,10 +177,9 @@ mod tests {
             humidity: 0.15,
             mu_dynamic: 0.278123,
             mu_dynamic_std: 0.001,
-            mu_static: Some(0.3),
-            mu_static_std: Some(0.01),
+            static_peak: Some(StaticPeak { mu: 0.3, std: 0.01 }),
         };
-        let rows = [row, Measurement { mu_static: None, mu_static_std: None, ..row }];
+        let rows = [row, Measurement { static_peak: None, ..row }];
         assert_eq!(parse(Path::new("a.csv"), &table("by a test", &rows)).unwrap(), rows);
     }
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Deserialize;
 use slipgrid_material::Extrapolation;
-use slipgrid_topography::{Crop, Decimation, DecimationMethod, Form, LengthUnit, ReadOptions};
+use slipgrid_topography::{Crop, Decimation, DecimationMethod, Form, LengthUnit, Missing, Preparation, ReadOptions};
 use toml::Spanned;
 
 use super::document::Document;
@@ -40,16 +40,6 @@ pub struct SurfaceFile {
     windows: Option<Spanned<usize>>,
 }
 
-/// What is done about missing points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Missing {
-    /// The smoothest surface takes their place.
-    #[default]
-    Fill,
-    /// The map is refused.
-    Refuse,
-}
-
 /// How a map is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapOptions {
@@ -61,6 +51,14 @@ pub struct MapOptions {
     pub missing: Missing,
     /// Spikes are replaced by the median of the points about them.
     pub despike: bool,
+}
+
+impl MapOptions {
+    /// How the map is made ready once it is read.
+    #[must_use]
+    pub const fn preparation(&self) -> Preparation {
+        Preparation { form: self.form, missing: self.missing, despike: self.despike }
+    }
 }
 
 /// Where the area law comes from.

@@ -7,10 +7,10 @@ use serde::Deserialize;
 use slipgrid_calibrate::trace::{
     DEFAULT_WINDOW_S, Repeats, Tangential, TraceChannels, TraceFindings, TraceFlag, TraceOptions, analyse, average,
 };
+use slipgrid_calibrate::{Measurement, StaticPeak};
 use toml::Spanned;
 
 use super::document::Document;
-use super::measurements::Measurement;
 use super::trace_file;
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
@@ -123,8 +123,7 @@ impl ConditionTraces {
             humidity: condition.humidity,
             mu_dynamic: mean.mu_dynamic.mean,
             mu_dynamic_std: mean.mu_dynamic.std,
-            mu_static: mean.mu_static.map(|peak| peak.mean),
-            mu_static_std: mean.mu_static.map(|peak| peak.std),
+            static_peak: mean.mu_static.map(|peak| StaticPeak { mu: peak.mean, std: peak.std }),
         }
     }
 }

@@ -43,7 +43,9 @@ mod form;
 mod level;
 mod map;
 mod parameters;
+mod periodic;
 mod plausibility;
+mod prepare;
 mod read;
 mod synthetic;
 mod unit;
@@ -60,7 +62,9 @@ pub use parameters::{
     CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, MaterialRatioCurve, Sides,
     SpectrumBin, SpectrumWindow,
 };
+pub use periodic::{periodic_component, side_step_ratio};
 pub use plausibility::{MapWarning, limits};
+pub use prepare::{Missing, Preparation, PreparationError, PreparedMap};
 pub use read::{Crop, Decimation, DecimationMethod, MapFormat, ReadMap, ReadOptions, read_map};
 pub use synthetic::SelfAffine;
 pub use unit::{LengthUnit, UnknownUnit};

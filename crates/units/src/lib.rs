@@ -51,6 +51,12 @@ impl Quantity {
         })
     }
 
+    /// `si` as it is read back from a file that holds it to 12 digits.
+    #[must_use]
+    pub fn as_written(&self, si: f64) -> f64 {
+        self.to_si(self.from_si(si))
+    }
+
     /// The same quantity with its lower end included: where zero has a meaning.
     #[must_use]
     pub const fn or_least(mut self) -> Self {

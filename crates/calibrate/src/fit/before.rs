@@ -3,7 +3,7 @@
 use slipgrid_springblock::MOST_STEPS;
 
 use super::{FRICTION_BOUNDS, Layout, first_guess};
-use crate::{CalibrationError, Problem, flat};
+use crate::{FitError, Problem, flat};
 
 /// Static peak over dynamic friction beyond which the model of the flat sample has none: at 0.64 MPa on the usual layer
 /// it is 1.03 for mu_s / mu_d of 1.2, 1.4 for 2, 1.83 for 3, and falls again beyond.
@@ -26,9 +26,9 @@ const LEAST_FRICTION_OVER_INERTIA: f64 = 0.005;
 const DELTAS: [f64; 2] = [0.5, 1.5];
 
 /// Refuses dynamic runs that say nothing of steady friction.
-pub fn check_deltas(deltas: &[f64]) -> Result<(), CalibrationError> {
+pub fn check_deltas(deltas: &[f64]) -> Result<(), FitError> {
     match (1..).zip(deltas).find(|(_, delta)| !(DELTAS[0]..=DELTAS[1]).contains(*delta)) {
-        Some((number, &delta)) => Err(CalibrationError::NotQuasiStatic { number, delta }),
+        Some((number, &delta)) => Err(FitError::NotQuasiStatic { number, delta }),
         None => Ok(()),
     }
 }
@@ -61,31 +61,31 @@ pub fn left_out(problem: &Problem, number: usize, why: &str) -> String {
 }
 
 /// Refuses what no run would bring nearer; time steps of the first round's run of every measurement otherwise.
-pub fn check(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
+pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     let (count, most) = (Layout::new(problem).count, MOST_COEFFICIENTS);
     if count > most {
-        return Err(CalibrationError::TooManyCoefficients { count, most });
+        return Err(FitError::TooManyCoefficients { count, most });
     }
     let most = FRICTION_BOUNDS[1];
     for (measured, number) in problem.measurements.iter().zip(1..) {
         if let Some(peak) = measured.static_peak {
             let ratio = peak.mu / measured.mu_dynamic;
             if ratio > MOST_PEAK {
-                return Err(CalibrationError::PeakTooHigh { number, ratio, most: MOST_PEAK });
+                return Err(FitError::PeakTooHigh { number, ratio, most: MOST_PEAK });
             }
         }
         // c = sqrt(G / rho), G = 3 E / 8: rho c v = sqrt(G rho) v
         let elastic = &problem.elastic;
         let impedance = (0.375 * elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt();
-        let share = measured.mu_dynamic * measured.pressure_pa / (impedance * measured.speed_m_s);
+        let share = measured.mu_dynamic * problem.pressure_pa(measured) / (impedance * measured.speed_m_s);
         if share < LEAST_FRICTION_OVER_INERTIA {
-            return Err(CalibrationError::Inertia { number, share, least: LEAST_FRICTION_OVER_INERTIA });
+            return Err(FitError::Inertia { number, share, least: LEAST_FRICTION_OVER_INERTIA });
         }
         if let Some(law) = &problem.area_law {
-            let factor = law.factor(measured.pressure_pa);
+            let factor = law.factor(problem.pressure_pa(measured));
             let mean = measured.mu_dynamic / factor;
             if !mean.is_finite() || mean > most {
-                return Err(CalibrationError::BeyondLaw { number, factor, mean, most });
+                return Err(FitError::BeyondLaw { number, factor, mean, most });
             }
         }
     }
@@ -94,11 +94,11 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
     let steps = flat::planned_steps(problem, &layout.pairs(problem, &guess)?);
     if let Some(i) = steps.iter().position(|steps| *steps > MOST_STEPS) {
         let (steps, most) = (steps[i] as f64, MOST_STEPS as f64);
-        return Err(CalibrationError::TooManySteps { number: i + 1, steps, most });
+        return Err(FitError::TooManySteps { number: i + 1, steps, most });
     }
     let all = steps.iter().fold(0_u64, |sum, steps| sum.saturating_add(*steps));
     if all > MOST_WORK {
-        return Err(CalibrationError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
+        return Err(FitError::TooMuchWork { steps: all as f64, most: MOST_WORK as f64 });
     }
     Ok(steps)
 }
@@ -107,8 +107,8 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
 /// where static peaks are fitted.
 ///
 /// # Errors
-/// [`CalibrationError`] as [`calibrate`](super::calibrate), of all that is known before the first run.
-pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, CalibrationError> {
+/// [`FitError`] as [`calibrate`](super::calibrate), of all that is known before the first run.
+pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, FitError> {
     problem.validate()?;
     check(&without_hidden_peaks(problem).0)
 }

@@ -2,7 +2,7 @@
 
 use super::{Model, Parameter};
 use crate::least_squares::Solution;
-use crate::{CalibrationError, Coefficients};
+use crate::{Coefficients, FitError};
 
 /// Increase of chi-square at the ends of a 95 % interval of one parameter.
 const LEVEL: f64 = 3.841_458_8;
@@ -12,17 +12,17 @@ const POINTS: usize = 12;
 const REACH: f64 = 3.5;
 
 /// Every parameter with its profile.
-pub fn parameters(model: &Model<'_>, solution: &Solution) -> Result<Vec<Parameter>, CalibrationError> {
+pub fn parameters(model: &Model<'_>, solution: &Solution) -> Result<Vec<Parameter>, FitError> {
     (0..solution.parameters.len()).map(|number| parameter(model, solution, number)).collect()
 }
 
-fn parameter(model: &Model<'_>, solution: &Solution, number: usize) -> Result<Parameter, CalibrationError> {
+fn parameter(model: &Model<'_>, solution: &Solution, number: usize) -> Result<Parameter, FitError> {
     let layout = model.layout;
     let bounds = layout.bounds(model.problem)[number];
     let value = solution.parameters[number];
     let error = solution.standard_error(number);
     // Down from the fit and up, each beginning where the last ended: the others follow smoothly.
-    let side = |end: f64| -> Result<Vec<[f64; 2]>, CalibrationError> {
+    let side = |end: f64| -> Result<Vec<[f64; 2]>, FitError> {
         let reach = (REACH * error).min((end - value).abs());
         let mut start = solution.parameters.clone();
         let mut points = Vec::new();

@@ -2,24 +2,25 @@
 
 use std::path::{Path, PathBuf};
 
+use slipgrid_calibrate::area_law::{
+    AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, area_law, persson_curve, surface_area_law,
+};
+use slipgrid_calibrate::windows::{
+    DEFAULT_WINDOWS, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
+};
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
-use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, ReadOptions};
+use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, PreparedMap, ReadOptions};
 
-use super::altitude_map::SurfaceMap;
-use super::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, check_factors, persson_curve};
+use super::altitude_map::{law_warnings, read_period, refuse_law};
 use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
-use super::area_statistics::{
-    DEFAULT_WINDOWS, LawRequest, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
-    takes_default_windows, window_spread,
-};
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
 use crate::output::{Place, check_folder};
-use crate::progress::Progress;
+use crate::progress::{Job, Progress};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
-use slipgrid_formats::surface::{MapOptions, Missing};
+use slipgrid_formats::surface::MapOptions;
 use slipgrid_report::Outputs;
 use slipgrid_results::{VERSION, json, json_and_timings};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
@@ -97,11 +98,13 @@ impl Request {
         self.solved_pa.len() - self.listed_pa.len()
     }
 
-    fn law(&self) -> LawRequest<'_> {
-        LawRequest {
+    fn law(&self) -> AreaLawRequest<'_> {
+        AreaLawRequest {
             contact_modulus_pa: self.contact_modulus_pa,
             pressures_pa: &self.solved_pa,
             threshold_pa: self.threshold_pa,
+            tolerance: self.tolerance,
+            windows: None,
         }
     }
 
@@ -169,34 +172,23 @@ fn of_map(
     path: &Path,
     args: &AreaLawArgs,
     request: &Request,
-    console: &Console<'_>,
+    console: &mut Console<'_>,
 ) -> Result<AreaLawReport, CliError> {
     let mut options = map_options(&args.reading)?;
     if args.no_level {
         options.form = Form::Mean;
     }
-    let surface = SurfaceMap::read_period(path, &options)?;
-    let progress = Progress::start("area law", console.quiet);
-    let curve = area_curve(&surface.map, request.contact_modulus_pa, &request.solved_pa, request.tolerance, &progress)
-        .map_err(|error| Diagnostic::file(path, error.to_string()))?;
-    let wall_s = progress.finish();
-    heed()?;
-    let mut warnings = surface.warnings.clone();
-    if let Ok(law) = area_law(&curve.points, request.threshold_pa) {
-        warnings.extend(check_factors(path, &law, &surface.warnings)?);
-    }
-
+    let surface = read_period(path, &options)?;
+    let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
+    let found = surface_area_law(&surface, &wanted, &Job::new(console)).map_err(|error| match &error {
+        AreaLawError::Windows(_) => {
+            let per_side = args.windows.unwrap_or(DEFAULT_WINDOWS);
+            Diagnostic::flag("--windows", per_side.to_string(), error.to_string()).into()
+        }
+        _ => refuse_law(path, &error),
+    })?;
     let mut model = model(&surface);
-    let per_side = args.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
-    let windows = if per_side < 2 {
-        None
-    } else {
-        let progress = Progress::start("windows", console.quiet);
-        let spread = window_spread(&surface.map, per_side, &request.law(), &progress)
-            .map_err(|error| Diagnostic::flag("--windows", per_side.to_string(), error.to_string()))?;
-        spread.map(|spread| window_report(&spread, request.first(), progress.finish()))
-    };
-    heed()?;
+    let windows = found.windows.as_ref().map(|spread| window_report(spread, request.first(), found.windows_s));
     if let Some(windows) = &windows {
         model.push(format!(
             "factor_std is the standard deviation of f among {} windows over the root of their number, itself known to \
@@ -216,6 +208,7 @@ fn of_map(
     }
     progress.finish();
 
+    let curve = &found.curve;
     let mut report = AreaLawReport {
         map: Some(path.display().to_string()),
         synthetic_surface: surface.synthetic,
@@ -225,8 +218,8 @@ fn of_map(
         columns: Some(surface.map.cols()),
         full_contact_pressure_mpa: Some(PRESSURE_MPA.from_si(curve.full_contact_pressure_pa)),
         model,
-        warnings,
-        wall_s,
+        warnings: law_warnings(&found.warnings),
+        wall_s: found.curve_s,
         resolutions,
         ..request.report(&curve.points, surface.rms_slope, args, console)
     };
@@ -345,7 +338,7 @@ fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
     })
 }
 
-fn model(surface: &SurfaceMap) -> Vec<String> {
+fn model(surface: &PreparedMap) -> Vec<String> {
     let mut model = vec![
         "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
         FACTOR_STATEMENT.to_owned(),

@@ -3,10 +3,8 @@
 mod accuracy;
 mod altitude_map;
 mod announcement;
-mod area_curve;
 mod area_law;
 mod area_report;
-mod area_statistics;
 mod calibrate;
 mod export;
 mod new;

@@ -1,14 +1,14 @@
 //! `traces`: tribometer exports to measurements.
 
 use crate::args::TracesArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
+use slipgrid_calibrate::Measurement;
 use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::measurements::{self, Measurement};
+use slipgrid_formats::measurements;
 use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, TraceSetup, analyse_condition, notes};
 use slipgrid_report::Outputs;
 use slipgrid_report::charts::{RepeatTrace, Series, TribometerChart, tribometer};
@@ -28,14 +28,16 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     }
     let conditions = match &args.files[..] {
         [file] if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) => {
-            let calibration = Calibration::read(&disk(), file)?;
+            let calibration = Calibration::read(&crate::input::disk(), file)?;
             if calibration.traces.is_empty() {
                 return Err(Diagnostic::file(file, "has no table [traces]").expected("one, or exports instead").into());
             }
             calibration.traces
         }
-        [folder] if folder.is_dir() => return Err(FileKind::Calibration.refuse_folder(&disk(), folder).into()),
-        _ => vec![analyse_condition(&disk(), &setup(args)?, &condition(args)?)?],
+        [folder] if folder.is_dir() => {
+            return Err(FileKind::Calibration.refuse_folder(&crate::input::disk(), folder).into());
+        }
+        _ => vec![analyse_condition(&crate::input::disk(), &setup(args)?, &condition(args)?)?],
     };
     if let Some(folder) = &args.output {
         let outputs = outputs(&conditions)?;

@@ -1,11 +1,11 @@
 //! The scene on which methods are judged: the source paper's, or a user's, and its reduced form.
 
+use slipgrid_calibrate::area_law::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use slipgrid_material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 
 use crate::CliError;
-use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_units::PRESSURE_MPA;
 

@@ -1,12 +1,13 @@
 //! The material file that a calibration writes.
 
+use slipgrid_calibrate::{
+    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
+};
 use slipgrid_material::Condition;
 use toml::Spanned;
 
-use super::discrepancy::Report;
-use super::{CalibrationInput, Fit, FittedPair, SurfaceFacts};
+use super::discrepancy;
 use crate::CliError;
-use slipgrid_formats::calibration::{Calibration, Coefficients};
 use slipgrid_formats::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
 use slipgrid_formats::values::{Numbers, number, number_list};
 use slipgrid_results::VERSION;
@@ -16,51 +17,41 @@ use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSU
 ///
 /// # Errors
 /// [`CliError::Other`] if the fit has not one pair, or one pair per measurement.
-pub fn material_toml(
-    calibration: &Calibration,
-    input: &CalibrationInput,
-    facts: &SurfaceFacts,
-    fit: &Fit,
-    discrepancy: Option<&Report>,
-) -> Result<String, CliError> {
-    let mut notes = fit.notes.clone();
-    notes.extend(facts.notes.iter().cloned());
-    notes.extend(calibration.told.iter().cloned());
-    notes.extend(slipgrid_formats::traces::notes(&calibration.traces));
-    notes.extend(discrepancy.map(Report::note));
-    if facts.synthetic {
-        notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
-    }
+pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, CliError> {
+    let (provenance, facts) = (&outcome.material.provenance, &outcome.surface);
     let file = MaterialFile {
-        name: Some(calibration.name.clone()),
-        source: Some(calibration.source.clone()),
+        name: Some(provenance.name.clone()),
+        source: Some(provenance.source.clone()),
         slipgrid_version: Some(VERSION.to_owned()),
         synthetic_surface: Some(facts.synthetic),
-        notes,
-        warnings: facts.warnings.clone(),
-        youngs_modulus_gpa: number(MODULUS_GPA.from_si(calibration.elastic.youngs_modulus_pa())),
-        youngs_modulus_std_gpa: calibration.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
-        density_g_cm3: number(DENSITY_G_CM3.from_si(calibration.elastic.density_kg_m3())),
-        friction: unplaced(friction(calibration, fit)?),
-        area_law: input.area_law.as_ref().map(|law| {
+        notes: provenance.notes.clone(),
+        warnings: provenance.warnings[..facts.warnings.len()].to_vec(),
+        youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
+        youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
+        density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
+        friction: unplaced(friction(task, outcome)?),
+        area_law: facts.law.as_ref().map(|law| {
             let area = |&pressure_pa: &f64| {
                 let listed = facts.curve.iter().find(|point| point.pressure_pa == pressure_pa);
                 listed.map(|point| tidy(point.area_fraction_corrected))
             };
             let areas: Option<Vec<f64>> = law.pressures_pa().iter().map(area).collect();
             unplaced(AreaLawFile {
-                origin: facts.origin.map(str::to_owned),
+                origin: facts.origin.map(|origin| AreaLawOrigin::name(origin).to_owned()),
                 rms_slope: facts.rms_slope.map(|slope| number(tidy(slope))),
                 sa_um: facts.sa_m.map(|sa_m| number(LENGTH_UM.from_si(sa_m))),
                 pixel_um: facts.pixel_m.map(|pixel_m| number(LENGTH_UM.from_si(pixel_m))),
-                poisson_ratio: Some(number(tidy(calibration.poisson_ratio))),
+                poisson_ratio: Some(number(tidy(task.poisson_ratio))),
                 pressure_mpa: number_list(law.pressures_pa().iter().map(|&p| PRESSURE_MPA.from_si(p))),
                 factor: number_list(law.factors().iter().map(|&factor| tidy(factor))),
                 factor_std: law.factor_std().map(|std| number_list(std.iter().map(|&std| tidy(std)))),
                 area_fraction: areas.map(number_list),
             })
         }),
-        discrepancy: discrepancy.map(Report::file),
+        discrepancy: outcome
+            .patterned
+            .as_ref()
+            .map(|found| discrepancy::file(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
     };
     let body =
         toml::to_string(&file).map_err(|error| CliError::Other(format!("the material has no TOML form: {error}")))?;
@@ -75,9 +66,9 @@ fn rounded(residual: f64) -> f64 {
     (residual * 1e9).round() / 1e9 + 0.0
 }
 
-fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliError> {
-    let relative_std = Some(number(calibration.relative_std));
-    match (calibration.coefficients, &fit.pairs[..]) {
+fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, CliError> {
+    let (relative_std, fit) = (Some(number(task.relative_std)), &outcome.fit);
+    match (task.coefficients, &fit.pairs[..]) {
         (Coefficients::Single, [pair]) => Ok(FrictionFile {
             static_mean: Some(unplaced(Numbers::One(tidy(pair.static_mean)))),
             dynamic_mean: Some(unplaced(Numbers::One(tidy(pair.dynamic_mean)))),
@@ -86,62 +77,19 @@ fn friction(calibration: &Calibration, fit: &Fit) -> Result<FrictionFile, CliErr
             dynamic_std_error_given_law: pair
                 .dynamic_std_error_given_law
                 .map(|error| unplaced(Numbers::One(tidy(error)))),
-            dynamic_over_steady: mean(&fit.dynamic_over_steady).map(|excess| unplaced(Numbers::One(excess))),
+            dynamic_over_steady: fit.mean_over_local_law().map(|excess| unplaced(Numbers::One(excess))),
             relative_std,
-            residual: Some(fit.residuals.iter().copied().map(rounded).collect()),
-            scale_covariance: fit.details.scale_covariance(pair.dynamic_std_error).map(unplaced),
+            residual: Some(fit.predictions.iter().map(|predicted| rounded(predicted.residual)).collect()),
+            scale_covariance: fit.scale_covariance().map(|rows| unplaced(rows.map(|row| row.to_vec()).to_vec())),
             ..FrictionFile::default()
         }),
-        (Coefficients::PerCondition, pairs)
-            if pairs.len() == calibration.flat.len()
-                && fit.residuals.len() == pairs.len()
-                && fit.dynamic_over_steady.len() == pairs.len() =>
-        {
-            let conditions = conditions(calibration, fit)
-                .into_iter()
-                .map(|(condition, rows)| unplaced(condition_table(condition, &rows)))
-                .collect();
+        (Coefficients::PerCondition, _) => {
+            let tables = outcome.by_condition.iter();
+            let conditions = tables.map(|(condition, rows)| unplaced(condition_table(*condition, rows))).collect();
             Ok(FrictionFile { relative_std, conditions, ..FrictionFile::default() })
         }
         (_, pairs) => Err(CliError::Other(format!("the fit returned {} pairs of coefficients", pairs.len()))),
     }
-}
-
-/// A measurement's pressure with what was fitted to it.
-#[derive(Clone, Copy)]
-struct Row {
-    pressure_pa: f64,
-    pair: FittedPair,
-    residual: f64,
-    dynamic_over_steady: f64,
-}
-
-/// The mean to five digits: runs are known to a thousandth. `None` of nothing.
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| digits(values.iter().sum::<f64>() / values.len() as f64))
-}
-
-fn digits(excess: f64) -> f64 {
-    (excess * 1e5).round() / 1e5
-}
-
-/// Rows by speed and humidity in the order of the measurements, each by pressure.
-fn conditions(calibration: &Calibration, fit: &Fit) -> Vec<(Condition, Vec<Row>)> {
-    let mut conditions: Vec<(Condition, Vec<Row>)> = Vec::new();
-    let found = fit.pairs.iter().zip(&fit.residuals).zip(&fit.dynamic_over_steady);
-    for (measured, ((&pair, &residual), &excess)) in calibration.flat.iter().zip(found) {
-        let condition = Condition { speed_m_s: measured.speed_m_s, humidity: measured.humidity };
-        let pressure_pa = calibration.pressure_pa(measured.force_n);
-        let row = Row { pressure_pa, pair, residual, dynamic_over_steady: digits(excess) };
-        match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
-            Some((_, rows)) => rows.push(row),
-            None => conditions.push((condition, vec![row])),
-        }
-    }
-    for (_, rows) in &mut conditions {
-        rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
-    }
-    conditions
 }
 
 fn condition_table(condition: Condition, rows: &[Row]) -> ConditionTable {
@@ -172,107 +120,93 @@ fn unplaced<T>(value: T) -> Spanned<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::commands::calibrate::details::FitDetails;
+    use slipgrid_calibrate::{DiscrepancyForm, Measurement, Selection, Surface};
     use slipgrid_formats::Document;
-    use slipgrid_formats::material::read_material;
-    use slipgrid_formats::measurements::Measurement;
-    use slipgrid_formats::surface::Surface;
-    use slipgrid_material::{AreaLaw, Elastic, Friction};
+    use slipgrid_formats::material_uncertainty::read_known;
+    use slipgrid_formats::scene::DEFAULT_LAYER;
+    use slipgrid_material::{Elastic, Friction};
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_pattern::{Pattern, Planform};
 
-    fn measurement(force_n: f64, humidity: f64) -> Measurement {
-        Measurement {
-            force_n,
-            speed_m_s: 2e-3,
-            humidity,
-            mu_dynamic: 0.25,
-            mu_dynamic_std: 0.002,
-            mu_static: None,
-            mu_static_std: None,
-        }
+    fn measurement(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
+        Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
     }
 
-    fn calibration(coefficients: Coefficients) -> Calibration {
-        Calibration {
-            inputs: Vec::new(),
+    /// Numbers of a short sample that no decimal fraction of few digits holds.
+    fn task(coefficients: Coefficients, surface: Surface) -> CalibrationTask {
+        let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
+        let patterned: Vec<Measurement> =
+            flat.iter().map(|flat| Measurement { mu_dynamic: flat.mu_dynamic * 0.9, ..*flat }).collect();
+        CalibrationTask {
             name: "test".into(),
             source: "nowhere".into(),
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             youngs_modulus_std_pa: Some(0.08e9),
             poisson_ratio: 1.0 / 3.0,
-            surface: Surface::None,
+            surface,
             threshold_pa: slipgrid_material::THRESHOLD_PRESSURE_PA,
             specimen_area_m2: std::f64::consts::PI * 25e-6,
-            flat: vec![measurement(200.0, 0.15), measurement(50.0, 0.8), measurement(50.0, 0.15)],
-            patterned: Vec::new(),
-            traces: Vec::new(),
-            pattern: None,
-            area_law_scale_pa: None,
-            measured_law: None,
-            discrepancy: slipgrid_formats::calibration::DiscrepancyForm::Constant,
+            flat,
+            patterned,
+            pattern: Some(Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap()),
+            discrepancy: Some(DiscrepancyForm::Constant),
             coefficients,
             relative_std: 0.05,
-            placed: Vec::new(),
-            told: Vec::new(),
-        }
-    }
-
-    fn pair(dynamic_mean: f64) -> FittedPair {
-        FittedPair {
-            static_mean: 0.3,
-            static_std_error: None,
-            dynamic_mean,
-            dynamic_std_error: Some(0.002),
-            dynamic_std_error_given_law: None,
-        }
-    }
-
-    fn written(coefficients: Coefficients, pairs: Vec<FittedPair>) -> slipgrid_material::Material {
-        let calibration = calibration(coefficients);
-        let law = AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.9]);
-        let input = CalibrationInput {
-            elastic: calibration.elastic,
-            area_law: Some(law.and_then(|law| law.with_factor_std(vec![0.0, 0.02])).unwrap()),
-            specimen_area_m2: calibration.specimen_area_m2,
-            measurements: calibration.flat.clone(),
-            coefficients,
-            relative_std: calibration.relative_std,
-            layer: slipgrid_formats::scene::DEFAULT_LAYER,
+            static_over_dynamic: 0.30 / 0.27,
+            layer: slipgrid_springblock::Layer { length_m: 500e-6, height_m: 40e-6, ..DEFAULT_LAYER },
             seed: 1,
-            area_law_scale_pa: None,
-        };
-        let warnings = vec!["spikes: 2 points".to_owned()];
-        let facts = SurfaceFacts { origin: Some("map"), synthetic: true, warnings, ..SurfaceFacts::default() };
-        let fit = Fit {
-            pairs,
-            residuals: vec![0.001, -0.002, 0.0],
-            dynamic_over_steady: vec![1.014, 1.018, 1.016],
+            selection: Selection::default(),
             notes: vec!["a \"note\"".into()],
-            details: FitDetails::default(),
-        };
-        let document = Document::new("m.toml", material_toml(&calibration, &input, &facts, &fit, None).unwrap());
-        let material = read_material(&document, &document.parse().unwrap(), &(0..0)).unwrap();
-        assert_eq!(material.elastic, input.elastic);
-        assert_eq!(material.area_law, input.area_law);
-        assert!(material.provenance.synthetic_surface);
-        assert_eq!(material.provenance.notes[0], "a \"note\"");
-        assert_eq!(material.provenance.warnings, ["spikes: 2 points"]);
-        material
+        }
+    }
+
+    /// The outcome, which must be what its file says.
+    fn read_back(coefficients: Coefficients, surface: Surface) -> CalibrationOutcome {
+        let task = task(coefficients, surface);
+        let outcome = slipgrid_calibrate::run(&task, &Unwatched).unwrap();
+        let document = Document::new("m.toml", material_toml(&task, &outcome).unwrap());
+        let (material, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
+        assert_eq!(material, outcome.material);
+        assert_eq!(uncertainty, outcome.uncertainty);
+        assert!(material.provenance.notes.contains(&"a \"note\"".to_owned()), "{:?}", material.provenance.notes);
+        outcome
     }
 
     #[test]
-    fn a_written_material_reads_back() {
-        let single = written(Coefficients::Single, vec![pair(0.27)]);
-        assert!(matches!(single.friction, Friction::Single(friction) if friction.dynamic_mean() == 0.27));
-
-        let each = written(Coefficients::PerCondition, vec![pair(0.28), pair(0.22), pair(0.25)]);
-        let at = |force_n: f64, humidity| {
-            let pressure_pa = calibration(Coefficients::Single).pressure_pa(force_n);
+    fn a_material_is_the_one_that_its_file_says() {
+        let each = read_back(Coefficients::PerCondition, Surface::RmsSlope(0.0137));
+        let own = |force_n: f64, humidity| {
+            let pressure_pa = force_n / (std::f64::consts::PI * 25e-6);
             let condition = Condition { speed_m_s: 2e-3, humidity };
-            each.friction.at(pressure_pa, Some(&condition)).unwrap()
+            let at = each.material.friction.at(pressure_pa, Some(&condition)).unwrap();
+            (at.friction.dynamic_mean(), at.outside_measured_range)
         };
-        assert_eq!(at(200.0, 0.15).friction.dynamic_mean(), 0.28);
-        assert_eq!(at(50.0, 0.15).friction.dynamic_mean(), 0.25);
-        assert_eq!(at(50.0, 0.8).friction.dynamic_mean(), 0.22);
-        assert!(!at(50.0, 0.15).outside_measured_range && at(40.0, 0.15).outside_measured_range);
+        for (place, (force_n, humidity)) in [(200.0, 0.15), (50.0, 0.8), (50.0, 0.15)].into_iter().enumerate() {
+            let (found, outside) = own(force_n, humidity);
+            assert!((found - each.fit.pairs[place].dynamic_mean).abs() < 1e-11 && !outside);
+        }
+        assert!(own(40.0, 0.15).1);
+        assert!(each.material.area_law.is_some() && each.uncertainty.discrepancies.is_some());
+        assert!(each.uncertainty.has_marginal_errors);
+
+        let single = read_back(Coefficients::Single, Surface::None);
+        assert!(matches!(single.material.friction, Friction::Single(_)) && single.material.area_law.is_none());
+        let fitted = read_back(Coefficients::Single, Surface::FittedScale { bounds_pa: [0.5e6, 50e6] });
+        assert!(fitted.uncertainty.law_is_fitted && fitted.material.area_law.is_some());
+        let synthetic =
+            slipgrid_topography::SelfAffine { pixels: 32, max_wave: 8, ..slipgrid_topography::SelfAffine::STAND_IN };
+        let read = slipgrid_topography::ReadMap {
+            map: synthetic.map().unwrap(),
+            format: slipgrid_topography::MapFormat::Matrix,
+            whole: true,
+            comments: vec!["synthetic, one period".into()],
+            notes: Vec::new(),
+        };
+        let map =
+            slipgrid_topography::PreparedMap::one_period(read, slipgrid_topography::Preparation::default()).unwrap();
+        let surface = slipgrid_calibrate::MapSurface { map, synthetic: true, windows: Some(2), after: None };
+        let of_map = read_back(Coefficients::PerCondition, Surface::Map(Box::new(surface)));
+        assert!(of_map.material.provenance.synthetic_surface);
+        assert!(of_map.material.area_law.unwrap().factor_std().is_some());
     }
 }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use slipgrid_calibrate::Selection;
 use slipgrid_design::{DesignTask, KnownMaterial};
-use slipgrid_formats::calibration::{Calibration, DiscrepancyForm};
+use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::{Design, MaterialInput};
 
-use crate::commands::calibrate::{Purpose, material, provisional};
+use crate::commands::calibrate::{outcome, provisional};
 use crate::input::disk;
 use crate::{CliError, Console};
 
@@ -31,18 +32,14 @@ fn calibrated(path: &Path, design: &mut Design, console: &mut Console<'_>) -> Re
     let task = &design.task;
     task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
     let has_patterned = calibration.pattern.is_some() && !calibration.patterned.is_empty();
-    if task.discrepancy && !(has_patterned && calibration.discrepancy != DiscrepancyForm::None) {
+    if task.discrepancy && !(has_patterned && calibration.discrepancy.is_some()) {
         let reason = "needs patterned samples in the calibration, which has none";
         return Err(design.refuse(&DesignTask::refuse_discrepancy(reason)).into());
     }
-    let purpose = Purpose {
-        condition: task.condition,
-        also_at: &task.also_at,
-        pressures_pa: &task.pressures_pa(),
-        layer: task.layer,
-        seed: task.seed,
-    };
-    let (material, uncertainty) = material(path, &calibration, &purpose, console)?;
+    let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
+    let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
+    let (_, found) = outcome(path, &calibration, (task.layer, task.seed), selection, console)?;
+    let (material, uncertainty) = (found.material, found.uncertainty);
     if task.discrepancy && uncertainty.discrepancy_at(task.humidity()).is_none() {
         let reason = "needs conditions measured on both flat and patterned samples, which the calibration lacks";
         return Err(design.refuse(&DesignTask::refuse_discrepancy(reason)).into());

@@ -3,10 +3,10 @@
 mod pictures;
 mod report;
 
-use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, Sides, SpectrumWindow};
+use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
 
 use self::report::SurfaceReport;
-use super::altitude_map::{SurfaceMap, despiked, open};
+use super::altitude_map::{open, refuse as refuse_map};
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_folder};
@@ -32,12 +32,12 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let cavities = args.cavities.then(|| {
         let mut measured = read.map.clone();
         if options.despike {
-            despiked(&mut measured);
+            measured.despike();
         }
         measured.measure_cavities(options.form)
     });
     let cavities = cavities.transpose().map_err(refuse)?;
-    let surface = SurfaceMap::new(&args.map, read, &options)?;
+    let surface = PreparedMap::new(read, options.preparation()).map_err(|error| refuse_map(&args.map, &error))?;
     let map = &surface.map;
     let column = match section_m {
         None => map.cols() / 2,

@@ -1,8 +1,7 @@
 //! Pictures of a surface.
 
-use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, SpectrumBin};
+use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin};
 
-use super::super::altitude_map::SurfaceMap;
 use crate::CliError;
 use slipgrid_report::Outputs;
 use slipgrid_report::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
@@ -19,7 +18,7 @@ const SPIKES: f64 = 5e-4;
 /// Adds the pictures to `outputs`.
 pub fn add(
     outputs: &mut Outputs,
-    surface: &SurfaceMap,
+    surface: &PreparedMap,
     curve: &MaterialRatioCurve,
     spectrum: &[SpectrumBin],
     column: usize,
@@ -94,7 +93,7 @@ pub fn add(
 }
 
 /// The map as it is drawn: coarse enough, with missing points missing.
-fn drawn(surface: &SurfaceMap) -> HeightMap {
+fn drawn(surface: &PreparedMap) -> HeightMap {
     let map = &surface.map;
     let factor = map.rows().max(map.cols()).div_ceil(MOST_PIXELS);
     // A long, narrow map keeps two pixels across.

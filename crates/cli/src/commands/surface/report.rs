@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
-use slipgrid_topography::{CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, SpectrumBin, Spread};
+use slipgrid_topography::{
+    CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin, Spread,
+};
 
-use super::super::altitude_map::SurfaceMap;
 use crate::args::SurfaceArgs;
+use crate::commands::altitude_map::told;
 use slipgrid_results::fixed;
 use slipgrid_results::{Table, VERSION};
 use slipgrid_units::{LENGTH_UM, tidy};
@@ -100,7 +102,7 @@ impl SurfaceReport {
     /// Gathers what was found.
     pub fn new(
         args: &SurfaceArgs,
-        surface: &SurfaceMap,
+        surface: &PreparedMap,
         curve: &MaterialRatioCurve,
         lengths: &CorrelationLengths,
         spectrum: &[SpectrumBin],
@@ -129,7 +131,7 @@ impl SurfaceReport {
             pixel_um: [um(map.dx_m()), um(map.dy_m())],
             missing_points: surface.filled.iter().filter(|missing| **missing).count(),
             model,
-            warnings: surface.warnings.clone(),
+            warnings: surface.warnings.iter().map(told).collect(),
             parameters: ParameterReport {
                 sa_um: um(heights.sa_m),
                 sq_um: um(heights.sq_m),

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
+use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
 
-use crate::commands::altitude_map::SurfaceMap;
-use crate::commands::area_curve::{DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
-use crate::commands::calibrate::CONTACT_TOLERANCE;
+use crate::commands::altitude_map::{read_period, told};
 use crate::interruption::heed;
 use crate::progress::Progress;
 use crate::{CliError, Console};
@@ -92,7 +91,7 @@ pub fn scaled_laws(
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
         Surface::Map { path: map_path, synthetic, options, .. } => {
-            let surface = SurfaceMap::read_period(map_path, options)?;
+            let surface = read_period(map_path, options)?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
             let solved_pa = unscaled_pressures_pa(factors);
             let progress = Progress::start("area law", console.quiet);
@@ -107,7 +106,7 @@ pub fn scaled_laws(
                 if *synthetic || surface.synthetic { ", synthetic" } else { "" },
             )];
             notes.extend(surface.notes.iter().cloned());
-            notes.extend(surface.warnings.iter().map(|warning| format!("warning: {warning}")));
+            notes.extend(surface.warnings.iter().map(|warning| format!("warning: {}", told(warning))));
             let unfinished = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
             if unfinished > 0 {
                 notes.push(format!("the contact area did not converge at {unfinished} pressures: best states taken"));

@@ -10,8 +10,8 @@ use super::model::{Body, Case, FlatPoint, predict};
 use super::ratios::{MeasuredLawRatio, Pair, same_condition};
 use crate::progress::Progress;
 use crate::{CliError, Console};
+use slipgrid_calibrate::Measurement;
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::measurements::Measurement;
 
 /// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at its own condition, one per extrapolation;
 /// empty where these are at one pressure only.

@@ -7,8 +7,8 @@ use slipgrid_springblock::Status;
 
 use super::laws::ScaledLaw;
 use super::model::{Prediction, squares};
+use slipgrid_calibrate::Measurement;
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::measurements::Measurement;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// A condition measured on both samples.

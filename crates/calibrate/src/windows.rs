@@ -1,9 +1,11 @@
 //! How well a map determines its area law: windows of it, and coarser pixels.
 
-use slipgrid_contact::{ContactError, Monitor, coarser, windows};
+use slipgrid_contact::{ContactError, coarser, windows};
+use slipgrid_monitor::Monitor;
 use slipgrid_topography::HeightMap;
 
-use super::area_curve::{area_curve, area_law};
+use crate::area_law::{AreaLawRequest, area_curve, area_law};
+use crate::flat::Portion;
 
 /// Windows along either side where nobody asks for another number.
 pub const DEFAULT_WINDOWS: usize = 2;
@@ -16,17 +18,6 @@ const LEAST_DEFAULT_PIXELS: usize = 32;
 /// How a window becomes the period that the contact computation takes.
 pub const WINDOW_STATEMENT: &str =
     "each window is levelled and taken as its periodic component (Moisan), which continues itself across its sides";
-
-/// What is asked of every map here.
-#[derive(Clone, Copy, Debug)]
-pub struct LawRequest<'a> {
-    /// E*, in pascals.
-    pub contact_modulus_pa: f64,
-    /// Pressures solved for, increasing, in pascals.
-    pub pressures_pa: &'a [f64],
-    /// P0, in pascals.
-    pub threshold_pa: f64,
-}
 
 /// The area law of windows of a map, each alone.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,14 +65,14 @@ pub fn takes_default_windows(map: &HeightMap) -> bool {
 pub fn window_spread(
     map: &HeightMap,
     per_side: usize,
-    request: &LawRequest<'_>,
+    request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Option<WindowSpread>, ContactError> {
     let windows = windows(map, per_side)?;
     let pixels = [windows[0].rows(), windows[0].cols()];
     let mut factors = Vec::new();
     let mut slopes = Vec::new();
-    let monitor = Share { monitor, share: 1.0 / windows.len() as f64 };
+    let monitor = Portion { whole: monitor, share: 1.0 / windows.len() as f64 };
     for window in &windows {
         let Some(factor) = factors_of(window, request, &monitor)? else { return Ok(None) };
         factors.push(factor);
@@ -120,7 +111,7 @@ pub struct Resolution {
 pub fn resolution(
     map: &HeightMap,
     factor: usize,
-    request: &LawRequest<'_>,
+    request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Resolution, ContactError> {
     let blunt = coarser(map, factor)?;
@@ -135,7 +126,7 @@ pub fn resolution(
 /// f of `map` at the pressures solved for.
 fn factors_of(
     map: &HeightMap,
-    request: &LawRequest<'_>,
+    request: &AreaLawRequest<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<f64>>, ContactError> {
     let curve = area_curve(map, request.contact_modulus_pa, request.pressures_pa, STATISTICS_TOLERANCE, monitor)?;
@@ -148,20 +139,4 @@ fn mean_and_spread(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
     [mean, (values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()]
-}
-
-/// A monitor of one of several equal parts of the work.
-struct Share<'a> {
-    monitor: &'a dyn Monitor,
-    share: f64,
-}
-
-impl Monitor for Share<'_> {
-    fn advance(&self, share: f64) {
-        self.monitor.advance(share * self.share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.monitor.cancelled()
-    }
 }

@@ -1,0 +1,233 @@
+//! Real contact area of a surface against nominal pressure, and the area law f that it implies.
+
+use slipgrid_contact::closed_form::persson_area_fraction;
+use slipgrid_contact::{AreaCurve, AreaPoint, ContactError, Convergence, SolveOptions, Status};
+use slipgrid_material::{AreaLaw, MOST_FACTOR, MaterialError};
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_topography::{HeightMap, MapWarning, PreparedMap};
+use slipgrid_units::PRESSURE_MPA;
+
+use crate::windows::{DEFAULT_WINDOWS, WindowSpread, takes_default_windows, window_spread};
+
+/// Error at which the contact computation of a calibration ends: on the reference maps no pixel changes after it.
+pub const CONTACT_TOLERANCE: f64 = 1e-6;
+
+/// Pressures of an area law where none are given, in MPa: dense where f bends, up to what edges of cavities see.
+/// From full contact on a pressure costs nothing.
+pub const DEFAULT_PRESSURES_MPA: [f64; 28] = [
+    0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.85, 1.0, 1.3, 1.6, 2.0, 2.6, 3.2, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0,
+    22.0, 30.0, 40.0, 55.0, 75.0, 100.0,
+];
+
+/// What a closed form takes.
+const CLOSED_FORM: Convergence =
+    Convergence { status: Status::Converged, iterations: 0, fourier_pairs: 0, residual: 0.0 };
+
+/// What an area law is computed for.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaLawRequest<'a> {
+    /// Contact modulus E* = E / (1 - nu^2), in pascals.
+    pub contact_modulus_pa: f64,
+    /// Nominal pressures solved for, increasing, in pascals.
+    pub pressures_pa: &'a [f64],
+    /// Pressure P0 up to which friction is proportional to load, in pascals.
+    pub threshold_pa: f64,
+    /// Error at which the contact computation of the whole map ends.
+    pub tolerance: f64,
+    /// Windows along either side of the map whose spread gives the law's standard errors; fewer than 2 for none, `None` for
+    /// [`DEFAULT_WINDOWS`] where the map is large enough.
+    pub windows: Option<usize>,
+}
+
+/// What makes an area law doubtful. Its text begins with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceWarning {
+    /// Something about the map.
+    Map(MapWarning),
+    /// f exceeds 1.
+    FactorAboveOne {
+        /// Pressure at which f is largest, in pascals.
+        pressure_pa: f64,
+        /// f there.
+        factor: f64,
+    },
+}
+
+impl std::fmt::Display for SurfaceWarning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Map(warning) => warning.fmt(f),
+            Self::FactorAboveOne { pressure_pa, factor } => write!(
+                f,
+                "factor above 1: f reaches {factor:.3} at {} MPa, where real contact area grows no faster than pressure: too few \
+                 points are in contact for their number to say more, or a few high ones carry the load of the rest",
+                PRESSURE_MPA.from_si(*pressure_pa)
+            ),
+        }
+    }
+}
+
+/// Why a surface has no area law.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AreaLawError {
+    /// The contact solver refused the map or a number.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The map cannot be cut into so many windows, or one of them cannot be solved.
+    #[error(transparent)]
+    Windows(ContactError),
+    /// f exceeds 1 by more than a count of points scatters.
+    #[error("f reaches {factor:.3} at {} MPa: the area law means nothing", PRESSURE_MPA.from_si(*pressure_pa))]
+    FactorsAboveOne {
+        /// Pressure at which f is largest, in pascals.
+        pressure_pa: f64,
+        /// f there.
+        factor: f64,
+        /// What is known to be wrong with the map.
+        warnings: Vec<MapWarning>,
+    },
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+}
+
+/// Contact area and area law of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceAreaLaw {
+    /// Contact area at the pressures solved for.
+    pub curve: AreaCurve,
+    /// The law, with standard errors of its factors where windows give them; an error where the curve does not bracket the
+    /// threshold pressure.
+    pub law: Result<AreaLaw, MaterialError>,
+    /// The law of windows of the map, where they were solved.
+    pub windows: Option<WindowSpread>,
+    /// Pressures at which the contact computation ended before its tolerance.
+    pub unconverged: usize,
+    /// What makes the law doubtful.
+    pub warnings: Vec<SurfaceWarning>,
+    /// Seconds that the whole map took, on the monitor's clock.
+    pub curve_s: f64,
+    /// Seconds that its windows took.
+    pub windows_s: f64,
+}
+
+/// Contact area of `surface` at every pressure, the area law that it implies, and how windows of the map scatter about it.
+/// Stages of the monitor: "area law", "windows".
+///
+/// # Errors
+/// [`AreaLawError`] if a number means nothing to the contact solver, the map is too small for the windows asked for, the
+/// factors exceed 1 by more than counts scatter, or the monitor asks to stop.
+pub fn surface_area_law(
+    surface: &PreparedMap,
+    request: &AreaLawRequest<'_>,
+    monitor: &dyn Monitor,
+) -> Result<SurfaceAreaLaw, AreaLawError> {
+    // Whether the map can be cut so is known before its contact is computed.
+    if let Some(per_side) = request.windows.filter(|per_side| *per_side > 1) {
+        slipgrid_contact::windows(&surface.map, per_side).map_err(AreaLawError::Windows)?;
+    }
+    let heed = || if monitor.cancelled() { Err(AreaLawError::Cancelled) } else { Ok(()) };
+    let stage = Stage::new(monitor, "area law", None);
+    let curve = area_curve(&surface.map, request.contact_modulus_pa, request.pressures_pa, request.tolerance, &stage);
+    let curve_s = stage.finish();
+    heed()?;
+    let curve = curve?;
+    let mut law = area_law(&curve.points, request.threshold_pa);
+    let mut warnings: Vec<SurfaceWarning> = surface.warnings.iter().cloned().map(SurfaceWarning::Map).collect();
+    if let Some((pressure_pa, factor)) = law.as_ref().ok().and_then(AreaLaw::above_one) {
+        if factor > MOST_FACTOR {
+            return Err(AreaLawError::FactorsAboveOne { pressure_pa, factor, warnings: surface.warnings.clone() });
+        }
+        warnings.push(SurfaceWarning::FactorAboveOne { pressure_pa, factor });
+    }
+    let unconverged = curve.points.iter().filter(|point| point.convergence.status != Status::Converged).count();
+    let per_side = request.windows.unwrap_or(if takes_default_windows(&surface.map) { DEFAULT_WINDOWS } else { 0 });
+    let (mut windows, mut windows_s) = (None, 0.0);
+    if per_side >= 2 {
+        let stage = Stage::new(monitor, "windows", None);
+        let spread = window_spread(&surface.map, per_side, request, &stage);
+        windows_s = stage.finish();
+        heed()?;
+        windows = spread.map_err(AreaLawError::Windows)?;
+    }
+    if let Some(windows) = &windows {
+        law = law.and_then(|law| with_errors(law, &curve.points, &windows.factor_std()));
+    }
+    Ok(SurfaceAreaLaw { curve, law, windows, unconverged, warnings, curve_s, windows_s })
+}
+
+/// The law with the standard errors of its factors, one per point of the curve.
+fn with_errors(law: AreaLaw, curve: &[AreaPoint], factor_std: &[f64]) -> Result<AreaLaw, MaterialError> {
+    let at = |pressure_pa: &f64| curve.iter().position(|point| point.pressure_pa == *pressure_pa);
+    let errors: Option<Vec<f64>> = law.pressures_pa().iter().map(|p| at(p).map(|n| factor_std[n])).collect();
+    match errors {
+        Some(errors) => law.with_factor_std(errors),
+        None => Ok(law),
+    }
+}
+
+/// Computes the contact area of `map` at every pressure to `tolerance`.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the contact solver.
+pub fn area_curve(
+    map: &HeightMap,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+    tolerance: f64,
+    monitor: &dyn Monitor,
+) -> Result<AreaCurve, ContactError> {
+    let options = SolveOptions { tolerance, ..SolveOptions::default() };
+    slipgrid_contact::area_curve(map, contact_modulus_pa, pressures_pa, &options, monitor)
+}
+
+/// The area law that `curve` implies, proportional up to `threshold_pa`.
+///
+/// # Errors
+/// [`MaterialError`] if the curve does not bracket the threshold pressure.
+pub fn area_law(curve: &[AreaPoint], threshold_pa: f64) -> Result<AreaLaw, MaterialError> {
+    let pressure_pa: Vec<f64> = curve.iter().map(|point| point.pressure_pa).collect();
+    let area: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
+    AreaLaw::from_area_curve(&pressure_pa, &area, threshold_pa)
+}
+
+/// The contact area of a surface of which only the rms slope is known, by Persson's theory.
+///
+/// # Errors
+/// [`ContactError`] if a number means nothing to the theory.
+pub fn persson_curve(
+    rms_slope: f64,
+    contact_modulus_pa: f64,
+    pressures_pa: &[f64],
+) -> Result<Vec<AreaPoint>, ContactError> {
+    let point = |&pressure_pa: &f64| {
+        let area_fraction = persson_area_fraction(pressure_pa, contact_modulus_pa, rms_slope)?;
+        Ok(AreaPoint {
+            pressure_pa,
+            area_fraction,
+            area_fraction_corrected: area_fraction,
+            area_error: 0.0,
+            convergence: CLOSED_FORM,
+        })
+    };
+    pressures_pa.iter().map(point).collect()
+}
+
+/// What is odd about the table of a law of contact area, one sentence each; each begins with its name.
+#[must_use]
+pub fn table_warnings(law: &AreaLaw) -> Vec<String> {
+    let step = law.step().map(|(pressure_pa, factor)| {
+        format!(
+            "area law jumps: f falls from 1 to {factor} at its first pressure, {} MPa, where a law that comes of contact area \
+             begins with 1",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    let above = law.above_one().map(|(pressure_pa, factor)| {
+        format!(
+            "factor above 1: f is {factor} at {} MPa, where real contact area grows no faster than pressure",
+            PRESSURE_MPA.from_si(pressure_pa)
+        )
+    });
+    step.into_iter().chain(above).collect()
+}

@@ -1,0 +1,284 @@
+//! The material that a fit gives, its numbers to the digits that a material file holds: what is kept in a file and what is
+//! used at once are the same.
+
+use slipgrid_material::{
+    AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, Provenance,
+};
+use slipgrid_pattern::Pattern;
+use slipgrid_units::{
+    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
+    MODULUS_STD_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
+};
+
+use crate::area_law::table_warnings;
+use crate::patterned_samples::PatternedSamples;
+use crate::surface::{AreaLawOrigin, SurfaceFindings};
+use crate::task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
+use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
+use crate::{Coefficients, Discrepancies, Discrepancy, Fit, FittedPair, Measurement, Trial, TrialDomain};
+
+/// A number of the material as a file holds it.
+fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
+    let value = quantity.from_si(si);
+    if quantity.accepts(value) {
+        return Ok(quantity.to_si(value));
+    }
+    Err(CalibrationError::OutOfRange { field, value, expected: quantity.to_string() })
+}
+
+fn all_written(field: &'static str, quantity: Quantity, si: &[f64]) -> Result<Vec<f64>, CalibrationError> {
+    si.iter().map(|&si| written(field, quantity, si)).collect()
+}
+
+/// The outcome of `task`, from what was fitted to `measurements` and found of the surface and of patterned samples.
+pub(crate) fn outcome(
+    task: &CalibrationTask,
+    measurements: Vec<Measurement>,
+    fit: Fit,
+    surface: SurfaceFindings,
+    patterned: Option<PatternedSamples>,
+) -> Result<CalibrationOutcome, CalibrationError> {
+    let by_condition = match task.coefficients {
+        Coefficients::Single => Vec::new(),
+        Coefficients::PerCondition => by_condition(task, &measurements, &fit),
+    };
+    let elastic = Elastic::new(
+        MODULUS_GPA.as_written(task.elastic.youngs_modulus_pa()),
+        DENSITY_G_CM3.as_written(task.elastic.density_kg_m3()),
+    )?;
+    let (friction, mut uncertainty) = if task.coefficients == Coefficients::Single {
+        single_pair(task, &fit)?
+    } else {
+        pairs_by_condition(task, &by_condition)?
+    };
+    let modulus_std_pa = task.youngs_modulus_std_pa.map(|std_pa| MODULUS_STD_GPA.as_written(std_pa));
+    uncertainty.modulus_relative_std = modulus_std_pa.map(|std_pa| std_pa / elastic.youngs_modulus_pa());
+    let has_origin = |origin| surface.law.is_some() && surface.origin == Some(origin);
+    uncertainty.law_is_fitted = has_origin(AreaLawOrigin::Fit);
+    uncertainty.law_is_measured = has_origin(AreaLawOrigin::Measured);
+    if let Some(patterned) = &patterned {
+        uncertainty.discrepancies = Some(discrepancies(&patterned.discrepancies)?);
+        uncertainty.discrepancy_domain = trial_domain(&patterned.pattern);
+        uncertainty.discrepancy_pattern = Some(pattern_text(&patterned.pattern));
+    }
+    let area_law = surface.law.as_ref().map(law).transpose()?;
+    let mut notes = fit.notes.clone();
+    notes.extend(surface.notes.iter().chain(&task.notes).cloned());
+    notes.extend(patterned.as_ref().map(PatternedSamples::note));
+    if surface.synthetic {
+        notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
+    }
+    let provenance = Provenance {
+        name: task.name.clone(),
+        source: task.source.clone(),
+        synthetic_surface: surface.synthetic,
+        notes,
+        warnings: warnings(&surface, area_law.as_ref()),
+    };
+    let material = Material { elastic, friction, area_law, provenance };
+    Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface, patterned })
+}
+
+/// What makes the law doubtful, and what is odd about its table beside.
+fn warnings(surface: &SurfaceFindings, law: Option<&AreaLaw>) -> Vec<String> {
+    let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
+    // A measured law may rise: it is none of contact area.
+    let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));
+    let name = |warning: &str| warning.split(':').next().map(str::to_owned);
+    let known: Vec<Option<String>> = warnings.iter().map(|warning| name(warning)).collect();
+    let beside = of_area.into_iter().flat_map(table_warnings);
+    warnings.extend(beside.filter(|warning| !known.contains(&name(warning))));
+    warnings
+}
+
+fn law(found: &AreaLaw) -> Result<AreaLaw, CalibrationError> {
+    let pressures_pa = all_written("area_law.pressure_mpa", PRESSURE_MPA, found.pressures_pa())?;
+    let law = AreaLaw::new(pressures_pa, all_written("area_law.factor", FACTOR, found.factors())?)?;
+    match found.factor_std() {
+        Some(std) => Ok(law.with_factor_std(all_written("area_law.factor_std", FACTOR_STD, std)?)?),
+        None => Ok(law),
+    }
+}
+
+fn pair(found: &FittedPair, relative_std: f64) -> Result<LocalFriction, CalibrationError> {
+    let static_mean = written("friction.static_mean", FRICTION, found.static_mean)?;
+    let dynamic_mean = written("friction.dynamic_mean", FRICTION, found.dynamic_mean)?;
+    Ok(LocalFriction::new(static_mean, dynamic_mean, relative_std)?)
+}
+
+/// Standard errors of coefficients at one condition; nothing where one of them has none.
+fn standard_errors(
+    field: &'static str,
+    estimates: impl Iterator<Item = (CoefficientEstimate, Option<f64>)>,
+) -> Result<Vec<CoefficientEstimate>, CalibrationError> {
+    let known: Option<Vec<(CoefficientEstimate, f64)>> = estimates.map(|(at, error)| Some((at, error?))).collect();
+    let each = known.unwrap_or_default().into_iter();
+    each.map(|(at, error)| Ok(CoefficientEstimate { std_error: written(field, FRICTION_STD, error)?, ..at })).collect()
+}
+
+/// What is known of the errors of `rows`, which are at one condition, or hold at any.
+fn row_uncertainty(
+    rows: &[(Option<f64>, FittedPair, LocalFriction, Option<f64>)],
+    condition: Option<Condition>,
+    into: &mut MaterialUncertainty,
+) -> Result<(), CalibrationError> {
+    let at =
+        |pressure_pa: Option<f64>, value: f64| CoefficientEstimate { pressure_pa, condition, value, std_error: 0.0 };
+    let of = |mean: fn(&LocalFriction) -> f64, error: fn(&FittedPair) -> Option<f64>| {
+        rows.iter().map(move |(pressure_pa, pair, friction, _)| (at(*pressure_pa, mean(friction)), error(pair)))
+    };
+    let static_errors = of(LocalFriction::static_mean, |pair| pair.static_std_error);
+    into.static_friction.extend(standard_errors("friction.static_std_error", static_errors)?);
+    let in_all =
+        standard_errors("friction.dynamic_std_error", of(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error))?;
+    let given_law = standard_errors(
+        "friction.dynamic_std_error_given_law",
+        of(LocalFriction::dynamic_mean, |pair| pair.dynamic_std_error_given_law),
+    )?;
+    into.has_marginal_errors |= !given_law.is_empty();
+    into.friction.extend(if given_law.is_empty() { in_all } else { given_law });
+    for (pressure_pa, _, _, excess) in rows {
+        let excess = excess.map(|excess| written("friction.dynamic_over_steady", EXCESS, excess)).transpose()?;
+        into.dynamic_over_steady.extend(excess.map(|excess| at(*pressure_pa, excess)));
+    }
+    Ok(())
+}
+
+fn single_pair(task: &CalibrationTask, fit: &Fit) -> Result<(Friction, MaterialUncertainty), CalibrationError> {
+    let Some(found) = fit.pairs.first() else { return Err(no_pair()) };
+    let friction = pair(found, task.relative_std)?;
+    let mut uncertainty = MaterialUncertainty::default();
+    row_uncertainty(&[(None, *found, friction, fit.mean_over_local_law())], None, &mut uncertainty)?;
+    if let Some(known) = fit.scale_covariance() {
+        let ([[a, b], [c, d]], mean) = (known, friction.dynamic_mean());
+        if !(a >= 0.0 && d >= 0.0 && b * b <= a * d * (1.0 + 1e-9)) {
+            let (field, expected) = ("friction.scale_covariance", "a covariance of two numbers".to_owned());
+            return Err(CalibrationError::OutOfRange { field, value: b, expected });
+        }
+        uncertainty.scale_covariance = Some([[a / (mean * mean), b / mean], [c / mean, d]]);
+    }
+    Ok((Friction::Single(friction), uncertainty))
+}
+
+fn no_pair() -> CalibrationError {
+    CalibrationError::Fit { error: crate::FitError::NoMeasurement, measurement: None }
+}
+
+fn pairs_by_condition(
+    task: &CalibrationTask,
+    conditions: &[(Condition, Vec<FittedRow>)],
+) -> Result<(Friction, MaterialUncertainty), CalibrationError> {
+    let (mut table, mut uncertainty) = (Vec::new(), MaterialUncertainty::default());
+    for (condition, rows) in conditions {
+        let condition = Condition {
+            speed_m_s: SPEED_MM_S.as_written(condition.speed_m_s),
+            humidity: HUMIDITY_PCT.as_written(condition.humidity),
+        };
+        let mut known = Vec::new();
+        for row in rows {
+            let pressure_pa = written("friction.pressure_mpa", PRESSURE_MPA, row.pressure_pa)?;
+            let friction = pair(&row.pair, task.relative_std)?;
+            table.push(ConditionFriction { pressure_pa, condition: Some(condition), friction });
+            known.push((Some(pressure_pa), row.pair, friction, Some(row.dynamic_over_steady)));
+        }
+        row_uncertainty(&known, Some(condition), &mut uncertainty)?;
+    }
+    Ok((Friction::PerCondition(table), uncertainty))
+}
+
+/// Rows by speed and humidity in the order of the measurements, each by pressure.
+fn by_condition(task: &CalibrationTask, measurements: &[Measurement], fit: &Fit) -> Vec<(Condition, Vec<FittedRow>)> {
+    let mut conditions: Vec<(Condition, Vec<FittedRow>)> = Vec::new();
+    for (measured, (&pair, predicted)) in measurements.iter().zip(fit.pairs.iter().zip(&fit.predictions)) {
+        let condition = measured.condition();
+        let row = FittedRow {
+            pressure_pa: task.pressure_pa(measured),
+            pair,
+            residual: predicted.residual,
+            dynamic_over_steady: five_digits(predicted.over_local_law),
+        };
+        match conditions.iter_mut().find(|(other, _)| other.matches(&condition)) {
+            Some((_, rows)) => rows.push(row),
+            None => conditions.push((condition, vec![row])),
+        }
+    }
+    for (_, rows) in &mut conditions {
+        rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    }
+    conditions
+}
+
+/// To five digits: runs are known to a thousandth.
+fn five_digits(excess: f64) -> f64 {
+    (excess * 1e5).round() / 1e5
+}
+
+impl Fit {
+    /// Mean over all measurements of dynamic friction over mu_d f(P), to five digits; `None` without any.
+    #[must_use]
+    pub fn mean_over_local_law(&self) -> Option<f64> {
+        let sum: f64 = self.predictions.iter().map(|predicted| predicted.over_local_law).sum();
+        (!self.predictions.is_empty()).then(|| five_digits(sum / self.predictions.len() as f64))
+    }
+
+    /// Covariance of the one fitted `dynamic_mean` and of the logarithm of the area law's scale; `None` where the scale was not
+    /// fitted or the data do not determine it.
+    #[must_use]
+    pub fn scale_covariance(&self) -> Option<[[f64; 2]; 2]> {
+        let place = |name: &str| self.parameters.iter().position(|parameter| parameter.name == name);
+        let (mean, scale) = (place("dynamic_mean")?, place("area_law_scale_pa")?);
+        let entry = |i: usize, j: usize| {
+            self.covariance.get(i)?.get(j).map(|&entry| tidy(entry)).filter(|entry| entry.is_finite())
+        };
+        let std_error = self.pairs.first()?.dynamic_std_error;
+        let variance = std_error.map_or(entry(mean, mean)?, |std_error| std_error * std_error);
+        let shared = entry(mean, scale)?;
+        Some([[tidy(variance), tidy(shared)], [tidy(shared), tidy(entry(scale, scale)?)]])
+    }
+}
+
+/// The pattern of the samples behind a discrepancy, in words.
+fn pattern_text(pattern: &Pattern) -> String {
+    let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    format!(
+        "{} {} um wide, {} um apart, {} um deep",
+        pattern.planform(),
+        um(pattern.width_m()),
+        um(pattern.spacing_m()),
+        um(pattern.depth_m())
+    )
+}
+
+fn trial_domain(pattern: &Pattern) -> Option<TrialDomain> {
+    let trial = Trial::from(pattern);
+    TrialDomain::about(vec![Trial {
+        planform: trial.planform,
+        areal_density: FRACTION.as_written(trial.areal_density),
+        depth_m: LENGTH_UM.as_written(trial.depth_m),
+    }])
+}
+
+fn discrepancies(found: &Discrepancies) -> Result<Discrepancies, CalibrationError> {
+    let at = |(humidity, found): &(f64, Discrepancy)| Ok((HUMIDITY_PCT.as_written(*humidity), discrepancy(found)?));
+    Ok(Discrepancies {
+        all: discrepancy(&found.all)?,
+        by_humidity: found.by_humidity.iter().map(at).collect::<Result<_, CalibrationError>>()?,
+    })
+}
+
+fn discrepancy(found: &Discrepancy) -> Result<Discrepancy, CalibrationError> {
+    let all = |values: &[f64]| values.iter().copied().map(tidy).collect::<Vec<f64>>();
+    let pressure = |pressure_pa: f64| written("discrepancy.reference_pressure_mpa", PRESSURE_MPA, pressure_pa);
+    let [from, to] = found.pressure_range_pa;
+    Ok(Discrepancy {
+        coefficients: all(&found.coefficients),
+        covariance: found.covariance.iter().map(|row| all(row)).collect(),
+        reference_pressure_pa: pressure(found.reference_pressure_pa)?,
+        scatter: tidy(found.scatter),
+        modulus_sensitivity: all(&found.modulus_sensitivity),
+        modulus_relative_std: tidy(found.modulus_relative_std),
+        pressure_range_pa: [pressure(from)?, pressure(to)?],
+        chi_square: tidy(found.chi_square),
+        degrees_of_freedom: found.degrees_of_freedom,
+    })
+}

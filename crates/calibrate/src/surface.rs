@@ -1,0 +1,228 @@
+//! The surface behind a calibration's area law: its contact area by rough contact of a map or by theory.
+
+use slipgrid_contact::AreaPoint;
+use slipgrid_material::{AreaLaw, THRESHOLD_PRESSURE_PA};
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_topography::PreparedMap;
+use slipgrid_units::PRESSURE_MPA;
+
+use crate::area_law::{
+    AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, SurfaceWarning, area_curve, area_law, persson_curve,
+    surface_area_law,
+};
+use crate::task::{CalibrationError, CalibrationTask, MapSurface, Surface};
+use crate::windows::WINDOW_STATEMENT;
+use crate::{AreaLawScale, Fit};
+
+/// Local pressures at which maps before and after a test are compared.
+const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
+/// Name of the fitted scale among the parameters of a fit.
+const SCALE_PARAMETER: &str = "area_law_scale_pa";
+/// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
+const SCALED_POINTS: usize = 241;
+
+/// Where an area law came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AreaLawOrigin {
+    /// Rough contact of a map.
+    Map,
+    /// Persson's theory for a given rms slope.
+    Persson,
+    /// The same with a scale that was fitted to friction.
+    Fit,
+    /// Flat friction itself.
+    Measured,
+}
+
+impl AreaLawOrigin {
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Map => "map",
+            Self::Persson => "persson",
+            Self::Fit => "fit",
+            Self::Measured => "measured",
+        }
+    }
+}
+
+/// The surface behind an area law, as far as there is one.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceFindings {
+    /// Where the law came from; `None` without a law.
+    pub origin: Option<AreaLawOrigin>,
+    /// The map is synthetic.
+    pub synthetic: bool,
+    /// Rms slope of the surface.
+    pub rms_slope: Option<f64>,
+    /// Arithmetic mean height of the map, in metres.
+    pub sa_m: Option<f64>,
+    /// Its pixel along the sliding direction, in metres.
+    pub pixel_m: Option<f64>,
+    /// Contact area behind the law; empty where no contact area is.
+    pub curve: Vec<AreaPoint>,
+    /// The law, with standard errors where windows of the map give them.
+    pub law: Option<AreaLaw>,
+    /// How it was obtained, one sentence each.
+    pub notes: Vec<String>,
+    /// What makes the law doubtful.
+    pub warnings: Vec<SurfaceWarning>,
+    /// Bounds of the scale where that is fitted, in pascals.
+    scale_bounds_pa: Option<[f64; 2]>,
+}
+
+impl SurfaceFindings {
+    /// Whether another Young's modulus makes it another law: not where it is measured friction itself.
+    #[must_use]
+    pub fn moves_with_the_modulus(&self) -> bool {
+        self.origin != Some(AreaLawOrigin::Measured)
+    }
+
+    /// The law of which the scale is fitted: Persson's contact area against P / (E* h'rms), from far below the threshold at any
+    /// scale to full contact.
+    pub(crate) fn scale(&self) -> Result<Option<AreaLawScale>, CalibrationError> {
+        let Some(bounds_pa) = self.scale_bounds_pa else { return Ok(None) };
+        let [from, to] = [
+            1e-4_f64.min(0.1 * THRESHOLD_PRESSURE_PA / bounds_pa[1]),
+            10.0_f64.max(2.0 * THRESHOLD_PRESSURE_PA / bounds_pa[0]),
+        ];
+        let pressure_over_scale: Vec<f64> =
+            (0..SCALED_POINTS).map(|i| from * (to / from).powf(i as f64 / (SCALED_POINTS - 1) as f64)).collect();
+        let curve = persson_curve(1.0, 1.0, &pressure_over_scale)?;
+        let area_fraction = curve.iter().map(|point| point.area_fraction).collect();
+        Ok(Some(AreaLawScale { area_fraction, pressure_over_scale, bounds_pa }))
+    }
+
+    /// Takes law and contact area at the scale that `fit` found, where the scale was fitted.
+    pub(crate) fn take_fitted_scale(&mut self, fit: &Fit) -> Result<(), CalibrationError> {
+        let Some(scale) = self.scale()? else { return Ok(()) };
+        self.origin = Some(AreaLawOrigin::Fit);
+        self.law.clone_from(&fit.area_law);
+        if let Some(found) = fit.parameters.iter().find(|parameter| parameter.name == SCALE_PARAMETER) {
+            let pressures_pa: Vec<f64> = scale.pressure_over_scale.iter().map(|x| x * found.value).collect();
+            // The numbers were accepted by the fit.
+            self.curve = persson_curve(1.0, found.value, &pressures_pa).unwrap_or_default();
+        }
+        Ok(())
+    }
+}
+
+/// Contact area and area law of the surface of `task`, before anything is fitted.
+pub(crate) fn surface_findings(
+    task: &CalibrationTask,
+    monitor: &dyn Monitor,
+) -> Result<SurfaceFindings, CalibrationError> {
+    let mut pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa)).to_vec();
+    let threshold = pressures_pa.partition_point(|&pressure_pa| pressure_pa < task.threshold_pa);
+    if pressures_pa.get(threshold) != Some(&task.threshold_pa) {
+        pressures_pa.insert(threshold, task.threshold_pa);
+    }
+    let request = AreaLawRequest {
+        contact_modulus_pa: task.elastic.contact_modulus_pa(task.poisson_ratio),
+        pressures_pa: &pressures_pa,
+        threshold_pa: task.threshold_pa,
+        tolerance: CONTACT_TOLERANCE,
+        windows: None,
+    };
+    match &task.surface {
+        Surface::None => Ok(SurfaceFindings {
+            notes: vec!["no surface was given: friction is proportional to load (Amontons-Coulomb)".to_owned()],
+            ..SurfaceFindings::default()
+        }),
+        Surface::FittedScale { bounds_pa } => {
+            Ok(SurfaceFindings { scale_bounds_pa: Some(*bounds_pa), ..SurfaceFindings::default() })
+        }
+        Surface::FlatFriction { law, extrapolation } => Ok(SurfaceFindings {
+            origin: Some(AreaLawOrigin::Measured),
+            law: Some(law.clone()),
+            notes: vec![format!(
+                "local law: measured flat friction itself, mu(p) = mu_flat(P = p), {} above the last measured pressure; no area law, and \
+                 Young's modulus does not move it",
+                extrapolation.name()
+            )],
+            ..SurfaceFindings::default()
+        }),
+        Surface::RmsSlope(rms_slope) => {
+            let curve = persson_curve(*rms_slope, request.contact_modulus_pa, &pressures_pa)?;
+            Ok(SurfaceFindings {
+                origin: Some(AreaLawOrigin::Persson),
+                rms_slope: Some(*rms_slope),
+                law: Some(area_law(&curve, task.threshold_pa).map_err(CalibrationError::NoAreaLaw)?),
+                curve,
+                notes: vec!["area law by Persson's theory from the rms slope: no substitute for a map".to_owned()],
+                ..SurfaceFindings::default()
+            })
+        }
+        Surface::Map(surface) => of_map(surface, &AreaLawRequest { windows: surface.windows, ..request }, monitor),
+    }
+}
+
+fn of_map(
+    surface: &MapSurface,
+    request: &AreaLawRequest<'_>,
+    monitor: &dyn Monitor,
+) -> Result<SurfaceFindings, CalibrationError> {
+    let map = &surface.map;
+    let found = surface_area_law(map, request, monitor)?;
+    let law = found.law.map_err(CalibrationError::NoAreaLaw)?;
+    let mut notes = map.notes.clone();
+    if found.unconverged > 0 {
+        notes.push(format!("the contact area did not converge at {} pressures: best states taken", found.unconverged));
+    }
+    if let Some(after) = &surface.after {
+        notes.push(after_test(after, (map, &law), request, monitor)?);
+    }
+    if let Some(windows) = &found.windows {
+        notes.push(format!(
+            "factor_std: standard deviation of f among {} windows of the map over the root of their number; {WINDOW_STATEMENT}",
+            windows.count()
+        ));
+    }
+    Ok(SurfaceFindings {
+        origin: Some(AreaLawOrigin::Map),
+        synthetic: surface.synthetic || map.synthetic,
+        rms_slope: Some(map.rms_slope),
+        sa_m: Some(map.sa_m),
+        pixel_m: Some(map.pixel_m()),
+        curve: found.curve.points,
+        law: Some(law),
+        notes,
+        warnings: found.warnings,
+        scale_bounds_pa: None,
+    })
+}
+
+/// How the map `after` the test differs from the one before, on which the law rests.
+fn after_test(
+    after: &PreparedMap,
+    (before, own): (&PreparedMap, &AreaLaw),
+    request: &AreaLawRequest<'_>,
+    monitor: &dyn Monitor,
+) -> Result<String, CalibrationError> {
+    let stage = Stage::new(monitor, "area law after the test", None);
+    let curve = area_curve(&after.map, request.contact_modulus_pa, request.pressures_pa, request.tolerance, &stage);
+    stage.finish();
+    if monitor.cancelled() {
+        return Err(CalibrationError::Cancelled);
+    }
+    let refuse = |error: &dyn std::fmt::Display| CalibrationError::MapAfter(error.to_string());
+    let curve = curve.map_err(|error| refuse(&error))?;
+    let other = area_law(&curve.points, request.threshold_pa).map_err(|error| refuse(&error))?;
+    let at: Vec<String> = AFTER_MPA
+        .iter()
+        .map(|mpa| {
+            let [own, other] = [own, &other].map(|law| law.factor(PRESSURE_MPA.to_si(*mpa)));
+            format!("{own:.3} and {other:.3} at {mpa} MPa")
+        })
+        .collect();
+    Ok(format!(
+        "area law: of the map before the test. After it Sa is {:.3} um instead of {:.3} um and the rms slope {:.4} instead of {:.4}: f \
+         before and after would be {}",
+        after.sa_m * 1e6,
+        before.sa_m * 1e6,
+        after.rms_slope,
+        before.rms_slope,
+        at.join(", ")
+    ))
+}

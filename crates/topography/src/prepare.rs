@@ -1,0 +1,195 @@
+//! From a map as it was read to one ready for computation: missing points filled, spikes and form removed.
+
+use crate::{Form, HeightMap, MapError, MapFormat, MapWarning, ReadMap, limits, periodic_component, side_step_ratio};
+
+/// Rms step across opposite sides, over that between neighbours, up to which a map is taken as one period: a
+/// period has about 1, a piece of a smooth surface many times that.
+const PERIOD_STEP_RATIO: f64 = 1.5;
+
+/// What becomes of missing points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Missing {
+    /// They are filled by the smoothest surface.
+    #[default]
+    Fill,
+    /// The map is refused.
+    Refuse,
+}
+
+/// How a map is made ready.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Preparation {
+    /// What is subtracted from the heights.
+    pub form: Form,
+    /// What becomes of missing points.
+    pub missing: Missing,
+    /// Spikes are replaced by the median of the points about them.
+    pub despike: bool,
+}
+
+/// Why a map cannot be made ready.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PreparationError {
+    /// An operation on the map was refused.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// Nearly all points are missing.
+    #[error("{missing} of {points} points are missing: what would fill them is no measurement")]
+    MostlyMissing {
+        /// Missing points.
+        missing: usize,
+        /// Points of the map.
+        points: usize,
+    },
+    /// No surface has this slope; see [`limits::POSSIBLE_SLOPE`].
+    #[error("the rms slope is {rms_slope:.2e}: its contact area means nothing")]
+    ImpossibleSlope {
+        /// Rms slope.
+        rms_slope: f64,
+        /// What else is odd about the map.
+        warnings: Vec<MapWarning>,
+    },
+}
+
+/// A map ready for computation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PreparedMap {
+    /// The map, complete.
+    pub map: HeightMap,
+    /// The file says of itself that it is synthetic.
+    pub synthetic: bool,
+    /// The file says of itself that it is one whole period, or was found to be one.
+    pub period: bool,
+    /// The file's format.
+    pub format: MapFormat,
+    /// Missing points of the file, row by row; empty if none are.
+    pub filled: Vec<bool>,
+    /// Arithmetic mean height Sa, in metres.
+    pub sa_m: f64,
+    /// Rms slope, from the spectrum.
+    pub rms_slope: f64,
+    /// What was done to it, one sentence each.
+    pub notes: Vec<String>,
+    /// What makes numbers computed from it doubtful.
+    pub warnings: Vec<MapWarning>,
+}
+
+impl PreparedMap {
+    /// The map that was `read` as one period, for a contact computation: a map whose opposite sides do not continue each
+    /// other is replaced by its periodic component.
+    ///
+    /// # Errors
+    /// As [`PreparedMap::new`], and if no surface has its slope.
+    pub fn one_period(read: ReadMap, how: Preparation) -> Result<Self, PreparationError> {
+        let surface = Self::build(read, how, true)?;
+        let [least, most] = limits::POSSIBLE_SLOPE;
+        if (least..=most).contains(&surface.rms_slope) {
+            return Ok(surface);
+        }
+        Err(PreparationError::ImpossibleSlope { rms_slope: surface.rms_slope, warnings: surface.warnings })
+    }
+
+    /// Fills what is missing in the map that was `read` and removes its form.
+    ///
+    /// # Errors
+    /// [`PreparationError`] if points are missing that must not, nearly all are, or they do not determine the form.
+    pub fn new(read: ReadMap, how: Preparation) -> Result<Self, PreparationError> {
+        Self::build(read, how, false)
+    }
+
+    fn build(read: ReadMap, how: Preparation, one_period: bool) -> Result<Self, PreparationError> {
+        let synthetic = read.is_synthetic();
+        // A part of a period is none.
+        let mut period = read.whole && is_period(&read.comments);
+        let mut map = read.map;
+        let mut notes = read.notes;
+        if how.missing == Missing::Refuse {
+            map.require_complete()?;
+        }
+        let (missing, points) = (map.missing(), map.rows() * map.cols());
+        if missing as f64 > limits::MOST_MISSING_SHARE * points as f64 {
+            return Err(PreparationError::MostlyMissing { missing, points });
+        }
+        if how.despike {
+            notes.push(despiked(&mut map));
+        }
+        let spiked = map.spike_warning();
+        let spike_points = match &spiked {
+            Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
+            _ => 0,
+        };
+        let mut warnings: Vec<MapWarning> = spiked.into_iter().collect();
+        warnings.extend(map.missing_warning());
+        let filled = match map.missing() {
+            0 => Vec::new(),
+            _ => map.heights_m().iter().map(|height| height.is_nan()).collect(),
+        };
+        let filling = map.fill_missing();
+        if filling.points > 0 {
+            let residual = if filling.converged { ", to a residual of 1e-10 of the start" } else { "" };
+            notes.push(format!(
+                "{} of {points} points ({:.1} %) were missing and have been filled by the smoothest surface{residual}",
+                filling.points,
+                100.0 * filling.points as f64 / points as f64,
+            ));
+            if !filling.converged {
+                notes.push(format!(
+                    "the filled heights are approximate: residual {:.1e} of the start after {} iterations",
+                    filling.residual, filling.iterations
+                ));
+            }
+        }
+        let step_ratio = side_step_ratio(&map)?;
+        period |= one_period && step_ratio <= PERIOD_STEP_RATIO;
+        // A plane through one period would leave a step where the period closes.
+        match how.form {
+            Form::Plane if !period => {
+                map.subtract_plane()?;
+                notes.push("the least-squares plane has been subtracted".to_owned());
+            }
+            Form::SecondOrder if !period => {
+                map.remove_form(Form::SecondOrder)?;
+                notes.push("the least-squares surface of second order has been subtracted".to_owned());
+            }
+            _ => {
+                map.subtract_mean();
+                notes.push("no plane has been subtracted".to_owned());
+            }
+        }
+        if one_period && !period && how.form != Form::Mean {
+            map = periodic_component(&map)?;
+            notes.push(format!(
+                "opposite sides do not continue each other (steps {step_ratio:.1} times those between neighbours): the \
+                 map is taken as its periodic component (Moisan)"
+            ));
+        } else if one_period {
+            notes.push("the map is taken as one period as it is".to_owned());
+        }
+        let rms_slope = map.rms_slope_spectral()?;
+        // High points that are spikes are no debris beside.
+        let is_new =
+            |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
+        warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
+        Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
+    }
+
+    /// Pixel size along the sliding direction, in metres.
+    #[must_use]
+    pub const fn pixel_m(&self) -> f64 {
+        self.map.dx_m()
+    }
+}
+
+/// Removes spikes and says which.
+fn despiked(map: &mut HeightMap) -> String {
+    let spikes = map.despike();
+    if spikes.points() == 0 {
+        return "despiked: no spikes were found".to_owned();
+    }
+    format!("despiked: {spikes} and have been replaced by the median of the points about them")
+}
+
+/// Whether a file says of its map that it is one whole period, as synthetic ones do.
+fn is_period(comments: &[String]) -> bool {
+    comments.iter().any(|comment| comment.contains("one period"))
+}
