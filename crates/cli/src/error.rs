@@ -53,6 +53,16 @@ impl From<slipgrid_formats::confirmed_scene::UnwritableScene> for CliError {
     }
 }
 
+impl From<slipgrid_studies::StudyError> for CliError {
+    fn from(error: slipgrid_studies::StudyError) -> Self {
+        match error {
+            slipgrid_studies::StudyError::Input(refused) => Self::Input(refused),
+            slipgrid_studies::StudyError::Cancelled => Self::Interrupted,
+            other => Self::Other(other.to_string()),
+        }
+    }
+}
+
 impl CliError {
     /// The exit code.
     #[must_use]

@@ -5,7 +5,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use slipgrid_formats::Diagnostic;
 use slipgrid_formats::source::{Entry, Files, Source};
 
 /// Files as the system has them.
@@ -21,6 +20,10 @@ pub fn disk() -> Source {
 impl Files for Disk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         fs::read(path)
+    }
+
+    fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
+        Ok(Box::new(File::open(path)?))
     }
 
     fn entry(&self, path: &Path) -> io::Result<Entry> {
@@ -42,15 +45,4 @@ impl Files for Disk {
     fn canonical(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_owned())
     }
-}
-
-/// Opens the file at `path`; `expected` says what it should be.
-///
-/// # Errors
-/// [`Diagnostic`] if it is a folder or cannot be opened.
-pub fn open(path: &Path, expected: &str) -> Result<File, Diagnostic> {
-    if path.is_dir() {
-        return Err(Diagnostic::file(path, "is a folder").expected(expected));
-    }
-    File::open(path).map_err(|error| Diagnostic::file(path, format!("cannot be read: {error}")))
 }

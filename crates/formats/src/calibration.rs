@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, DiscrepancyForm, Measurement, Selection, Surface as LawSource, flat_friction_law,
+    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource,
+    flat_friction_law,
 };
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
@@ -23,6 +24,7 @@ use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
 use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
 use super::values::{Number, NumberList};
+use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
 use crate::source::Source;
@@ -213,13 +215,20 @@ impl Calibration {
         })
     }
 
-    /// The calibration of a `layer` with this `seed`, with what `surface` is once its maps are read; as far as `selection`
-    /// needs it.
-    #[must_use]
-    pub fn task(&self, surface: LawSource, (layer, seed): (Layer, u64), selection: Selection) -> CalibrationTask {
+    /// The calibration of a `layer` with this `seed`, as far as `selection` needs it; maps are read from `files`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for a map that cannot be read.
+    pub fn task(
+        &self,
+        files: &Source,
+        (layer, seed): (Layer, u64),
+        selection: Selection,
+    ) -> Result<CalibrationTask, Diagnostic> {
+        let surface = self.read_surface(files)?;
         let mut notes = self.told.clone();
         notes.extend(traces::notes(&self.traces));
-        CalibrationTask {
+        Ok(CalibrationTask {
             name: self.name.clone(),
             source: self.source.clone(),
             elastic: self.elastic,
@@ -239,7 +248,25 @@ impl Calibration {
             seed,
             selection,
             notes,
-        }
+        })
+    }
+
+    /// Where the area law comes from, with the maps read.
+    fn read_surface(&self, files: &Source) -> Result<LawSource, Diagnostic> {
+        Ok(match (&self.surface, &self.measured_law, self.area_law_scale_pa) {
+            (Surface::Measured { extrapolation }, Some(law), _) => {
+                LawSource::FlatFriction { law: law.clone(), extrapolation: *extrapolation }
+            }
+            (Surface::Persson { rms_slope }, ..) => LawSource::RmsSlope(*rms_slope),
+            (Surface::Map { path, synthetic, options, windows, after }, ..) => LawSource::Map(Box::new(MapSurface {
+                map: read_period(files, path, options)?,
+                synthetic: *synthetic,
+                windows: *windows,
+                after: after.as_ref().map(|after| read_period(files, after, options)).transpose()?,
+            })),
+            (_, _, Some(bounds_pa)) => LawSource::FittedScale { bounds_pa },
+            _ => LawSource::None,
+        })
     }
 
     /// Where `measurement` on a flat sample stands.

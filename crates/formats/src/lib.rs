@@ -9,12 +9,14 @@
 //! | [`scene`], [`run`] | what is simulated |
 //! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
 //! | [`calibration`], [`measurements`], [`measured`], [`surface`] | what was measured |
+//! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
 //! | [`pattern`], [`laser`] | textures, specimens, lasers |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
 //! | [`confirmed_scene`] | writes the scene of a design |
 
+pub mod altitude_map;
 pub mod calibration;
 pub mod condition_ranges;
 pub mod confirmed_scene;
@@ -31,6 +33,7 @@ pub mod measured;
 pub mod measurements;
 pub mod pattern;
 pub mod plausible;
+pub mod refused_calibration;
 pub mod run;
 pub mod scene;
 pub mod source;

@@ -26,6 +26,14 @@ pub trait Files: Debug + Send + Sync {
     /// What the system said.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
+    /// The file at `path` as a stream, for what is too large to be read at once.
+    ///
+    /// # Errors
+    /// What the system said.
+    fn stream(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
+        Ok(Box::new(io::Cursor::new(self.read(path)?)))
+    }
+
     /// What stands at `path`.
     ///
     /// # Errors
@@ -71,6 +79,17 @@ pub fn read_bytes(source: &Source, path: &Path, expected: &str) -> Result<Vec<u8
         return Err(Diagnostic::file(path, "is a folder").expected(expected));
     }
     source.read(path).map_err(|error| unreadable(path, &error))
+}
+
+/// The file at `path` of `source` as a stream.
+///
+/// # Errors
+/// [`Diagnostic`] if it is a folder or cannot be opened.
+pub fn stream(source: &Source, path: &Path, expected: &str) -> Result<Box<dyn io::Read>, Diagnostic> {
+    if source.entry(path).is_ok_and(|entry| entry == Entry::Folder) {
+        return Err(Diagnostic::file(path, "is a folder").expected(expected));
+    }
+    source.stream(path).map_err(|error| unreadable(path, &error))
 }
 
 /// The text of the file at `path` of `source`.

@@ -19,16 +19,6 @@ pub fn design(report: &impl Serialize, outputs: &mut Outputs) -> Result<(), serd
     Ok(())
 }
 
-/// Adds the page of a validation; all pictures stand in `outputs` already.
-///
-/// # Errors
-/// As [`design`].
-pub fn validation(report: &impl Serialize, outputs: &mut Outputs) -> Result<(), serde_json::Error> {
-    let page = html::validation(&value(report)?, outputs);
-    outputs.add(PAGE, page);
-    Ok(())
-}
-
 fn value(report: &impl Serialize) -> Result<Value, serde_json::Error> {
     serde_json::to_value(report)
 }

@@ -12,7 +12,6 @@ use slipgrid_contact::AreaPoint;
 use slipgrid_material::AreaLaw;
 use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, PreparedMap, ReadOptions};
 
-use super::altitude_map::{law_warnings, read_period, refuse_law};
 use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
@@ -20,6 +19,7 @@ use crate::output::{Place, check_folder};
 use crate::progress::{Job, Progress};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
+use slipgrid_formats::altitude_map::{law_warnings, read_period, refuse_law};
 use slipgrid_formats::surface::MapOptions;
 use slipgrid_report::Outputs;
 use slipgrid_results::{VERSION, json, json_and_timings};
@@ -178,14 +178,14 @@ fn of_map(
     if args.no_level {
         options.form = Form::Mean;
     }
-    let surface = read_period(path, &options)?;
+    let surface = read_period(&crate::input::disk(), path, &options)?;
     let wanted = AreaLawRequest { windows: args.windows, ..request.law() };
     let found = surface_area_law(&surface, &wanted, &Job::new(console)).map_err(|error| match &error {
         AreaLawError::Windows(_) => {
             let per_side = args.windows.unwrap_or(DEFAULT_WINDOWS);
             Diagnostic::flag("--windows", per_side.to_string(), error.to_string()).into()
         }
-        _ => refuse_law(path, &error),
+        error => refuse_law(path, error).map_or(CliError::Interrupted, CliError::Input),
     })?;
     let mut model = model(&surface);
     let windows = found.windows.as_ref().map(|spread| window_report(spread, request.first(), found.windows_s));

@@ -1,11 +1,11 @@
 //! One module a command: read, call the libraries, report.
 
 mod accuracy;
-mod altitude_map;
 mod announcement;
 mod area_law;
 mod area_report;
 mod calibrate;
+mod date;
 mod export;
 mod new;
 mod optimize;

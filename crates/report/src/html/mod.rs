@@ -3,7 +3,7 @@
 //! | function | page |
 //! |---|---|
 //! | [`design`] | what `optimize` found, from its result.json and pictures |
-//! | [`validation`] | measured ratios beside modelled ones, from what `validate` writes |
+//! | [`page`], [`section`] | the parts of any page |
 //!
 //! A page takes what the result holds and leaves out what it does not. It says neither time nor threads:
 //! the same result gives the same bytes.
@@ -11,13 +11,11 @@
 mod background;
 mod conditions;
 mod design;
-mod page;
-mod section;
+pub mod page;
+pub mod section;
 mod uncertainty;
-mod validation;
 
 pub use design::design;
-pub use validation::validation;
 
 #[cfg(test)]
 mod tests;

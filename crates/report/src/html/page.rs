@@ -16,18 +16,20 @@ const LARGEST_PICTURE: usize = 3_000_000;
 const LONGEST_NUMBER: usize = 24;
 
 /// A page under construction.
-pub(super) struct Page {
+pub struct Page {
     body: String,
     pictures: usize,
 }
 
 impl Page {
-    pub(super) const fn new() -> Self {
+    /// A page with nothing on it.
+    #[must_use]
+    pub const fn new() -> Self {
         Self { body: String::new(), pictures: 0 }
     }
 
     /// The whole page. `version` of the program that made it.
-    pub(super) fn finish(self, title: &str, version: &str) -> String {
+    pub fn finish(self, title: &str, version: &str) -> String {
         let (title, version) = (escape(title), escape(version));
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -40,18 +42,19 @@ impl Page {
         )
     }
 
-    pub(super) fn heading(&mut self, level: u8, text: &str) {
+    /// A heading, from level 1 on.
+    pub fn heading(&mut self, level: u8, text: &str) {
         let _ = writeln!(self.body, "<h{level}>{}</h{level}>", escape(text));
     }
 
     /// A paragraph of a class, or of none.
-    pub(super) fn paragraph(&mut self, class: &str, text: &str) {
+    pub fn paragraph(&mut self, class: &str, text: &str) {
         let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
         let _ = writeln!(self.body, "<p{class}>{}</p>", escape(text));
     }
 
     /// A share from 0 to 1 as a bar, which words beside it say too.
-    pub(super) fn bar(&mut self, share: f64) {
+    pub fn bar(&mut self, share: f64) {
         let percent = 100.0 * share.clamp(0.0, 1.0);
         let _ = writeln!(
             self.body,
@@ -59,7 +62,8 @@ impl Page {
         );
     }
 
-    pub(super) fn list(&mut self, items: &[String]) {
+    /// A list with bullets; nothing where there are no items.
+    pub fn list(&mut self, items: &[String]) {
         if items.is_empty() {
             return;
         }
@@ -71,7 +75,7 @@ impl Page {
     }
 
     /// A table whose columns sort by a click; nothing where it has no rows.
-    pub(super) fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<String>]) {
+    pub fn table(&mut self, caption: &str, header: &[&str], rows: &[Vec<String>]) {
         if rows.is_empty() {
             return;
         }
@@ -103,7 +107,7 @@ impl Page {
     }
 
     /// A picture on a white card, in any colour scheme; `alt` says what it shows.
-    pub(super) fn picture(&mut self, svg: &str, caption: &str) {
+    pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
             self.paragraph("", &format!("{caption} The picture is too large for this page: it stands beside it."));
             return;
@@ -125,7 +129,7 @@ impl Page {
     }
 
     /// Pictures side by side where there is room.
-    pub(super) fn pictures<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a str, &'a str)>) {
+    pub fn pictures<'a>(&mut self, pictures: impl IntoIterator<Item = (&'a str, &'a str)>) {
         self.body.push_str("<div class=\"pair\">\n");
         for (svg, caption) in pictures {
             self.picture(svg, caption);
@@ -134,7 +138,7 @@ impl Page {
     }
 
     /// A file's text, folded away.
-    pub(super) fn folded(&mut self, name: &str, text: &str) {
+    pub fn folded(&mut self, name: &str, text: &str) {
         let _ = writeln!(
             self.body,
             "<details><summary>{}</summary><pre>{}</pre></details>",
@@ -145,7 +149,7 @@ impl Page {
 }
 
 /// `text` as HTML; control characters other than line ends are left out.
-pub(super) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars().filter(|c| !c.is_control() || *c == '\n') {
         match c {
@@ -160,17 +164,17 @@ pub(super) fn escape(text: &str) -> String {
 }
 
 /// The text at `key`, empty where there is none.
-pub(super) fn text<'a>(value: &'a Value, key: &str) -> &'a str {
+pub fn text<'a>(value: &'a Value, key: &str) -> &'a str {
     value[key].as_str().unwrap_or("")
 }
 
 /// A number with its decimals, or a dash.
-pub(super) fn number(value: &Value, digits: usize) -> String {
+pub fn number(value: &Value, digits: usize) -> String {
     fixed(value.as_f64(), digits)
 }
 
 /// A number as it is written in the result, or a dash.
-pub(super) fn plain(value: &Value) -> String {
+pub fn plain(value: &Value) -> String {
     match value {
         Value::Null => "-".to_owned(),
         Value::String(text) => text.clone(),
@@ -185,7 +189,7 @@ pub(super) fn plain(value: &Value) -> String {
 }
 
 /// A number with its error.
-pub(super) fn with_error(value: &Value, error: &Value, digits: usize) -> String {
+pub fn with_error(value: &Value, error: &Value, digits: usize) -> String {
     match error.as_f64() {
         Some(error) if value.is_number() => format!("{} ± {}", number(value, digits), fixed(Some(error.abs()), digits)),
         _ => number(value, digits),
@@ -193,11 +197,11 @@ pub(super) fn with_error(value: &Value, error: &Value, digits: usize) -> String 
 }
 
 /// The elements of a list, none where it is none.
-pub(super) fn each<'a>(value: &'a Value, key: &str) -> &'a [Value] {
+pub fn each<'a>(value: &'a Value, key: &str) -> &'a [Value] {
     value[key].as_array().map_or(&[], Vec::as_slice)
 }
 
 /// The texts of a list.
-pub(super) fn texts(value: &Value, key: &str) -> Vec<String> {
+pub fn texts(value: &Value, key: &str) -> Vec<String> {
     each(value, key).iter().filter_map(|item| item.as_str().map(str::to_owned)).collect()
 }

@@ -11,7 +11,7 @@ const MOST_HEIGHT: f64 = 420.0;
 
 /// The section through the centres of cavities along their row, the counterface below; lengths in micrometres.
 /// Empty where a length is not positive.
-pub(super) fn section(width_um: f64, spacing_um: f64, depth_um: f64) -> String {
+pub fn section(width_um: f64, spacing_um: f64, depth_um: f64) -> String {
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);
     if !positive {

@@ -137,7 +137,6 @@ fn a_result_without_its_parts_still_makes_a_page() {
     for result in [json!({}), json!([1, 2]), json!({"target": {"pressure_mpa": [1.0]}, "confirmed": "x", "laser": []})]
     {
         assert_eq!(unbalanced(&design(&result, &Outputs::default())), Vec::<String>::new());
-        assert_eq!(unbalanced(&validation(&result, &Outputs::default())), Vec::<String>::new());
     }
 }
 

@@ -2,24 +2,24 @@
 
 mod details;
 mod discrepancy;
-mod refuse;
 mod write;
 
 use std::path::Path;
 
-use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, MapSurface, Selection, Surface};
+use slipgrid_calibrate::area_law::AreaLawError;
+use slipgrid_calibrate::{CalibrationError, CalibrationOutcome, CalibrationTask, Selection};
 use slipgrid_material::{Material, Provenance};
 use slipgrid_springblock::Layer;
 
-use super::altitude_map::{law_warnings, read_period};
 use crate::args::CalibrateArgs;
+use crate::input::disk;
 use crate::output::{Place, check_file, check_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
+use slipgrid_formats::altitude_map::law_warnings;
 use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::refused_calibration::refuse;
 use slipgrid_formats::scene::DEFAULT_SPECIMEN;
-use slipgrid_formats::surface;
 use slipgrid_report::Outputs;
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
@@ -33,7 +33,7 @@ const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "discrepa
 
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    let calibration = Calibration::read(&crate::input::disk(), &args.calibration)?;
+    let calibration = Calibration::read(&disk(), &args.calibration)?;
     if let Some(path) = &args.output {
         check_file(Place::output(path), &calibration.inputs)?;
     }
@@ -78,33 +78,25 @@ pub fn outcome(
     selection: Selection,
     console: &mut Console<'_>,
 ) -> Result<(CalibrationTask, CalibrationOutcome), CliError> {
-    let task = calibration.task(read_surface(calibration)?, sample, selection);
+    let task = calibration.task(&disk(), sample, selection)?;
     let outcome = slipgrid_calibrate::run(&task, &Job::new(console));
-    let mut outcome = outcome.map_err(|error| refuse::refuse(&error, path, calibration))?;
+    let mut outcome = outcome.map_err(|error| failed(&error, path, calibration))?;
     // What can be done about a doubtful map is said as well.
     let warnings = &mut outcome.material.provenance.warnings;
     warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
     Ok((task, outcome))
 }
 
-/// The surface of a calibration, its maps read.
-fn read_surface(calibration: &Calibration) -> Result<Surface, Diagnostic> {
-    Ok(match (&calibration.surface, &calibration.measured_law, calibration.area_law_scale_pa) {
-        (surface::Surface::Measured { extrapolation }, Some(law), _) => {
-            Surface::FlatFriction { law: law.clone(), extrapolation: *extrapolation }
+/// Why a calibration ended without a material.
+fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> CliError {
+    match (refuse(error, path, calibration), error) {
+        (Some(refused), _) => refused.into(),
+        (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => {
+            CliError::Interrupted
         }
-        (surface::Surface::Persson { rms_slope }, ..) => Surface::RmsSlope(*rms_slope),
-        (surface::Surface::Map { path, synthetic, options, windows, after }, ..) => {
-            Surface::Map(Box::new(MapSurface {
-                map: read_period(path, options)?,
-                synthetic: *synthetic,
-                windows: *windows,
-                after: after.as_ref().map(|after| read_period(after, options)).transpose()?,
-            }))
-        }
-        (_, _, Some(bounds_pa)) => Surface::FittedScale { bounds_pa },
-        _ => Surface::None,
-    })
+        (None, CalibrationError::Fit { error, .. }) => CliError::Other(format!("calibration: {error}")),
+        (None, error) => CliError::Other(error.to_string()),
+    }
 }
 
 fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {

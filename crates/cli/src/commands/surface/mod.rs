@@ -6,12 +6,12 @@ mod report;
 use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
 
 use self::report::SurfaceReport;
-use super::altitude_map::{open, refuse as refuse_map};
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
+use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
 use slipgrid_report::Outputs;
 use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
@@ -26,7 +26,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
-    let read = open(&args.map, &options.read)?;
+    let read = open(&crate::input::disk(), &args.map, &options.read)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
     let cavities = args.cavities.then(|| {

@@ -8,7 +8,7 @@ use slipgrid_topography::{
 };
 
 use crate::args::SurfaceArgs;
-use crate::commands::altitude_map::told;
+use slipgrid_formats::altitude_map::told;
 use slipgrid_results::fixed;
 use slipgrid_results::{Table, VERSION};
 use slipgrid_units::{LENGTH_UM, tidy};

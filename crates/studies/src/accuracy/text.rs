@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 use super::difference::Quantity;
 use super::plan::Family;
 use super::report::{AccuracyReport, FrontReport, RowReport, ValueReport};
-use crate::CliError;
 use slipgrid_report::charts::{self, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
 use slipgrid_results::fixed;
 
@@ -249,8 +248,8 @@ fn number(value: Option<f64>) -> String {
 /// The diagram; `None` where no method has an error.
 ///
 /// # Errors
-/// [`CliError::Other`] if it cannot be drawn.
-pub fn picture(report: &AccuracyReport) -> Result<Option<String>, CliError> {
+/// [`ChartError`] if it cannot be drawn.
+pub fn picture(report: &AccuracyReport) -> Result<Option<String>, charts::ChartError> {
     let families = Family::METHODS.map(Family::name);
     let points: Vec<(Vec<WorkPoint<'_>>, &FrontReport)> = [Quantity::MuDynamic, Quantity::Ratio]
         .into_iter()

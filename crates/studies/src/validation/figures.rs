@@ -9,16 +9,16 @@ use slipgrid_springblock::{
     Extent, Fidelity, InterfacePoint, Load, RunOptions, Scene, Simulation, SurfaceOutcome, simulate,
 };
 
+use super::heed;
 use super::laws::ScaledLaw;
 use super::model::{FlatPoint, knowledge, squares};
 use super::report::{AreaTable, TimeReport};
-use crate::interruption::heed;
-use crate::progress::Progress;
-use crate::{CliError, Console};
+use crate::StudyError;
 use slipgrid_design::Solved;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_monitor::{Monitor, Stage, Unwatched};
 use slipgrid_report::Outputs;
 use slipgrid_report::charts::{
     AreaLawChart, Estimate, FrictionTraceChart, InterfacePressureChart, OtherSurface, Series, Trace, area_law,
@@ -52,18 +52,18 @@ impl Figures<'_> {
     /// Adds every picture with its numbers to `outputs`; returns what the run in time found.
     ///
     /// # Errors
-    /// [`CliError`] if the numbers make no scene or a picture cannot be drawn.
-    pub fn draw(&self, outputs: &mut Outputs, console: &Console<'_>) -> Result<Option<TimeReport>, CliError> {
+    /// [`StudyError`] if the numbers make no scene or a picture cannot be drawn.
+    pub fn draw(&self, outputs: &mut Outputs, monitor: &dyn Monitor) -> Result<Option<TimeReport>, StudyError> {
         if let Some(picture) = self.areas()? {
             outputs.add("area-law.svg", picture);
             outputs.add("area-law.csv", areas_csv(&area_tables(self.laws)));
         }
         let sample = self.scene(self.pattern, Fidelity::Steady, Extent::Sample)?;
-        let steady = self.solve(&sample, &Progress::start("", true))?;
-        heed()?;
+        let steady = self.solve(&sample, &Unwatched)?;
+        heed(monitor)?;
         self.interface(&sample, &steady, outputs)?;
         let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
-        let solid = self.solve(&cell, &Progress::start("", true))?;
+        let solid = self.solve(&cell, &Unwatched)?;
         for load in &solid.loads {
             if let Some(map) = interface_map(&cell, load, self.load_mpa())? {
                 outputs.add("interface-squares.svg", map);
@@ -72,10 +72,10 @@ impl Figures<'_> {
         let Some(sliding_m) = self.sliding_m else { return Ok(None) };
         let mut scene = self.scene(self.pattern, Fidelity::Dynamic, Extent::Sample)?;
         scene.run.sliding_m = sliding_m;
-        let progress = Progress::start("friction in time", console.quiet);
+        let progress = Stage::new(monitor, "friction in time", None);
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
-        heed()?;
+        heed(monitor)?;
         let simulation = simulation?;
         let knowledge = knowledge(self.calibration.modulus_relative_std(), scene.area_law.as_ref(), &[self.heaviest]);
         let slopes = Slopes::new(&scene, &knowledge);
@@ -99,7 +99,7 @@ impl Figures<'_> {
     }
 
     /// The heaviest load on `pattern`, with coefficients as in the comparison: steady, the flat surface slides as measured.
-    fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, CliError> {
+    fn scene(&self, pattern: Pattern, fidelity: Fidelity, extent: Extent) -> Result<Scene, StudyError> {
         let law = self.law();
         // mu_d = mu_flat / f(P)
         let dynamic_mean = self.heaviest.mu_flat / law.map_or(1.0, |law| law.factor(self.heaviest.pressure_pa));
@@ -120,11 +120,11 @@ impl Figures<'_> {
         Ok(scene)
     }
 
-    fn solve(&self, scene: &Scene, progress: &Progress) -> Result<Simulation, CliError> {
+    fn solve(&self, scene: &Scene, progress: &dyn Monitor) -> Result<Simulation, StudyError> {
         simulate(scene, progress).map_err(|error| Diagnostic::file(self.path, error.to_string()).into())
     }
 
-    fn areas(&self) -> Result<Option<String>, CliError> {
+    fn areas(&self) -> Result<Option<String>, StudyError> {
         let tables = area_tables(self.laws);
         let Some(given) = tables.iter().find(|table| table.slope_factor == 1.0) else { return Ok(None) };
         let peak_mpa = PRESSURE_MPA.from_si(self.peak_pa);
@@ -157,7 +157,7 @@ impl Figures<'_> {
     }
 
     /// Pressure under the whole sample, and larger under its first periods.
-    fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), CliError> {
+    fn interface(&self, scene: &Scene, simulation: &Simulation, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let cavities = cavities_um(scene, &load.surface);
         let points = |surface: &SurfaceOutcome| -> Vec<[f64; 2]> {
@@ -192,7 +192,7 @@ impl Figures<'_> {
         Ok(())
     }
 
-    fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), CliError> {
+    fn time(&self, simulation: &Simulation, at: &PressureErrors, outputs: &mut Outputs) -> Result<(), StudyError> {
         let Some(load) = simulation.loads.first() else { return Ok(()) };
         let flat = load.flat.as_ref().zip(at.mu_flat.as_ref()).map(|(flat, error)| ("flat", flat, error));
         let traces: Vec<(&str, &SurfaceOutcome, &ErrorReport, Vec<[f64; 2]>)> =

@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 
 use super::ratios::{ModelledRatio, RatioReport};
 use super::report::ValidationReport;
-use crate::CliError;
 use slipgrid_formats::scene::{DEFAULT_LAYER, DEFAULT_THICKNESS_M};
 use slipgrid_report::charts::{self, Estimate, RatioSeries, RatiosChart};
 use slipgrid_results::Table;
@@ -330,8 +329,8 @@ pub fn csv(report: &ValidationReport) -> String {
 /// Measured and modelled ratios against pressure, at the condition of the first row.
 ///
 /// # Errors
-/// [`CliError::Other`] if the picture cannot be drawn.
-pub fn picture(report: &ValidationReport) -> Result<String, CliError> {
+/// [`ChartError`](slipgrid_report::ChartError) if the picture cannot be drawn.
+pub fn picture(report: &ValidationReport) -> Result<String, slipgrid_report::ChartError> {
     let Some(first) = report.results.first() else { return Ok(String::new()) };
     let rows: Vec<&RatioReport> =
         report.results.iter().filter(|row| row.measured.is_at_condition_of(&first.measured)).collect();

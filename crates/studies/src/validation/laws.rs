@@ -1,18 +1,16 @@
 //! Area laws of a calibration's surface with its heights scaled.
 
-use std::path::Path;
-
 use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, area_curve, area_law, persson_curve};
 use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
 
-use crate::commands::altitude_map::{read_period, told};
-use crate::interruption::heed;
-use crate::progress::Progress;
-use crate::{CliError, Console};
+use super::{ValidationTask, heed};
+use crate::StudyError;
 use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::altitude_map::{read_period, told};
+use slipgrid_formats::source::Source;
 use slipgrid_formats::surface::Surface;
+use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::fixed;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
@@ -40,16 +38,16 @@ pub struct ScaledLaws {
     pub notes: Vec<String>,
 }
 
-/// The area law of `calibration`'s surface for each of `factors`.
+/// The area law of the surface of `task` for each of its slope factors.
 ///
 /// # Errors
-/// [`CliError`] if the map cannot be read or its contact area gives no law.
+/// [`StudyError`] if the map cannot be read or its contact area gives no law.
 pub fn scaled_laws(
-    path: &Path,
-    calibration: &Calibration,
-    factors: &[f64],
-    console: &Console<'_>,
-) -> Result<ScaledLaws, CliError> {
+    task: &ValidationTask<'_>,
+    source: &Source,
+    monitor: &dyn Monitor,
+) -> Result<ScaledLaws, StudyError> {
+    let (path, calibration, factors) = (task.path, task.calibration, &task.slope_factors);
     let contact_modulus_pa = calibration.elastic.contact_modulus_pa(calibration.poisson_ratio);
     let refuse = |error: &dyn std::fmt::Display| Diagnostic::file(path, error.to_string());
     let law = |points: &[AreaPoint]| {
@@ -91,13 +89,13 @@ pub fn scaled_laws(
             Ok(ScaledLaws { laws, synthetic: false, notes })
         }
         Surface::Map { path: map_path, synthetic, options, .. } => {
-            let surface = read_period(map_path, options)?;
+            let surface = read_period(source, map_path, options)?;
             // A(P; s h) = A(P/s; h): every scaled surface is read off the one that was given.
             let solved_pa = unscaled_pressures_pa(factors);
-            let progress = Progress::start("area law", console.quiet);
+            let progress = Stage::new(monitor, "area law", None);
             let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
-            heed()?;
+            heed(monitor)?;
             let curve = curve.map_err(|error| Diagnostic::file(map_path, error.to_string()))?;
             let mut notes = vec![format!(
                 "area law of {}: rms slope {}{}",
@@ -164,7 +162,7 @@ mod tests {
     #[test]
     fn a_scaled_surface_has_the_curve_of_its_own_map() {
         let map = SelfAffine { pixels: 32, max_wave: 8, ..SelfAffine::STAND_IN }.map().unwrap();
-        let progress = Progress::start("test", true);
+        let progress = slipgrid_monitor::Unwatched;
         let solve = |map: &HeightMap, pressures_pa: &[f64]| {
             area_curve(map, 427.5e6, pressures_pa, 1e-10, &progress).unwrap().points
         };

@@ -5,7 +5,7 @@ use slipgrid_material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
 
-use crate::CliError;
+use crate::StudyError;
 use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_units::PRESSURE_MPA;
 
@@ -29,9 +29,9 @@ const LEAST_PERIODS: f64 = 100.0;
 /// The polymer sample of Balestra et al., J. Tribol. 144, 031704, with the stand-in map's area law.
 ///
 /// # Errors
-/// [`CliError::Other`] if one of its numbers is refused.
-pub fn paper_scene() -> Result<Scene, CliError> {
-    let refuse = |error: &dyn std::fmt::Display| CliError::Other(format!("the built-in scene: {error}"));
+/// [`StudyError::Failed`] if one of its numbers is refused.
+pub fn paper_scene() -> Result<Scene, StudyError> {
+    let refuse = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
     let elastic = Elastic::new(0.38e9, 900.0).map_err(|error| refuse(&error))?;
     let pressures_pa = DEFAULT_PRESSURES_MPA.map(|pressure_mpa| PRESSURE_MPA.to_si(pressure_mpa));
     let contact_modulus_pa = elastic.contact_modulus_pa(POISSON_RATIO);

@@ -8,7 +8,7 @@ use slipgrid_springblock::{
 };
 
 use super::plan::{Role, Row};
-use crate::progress::Progress;
+use slipgrid_monitor::{Part, Stage};
 
 /// Runs shorter than this are timed again, and the shortest time counts.
 const SHORT_S: f64 = 0.05;
@@ -116,11 +116,11 @@ pub fn expected_wall_s(rows: &[Row], base: &Scene, threads: usize) -> f64 {
 /// The first seed of every row runs on one thread, and that is the run whose time is reported: alone, or
 /// with `side_by_side` as many at once as there are threads, each with a core to itself, longest first.
 /// The others then share all threads.
-pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Progress) -> Vec<Vec<Run>> {
+pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Stage<'_>) -> Vec<Vec<Run>> {
     let scenes: Vec<Vec<Scene>> =
         rows.iter().map(|row| (0..row.seeds).map(|seed| scene_of(row, base, seed)).collect()).collect();
     let all_s: f64 = scenes.iter().flatten().map(expected_s).sum();
-    let part = |scene: &Scene| Part { progress, share: expected_s(scene) / all_s };
+    let part = |scene: &Scene| Part::new(progress, expected_s(scene) / all_s);
 
     let mut first: Vec<(usize, &Scene)> =
         scenes.iter().enumerate().filter_map(|(row, scenes)| Some((row, scenes.first()?))).collect();
@@ -130,7 +130,7 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Pr
     let work = || {
         let mut measured = Vec::new();
         while let Some((row, scene)) = first.get(next.fetch_add(1, Ordering::Relaxed)) {
-            progress.say(&rows[*row].label);
+            progress.detail(&rows[*row].label);
             let timed = || timed(scene, &part(scene));
             // Where the system gives no further thread, the current pool is what there is.
             let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
@@ -147,7 +147,7 @@ pub fn measure_all(rows: &[Row], base: &Scene, side_by_side: bool, progress: &Pr
     for (row, run) in measured {
         runs[row].push(run);
     }
-    progress.say("more seeds");
+    progress.detail("more seeds");
     let mut others: Vec<(usize, &Scene)> =
         scenes.iter().enumerate().flat_map(|(row, scenes)| scenes.iter().skip(1).map(move |s| (row, s))).collect();
     // Longest first, one at a time, so that no thread ends long after the others.
@@ -204,26 +204,6 @@ fn seconds_per_site(scene: &Scene) -> f64 {
     match (scene.run.fidelity, scene.run.springs) {
         (Fidelity::Reference, _) | (_, Some(Springs::Exact)) => 35e-9,
         _ => 1e-9,
-    }
-}
-
-/// The part of all work that one run is.
-struct Part<'a> {
-    progress: &'a Progress,
-    share: f64,
-}
-
-impl Monitor for Part<'_> {
-    fn seconds(&self) -> f64 {
-        self.progress.elapsed_s()
-    }
-
-    fn advance(&self, share: f64) {
-        Monitor::advance(self.progress, share * self.share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.progress.cancelled()
     }
 }
 

@@ -8,28 +8,28 @@ use slipgrid_pattern::Pattern;
 use super::flat_point;
 use super::model::{Body, Case, FlatPoint, predict};
 use super::ratios::{MeasuredLawRatio, Pair, same_condition};
-use crate::progress::Progress;
-use crate::{CliError, Console};
+use crate::StudyError;
 use slipgrid_calibrate::Measurement;
 use slipgrid_formats::calibration::Calibration;
+use slipgrid_monitor::{Monitor, Stage};
 
 /// Ratios of `pattern` at each of `pairs` by the law of the flat measurements at its own condition, one per extrapolation;
 /// empty where these are at one pressure only.
 ///
 /// # Errors
-/// [`CliError`] if the numbers make no scene; `path` is the calibration that they came from.
+/// [`StudyError`] if the numbers make no scene; `path` is the calibration that they came from.
 pub fn ratios(
     path: &Path,
     calibration: &Calibration,
     body: Body,
     pattern: Pattern,
     pairs: &[Pair],
-    console: &Console<'_>,
-) -> Result<Vec<Vec<MeasuredLawRatio>>, CliError> {
+    monitor: &dyn Monitor,
+) -> Result<Vec<Vec<MeasuredLawRatio>>, StudyError> {
     // The modulus does not move this law.
     let body = Body { modulus_relative_std: None, ..body };
     let mut found: Vec<Vec<MeasuredLawRatio>> = vec![Vec::new(); pairs.len()];
-    let progress = Progress::start("measured law", console.quiet);
+    let progress = Stage::new(monitor, "measured law", None);
     for (place, pair) in pairs.iter().enumerate() {
         let is_first = !pairs[..place].iter().any(|earlier| same_condition(&earlier.flat, &pair.flat));
         if !is_first {

@@ -4,7 +4,7 @@ use super::plan::{Change, Family, Role, Row, Size, rows};
 use super::report::{AccuracyReport, Machine};
 use super::scene::{base, paper_scene, reduced};
 use super::*;
-use slipgrid_springblock::{Extent, Layer};
+use slipgrid_springblock::{Extent, Fidelity, Layer};
 
 const MACHINE: Machine = Machine { architecture: "any", system: "any", processors: Some(2), date: None };
 
@@ -119,12 +119,21 @@ fn a_refused_row_is_a_row_with_its_reason() {
     assert_eq!((run.mu_dynamic, run.site_updates), (None, 0));
 }
 
+/// What tells the time and watches nothing else.
+struct Clock(std::time::Instant);
+
+impl Monitor for Clock {
+    fn seconds(&self) -> f64 {
+        self.0.elapsed().as_secs_f64()
+    }
+}
+
 #[test]
 fn a_tiny_page_from_end_to_end() {
     let base = tiny();
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 2 };
-    let report = compare(Size::Quick, &base, "tiny", 2, &mut console);
+    let machine = Machine { architecture: "a", system: "s", processors: None, date: None };
+    let report = compare(Size::Quick, &base, "tiny", 2, machine, &Clock(std::time::Instant::now())).unwrap();
     assert_eq!(report.reference.status, "converged");
     // 4 evaluations, 1 ns, 12 us of preparation and 20 us of travel, 10 x 2 blocks, both surfaces
     assert_eq!(report.reference.site_updates, Some(2 * 20 * 4 * 32_000));

@@ -3,9 +3,9 @@
 use serde_json::Value;
 use slipgrid_export::NOT_MODELLED;
 
-use super::page::{Page, each, number, plain, text, texts, with_error};
-use super::section::section;
-use crate::Outputs;
+use slipgrid_report::Outputs;
+use slipgrid_report::html::page::{Page, each, number, plain, text, texts, with_error};
+use slipgrid_report::html::section::section;
 use slipgrid_results::fixed;
 
 /// The page of a validation: from `result`, the object of result.json, and the pictures in `outputs`.

@@ -5,32 +5,37 @@ use std::path::Path;
 use slipgrid_calibrate::area_law::AreaLawError;
 use slipgrid_calibrate::{CalibrationError, FitError, Measurement};
 
-use crate::CliError;
-use crate::commands::altitude_map::refuse_law;
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::surface::Surface;
+use crate::Diagnostic;
+use crate::altitude_map::refuse_law;
+use crate::calibration::Calibration;
+use crate::surface::Surface;
 
-/// What is wrong with the calibration at `path`.
-pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> CliError {
+/// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
+#[must_use]
+pub fn refuse(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Option<Diagnostic> {
     let at_key = || Diagnostic { key: error.field().map(Into::into), ..Diagnostic::file(path, error.to_string()) };
     match (error, &calibration.surface) {
-        (CalibrationError::Cancelled, _) => CliError::Interrupted,
-        (CalibrationError::AreaLaw(AreaLawError::Windows(_)), _) => at_key().into(),
+        (CalibrationError::Cancelled, _) => None,
+        (CalibrationError::AreaLaw(AreaLawError::Windows(_)), _) => Some(at_key()),
         (CalibrationError::AreaLaw(error), Surface::Map { path, .. }) => refuse_law(path, error),
         (CalibrationError::MapAfter(reason), Surface::Map { after: Some(path), .. }) => {
-            Diagnostic::file(path, reason.clone()).into()
+            Some(Diagnostic::file(path, reason.clone()))
         }
         (CalibrationError::NoAreaLaw(_) | CalibrationError::OutOfRange { .. }, _) => {
-            Diagnostic::file(path, error.to_string()).into()
+            Some(Diagnostic::file(path, error.to_string()))
         }
         (CalibrationError::Fit { error, measurement }, _) => refuse_fit(error, measurement.as_ref(), path, calibration),
-        _ => CliError::Other(error.to_string()),
+        _ => None,
     }
 }
 
 /// A refused fit, at the measurement that it is about.
-fn refuse_fit(error: &FitError, measurement: Option<&Measurement>, path: &Path, calibration: &Calibration) -> CliError {
+fn refuse_fit(
+    error: &FitError,
+    measurement: Option<&Measurement>,
+    path: &Path,
+    calibration: &Calibration,
+) -> Option<Diagnostic> {
     let change = match error {
         FitError::NoSliding { status, .. } => match *status {
             "no_onset" => {
@@ -47,14 +52,14 @@ fn refuse_fit(error: &FitError, measurement: Option<&Measurement>, path: &Path, 
         FitError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
         FitError::TooManyCoefficients { .. } => "fewer conditions, or coefficients = \"single\" in [fit]",
         FitError::TooMuchWork { .. } => "fewer rows, or larger speeds",
-        _ => return CliError::Other(format!("calibration: {error}")),
+        _ => return None,
     };
     let text = error.to_string();
     let reason = text.split_once(": expected").map_or(text.as_str(), |(reason, _)| reason);
     let row = measurement.and_then(|measurement| calibration.place(measurement));
-    let Some(row) = row else { return Diagnostic::file(path, reason).expected(change).into() };
+    let Some(row) = row else { return Some(Diagnostic::file(path, reason).expected(change)) };
     // The row is named by its condition instead of by its number.
     let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
     let reason = format!("({}): {reason}", row.condition());
-    CliError::from(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(change))
+    Some(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(change))
 }

@@ -1,109 +1,109 @@
-//! `validate`: measured ratios patterned/flat beside the model's.
+//! Measured ratios patterned/flat beside the model's.
 
 mod figures;
 mod laws;
 mod measured_law;
 mod model;
+mod page;
 mod published;
 mod ratios;
 mod report;
 mod summary;
 mod text;
 
-use slipgrid_pattern::{Pattern, Planform};
+use std::path::Path;
 
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_formats::source::Source;
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_pattern::Pattern;
+use slipgrid_report::Outputs;
+use slipgrid_results::VERSION;
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
+
+use crate::StudyError;
 use figures::{Figures, area_tables};
 use laws::{ScaledLaws, scaled_laws};
 use model::{Body, Case, FlatPoint, predict, squares};
 use ratios::{MeasuredReport, ModelledRatio, Pair, RatioReport, depth_um, pairs, same_condition};
-use report::ValidationReport;
 use summary::Summary;
 
-use super::area_law::checked;
-use crate::args::ValidateArgs;
-use crate::interruption::heed;
-use crate::output::{Place, check_folder};
-use crate::progress::Progress;
-use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::scene::DEFAULT_LAYER;
-use slipgrid_report::Outputs;
-use slipgrid_results::{VERSION, json, json_and_timings};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, POSITIVE, PRESSURE_MPA, Quantity, SPEED_MM_S};
+pub use page::validation as page;
+pub use report::ValidationReport;
+pub use text::{csv, picture, table};
 
-/// Lengths of the pattern: ten centimetres are more than any specimen.
-const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
-/// Travel of a run in time: sliding is steady after a few micrometres.
-const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
-/// Slope factors: beyond these no surface is meant.
-const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct ValidationTask<'a> {
+    /// The file that the calibration came from.
+    pub path: &'a Path,
+    /// The measurements, on flat and on patterned samples.
+    pub calibration: &'a Calibration,
+    /// The pattern of the patterned samples, as grooves.
+    pub patterns: Patterns,
+    /// What the slopes of the surface are multiplied by, increasing, 1 among them.
+    pub slope_factors: Vec<f64>,
+    /// Every measured condition, not only that of the first row.
+    pub all: bool,
+    /// Travel of the run in time behind mu(t), in metres; none is made where absent.
+    pub sliding_m: Option<f64>,
+    /// Pictures are wanted, with what stands in them.
+    pub figures: bool,
+}
 
-/// What is written.
-const FILES: [&str; 10] = [
-    "report.html",
-    "result.json",
-    "timings.json",
-    "ratios.*",
-    "area-law.*",
-    "friction.*",
-    "interface.*",
-    "interface-end.svg",
-    "interface-squares.svg",
-    "friction-*.svg",
-];
+/// The pattern at both depths, as grooves.
+#[derive(Clone, Copy, Debug)]
+pub struct Patterns {
+    /// As it is modelled.
+    pub modelled: Pattern,
+    /// As it was measured.
+    pub measured: Pattern,
+}
 
-/// Reads both tables, models every condition and reports.
-pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
+impl Patterns {
+    fn differ(&self) -> bool {
+        self.modelled != self.measured
     }
-    let patterns = Patterns::read(args)?;
-    let slope_factors = slope_factors(&args.slope_factors)?;
-    let calibration = Calibration::read(&crate::input::disk(), &args.calibration)?;
-    let pairs = measured(args, &calibration)?;
-    let sliding_m = match args.sliding_um {
-        0.0 => None,
-        sliding_um => Some(checked("--sliding-um", sliding_um, TRAVEL_UM)?),
-    };
-    let whole = Progress::start("", true);
-    let surface = scaled_laws(&args.calibration, &calibration, &slope_factors, console)?;
-    let mut report = validate(args, &calibration, &pairs, &patterns, &surface, console)?;
+}
+
+/// Ends a study once `monitor` has cancelled.
+fn heed(monitor: &dyn Monitor) -> Result<(), StudyError> {
+    if monitor.cancelled() { Err(StudyError::Cancelled) } else { Ok(()) }
+}
+
+/// Models every measured condition of `task`; with the pictures and their numbers where these are wanted. Maps come from
+/// `source`.
+///
+/// # Errors
+/// [`StudyError`] for a calibration without anything to compare, a surface that gives no area law, and numbers that make no
+/// scene.
+pub fn validate(
+    task: &ValidationTask<'_>,
+    source: &Source,
+    monitor: &dyn Monitor,
+) -> Result<(ValidationReport, Outputs), StudyError> {
+    let started_s = monitor.seconds();
+    let pairs = measured(task)?;
+    let surface = scaled_laws(task, source, monitor)?;
+    let mut report = compare(task, &pairs, &surface, monitor)?;
     let mut outputs = Outputs::default();
-    if args.output.is_some() {
-        let figures = figures(args, &calibration, &pairs, &patterns, &surface, &report, sliding_m);
-        if let Some(figures) = figures {
-            report.in_time = figures.draw(&mut outputs, console)?;
-        }
+    if task.figures
+        && let Some(figures) = figures(task, &pairs, &surface, &report)
+    {
+        report.in_time = figures.draw(&mut outputs, monitor)?;
     }
-    report.wall_s = whole.finish();
-    if let Some(folder) = &args.output {
-        let [result, timings] = json_and_timings(&report)?;
-        outputs.add("result.json", result);
-        outputs.add("timings.json", timings);
-        outputs.add("ratios.csv", text::csv(&report));
-        outputs.add("ratios.svg", text::picture(&report)?);
-        slipgrid_report::pages::validation(&report, &mut outputs)?;
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
-    }
-    if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
-    } else {
-        console.answer(&text::table(&report))?;
-    }
-    Ok(exit_code::DONE)
+    report.wall_s = monitor.seconds() - started_s;
+    Ok((report, outputs))
 }
 
 /// What the pictures show; `None` where nothing was compared.
 fn figures<'a>(
-    args: &'a ValidateArgs,
-    calibration: &'a Calibration,
+    task: &'a ValidationTask<'a>,
     pairs: &[Pair],
-    patterns: &Patterns,
     surface: &'a ScaledLaws,
     report: &ValidationReport,
-    sliding_m: Option<f64>,
 ) -> Option<Figures<'a>> {
     let first = pairs.first()?;
     let heaviest = pairs
@@ -112,13 +112,13 @@ fn figures<'a>(
         .max_by(|a, b| a.flat.force_n.total_cmp(&b.flat.force_n))?;
     let peaks = report.results.iter().flat_map(|row| &row.modelled).map(|modelled| modelled.peak_pressure_mpa);
     Some(Figures {
-        path: &args.calibration,
-        calibration,
+        path: task.path,
+        calibration: task.calibration,
         laws: &surface.laws,
-        pattern: patterns.modelled,
-        heaviest: flat_point(heaviest, calibration),
+        pattern: task.patterns.modelled,
+        heaviest: flat_point(heaviest, task.calibration),
         peak_pa: PRESSURE_MPA.to_si(peaks.fold(0.0, f64::max)),
-        sliding_m,
+        sliding_m: task.sliding_m,
         synthetic: surface.synthetic,
     })
 }
@@ -133,67 +133,11 @@ fn flat_point(pair: &Pair, calibration: &Calibration) -> FlatPoint {
     }
 }
 
-/// The pattern at both depths, as grooves.
-#[derive(Clone, Copy, Debug)]
-struct Patterns {
-    modelled: Pattern,
-    measured: Pattern,
-}
-
-impl Patterns {
-    fn read(args: &ValidateArgs) -> Result<Self, Diagnostic> {
-        let layer_um = LENGTH_UM.from_si(DEFAULT_LAYER.height_m);
-        let depth = |flag, depth_um: f64| {
-            let depth_m = checked(flag, depth_um, PATTERN_UM)?;
-            if depth_m < DEFAULT_LAYER.height_m {
-                Ok(depth_m)
-            } else {
-                Err(Diagnostic::flag(
-                    flag,
-                    depth_um.to_string(),
-                    format!("leaves nothing of the layer of {layer_um} um"),
-                )
-                .expected(format!("a depth below {layer_um}")))
-            }
-        };
-        let width_m = checked("--width-um", args.width_um, PATTERN_UM)?;
-        let spacing_m = checked("--spacing-um", args.spacing_um, PATTERN_UM)?;
-        let grooves = |depth_m| {
-            Pattern::new(Planform::Groove, width_m, spacing_m, depth_m)
-                .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
-        };
-        Ok(Self {
-            modelled: grooves(depth("--depth-um", args.depth_um)?)?,
-            measured: grooves(depth("--measured-depth-um", args.measured_depth_um)?)?,
-        })
-    }
-
-    fn differ(&self) -> bool {
-        self.modelled != self.measured
-    }
-}
-
-/// The factors asked for and 1, increasing.
-fn slope_factors(asked: &[f64]) -> Result<Vec<f64>, Diagnostic> {
-    let mut factors = vec![1.0];
-    for &factor in asked {
-        if !SLOPE_FACTORS.contains(&factor) {
-            let expected = format!("a factor from {} to {}", SLOPE_FACTORS.start(), SLOPE_FACTORS.end());
-            return Err(Diagnostic::flag("--slope-factors", factor.to_string(), "is out of range").expected(expected));
-        }
-        factors.push(checked("--slope-factors", factor, POSITIVE)?);
-    }
-    factors.sort_by(f64::total_cmp);
-    factors.dedup();
-    Ok(factors)
-}
-
 /// The measured pairs that are reported.
-fn measured(args: &ValidateArgs, calibration: &Calibration) -> Result<Vec<Pair>, Diagnostic> {
-    let nothing = |reason: &str| Diagnostic {
-        key: Some("measurements.patterned".into()),
-        ..Diagnostic::file(&args.calibration, reason)
-    };
+fn measured(task: &ValidationTask<'_>) -> Result<Vec<Pair>, Diagnostic> {
+    let calibration = task.calibration;
+    let nothing =
+        |reason: &str| Diagnostic { key: Some("measurements.patterned".into()), ..Diagnostic::file(task.path, reason) };
     if calibration.patterned.is_empty() {
         return Err(nothing("is missing: there is nothing to compare with"));
     }
@@ -202,20 +146,19 @@ fn measured(args: &ValidateArgs, calibration: &Calibration) -> Result<Vec<Pair>,
         return Err(nothing("has no condition in common with measurements.flat")
             .expected("the same force, speed and humidity in both tables"));
     };
-    if !args.all {
+    if !task.all {
         pairs.retain(|pair| same_condition(&pair.flat, &first.flat));
     }
     Ok(pairs)
 }
 
-fn validate(
-    args: &ValidateArgs,
-    calibration: &Calibration,
+fn compare(
+    task: &ValidationTask<'_>,
     pairs: &[Pair],
-    patterns: &Patterns,
     surface: &ScaledLaws,
-    console: &Console<'_>,
-) -> Result<ValidationReport, CliError> {
+    monitor: &dyn Monitor,
+) -> Result<ValidationReport, StudyError> {
+    let (calibration, patterns) = (task.calibration, &task.patterns);
     let points: Vec<FlatPoint> = pairs.iter().map(|pair| flat_point(pair, calibration)).collect();
     // Every slope, then Amontons-Coulomb, then the surface as given at the measured depth.
     let given = surface.laws.iter().find(|law| law.slope_factor == 1.0);
@@ -225,19 +168,18 @@ fn validate(
     let deep = given.filter(|_| patterns.differ());
     cases.extend(deep.map(|law| Case { pattern: patterns.measured, law: law.law.as_ref() }));
 
-    let progress = Progress::start("patterns", console.quiet);
+    let progress = Stage::new(monitor, "patterns", None);
     let body = Body {
         elastic: calibration.elastic,
         modulus_relative_std: calibration.modulus_relative_std(),
         layer: DEFAULT_LAYER,
     };
-    let predicted = predict(&args.calibration, body, &cases, &points, &progress);
+    let predicted = predict(task.path, body, &cases, &points, &progress);
     progress.finish();
-    heed()?;
+    heed(monitor)?;
     let predicted = predicted?;
 
-    let by_measured_law =
-        measured_law::ratios(&args.calibration, calibration, body, patterns.modelled, pairs, console)?;
+    let by_measured_law = measured_law::ratios(task.path, calibration, body, patterns.modelled, pairs, monitor)?;
     let slopes = surface.laws.len();
     let results: Vec<RatioReport> = pairs
         .iter()
@@ -264,7 +206,7 @@ fn validate(
         name: calibration.name.clone(),
         source: calibration.source.clone(),
         synthetic_surface: surface.synthetic,
-        model: model_notes(args, pairs, patterns, &surface.notes),
+        model: model_notes(task, pairs, &surface.notes),
         errors: errors_note(calibration),
         pattern: (&patterns.modelled).into(),
         areal_density_square: slipgrid_units::tidy(squares(&patterns.modelled).areal_density()),
@@ -277,7 +219,7 @@ fn validate(
         area_laws: area_tables(&surface.laws),
         in_time: None,
         wall_s: 0.0,
-        threads: console.threads,
+        threads: rayon::current_num_threads(),
         results,
     };
     report.statements = text::statements(&report);
@@ -298,11 +240,12 @@ fn errors_note(calibration: &Calibration) -> String {
 }
 
 /// What was modelled and how.
-fn model_notes(args: &ValidateArgs, pairs: &[Pair], patterns: &Patterns, surface: &[String]) -> Vec<String> {
+fn model_notes(task: &ValidationTask<'_>, pairs: &[Pair], surface: &[String]) -> Vec<String> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    let patterns = &task.patterns;
     let pattern = &patterns.modelled;
     let mut notes = Vec::new();
-    if let Some(first) = pairs.first().filter(|_| !args.all) {
+    if let Some(first) = pairs.first().filter(|_| !task.all) {
         notes.push(format!(
             "measured at {} mm/s and {} % humidity, the condition of the table's first row; --all compares every one",
             SPEED_MM_S.from_si(first.flat.speed_m_s),
@@ -334,18 +277,4 @@ fn model_notes(args: &ValidateArgs, pairs: &[Pair], patterns: &Patterns, surface
     notes.extend(surface.iter().cloned());
     notes.push("not modelled: recast rims, plasticity, viscoelasticity, heating, wear, menisci".to_owned());
     notes
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_surface_as_given_is_always_among_the_factors() {
-        assert_eq!(slope_factors(&[2.0, 0.5, 2.0]).unwrap(), [0.5, 1.0, 2.0]);
-        assert_eq!(slope_factors(&[]).unwrap(), [1.0]);
-        for bad in [0.0, -1.0, f64::NAN, 1e3] {
-            assert!(slope_factors(&[1.0, bad]).is_err(), "{bad}");
-        }
-    }
 }

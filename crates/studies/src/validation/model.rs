@@ -8,9 +8,8 @@ use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
 
-use crate::CliError;
-use crate::interruption::heed;
-use crate::progress::Progress;
+use super::heed;
+use crate::StudyError;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::scene::DEFAULT_THICKNESS_M;
 
@@ -77,20 +76,21 @@ pub struct Prediction {
 /// Solves every case at every point, in parallel: one list a case.
 ///
 /// # Errors
-/// [`CliError`] if the numbers make no scene; `path` is the calibration that they came from.
+/// [`StudyError`] if the numbers make no scene; `path` is the calibration that they came from.
 pub fn predict(
     path: &Path,
     body: Body,
     cases: &[Case<'_>],
     points: &[FlatPoint],
-    progress: &Progress,
-) -> Result<Vec<Vec<Prediction>>, CliError> {
+    progress: &dyn Monitor,
+) -> Result<Vec<Vec<Prediction>>, StudyError> {
     let share = 1.0 / cases.len() as f64;
     cases
         .par_iter()
         .map(|case| {
-            heed()?;
-            let predicted = solve(body, case, points).map_err(|reason| CliError::from(Diagnostic::file(path, reason)));
+            heed(progress)?;
+            let predicted =
+                solve(body, case, points).map_err(|reason| StudyError::from(Diagnostic::file(path, reason)));
             progress.advance(share);
             predicted
         })
@@ -173,7 +173,7 @@ mod tests {
         });
         let elastic = Elastic::new(0.38e9, 900.0).unwrap();
         let body = Body { elastic, modulus_relative_std: Some(0.2), layer: LAYER };
-        let progress = Progress::start("test", true);
+        let progress = slipgrid_monitor::Unwatched;
         predict(Path::new("c.toml"), body, &[Case { pattern, law }], &points, &progress).unwrap().remove(0)
     }
 

@@ -9,12 +9,10 @@ use slipgrid_topography::{
     MapOption, MapWarning, PreparationError, PreparedMap, ReadError, ReadMap, ReadOptions, limits, read_map,
 };
 
-use crate::CliError;
-
-use crate::input;
-use slipgrid_formats::Diagnostic;
-use slipgrid_formats::file_kind::FileKind;
-use slipgrid_formats::surface::MapOptions;
+use crate::Diagnostic;
+use crate::file_kind::FileKind;
+use crate::source::{Source, read_text, stream};
+use crate::surface::MapOptions;
 
 /// What a file should be.
 const EXPECTED: &str = "the file of an altitude map";
@@ -23,11 +21,13 @@ const EXPECTED: &str = "the file of an altitude map";
 ///
 /// # Errors
 /// [`Diagnostic`] if the file cannot be read or is no map, or no surface has its slope.
-pub fn read_period(path: &Path, options: &MapOptions) -> Result<PreparedMap, Diagnostic> {
-    PreparedMap::one_period(open(path, &options.read)?, options.preparation()).map_err(|error| refuse(path, &error))
+pub fn read_period(source: &Source, path: &Path, options: &MapOptions) -> Result<PreparedMap, Diagnostic> {
+    PreparedMap::one_period(open(source, path, &options.read)?, options.preparation())
+        .map_err(|error| refuse(path, &error))
 }
 
 /// What is wrong with the map at `path`.
+#[must_use]
 pub fn refuse(path: &Path, error: &PreparationError) -> Diagnostic {
     let mut refused = Diagnostic::file(path, error.to_string());
     match error {
@@ -48,24 +48,8 @@ fn listed(warnings: &[MapWarning]) -> String {
     warnings.iter().map(|warning| format!("; {}", told(warning))).collect()
 }
 
-/// What is wrong with the area law of the map at `path`, which is read by `calibrate` or `area-law`.
-pub fn refuse_law(path: &Path, error: &AreaLawError) -> CliError {
-    let mut refused = Diagnostic::file(path, error.to_string());
-    match error {
-        AreaLawError::Cancelled => return CliError::Interrupted,
-        AreaLawError::FactorsAboveOne { warnings, .. } => {
-            refused.reason += &listed(warnings);
-            refused = refused.expected(format!(
-                "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: a few high points carry the load of \
-                 the surface (--despike, despike = true in [surface])"
-            ));
-        }
-        AreaLawError::Contact(_) | AreaLawError::Windows(_) => {}
-    }
-    refused.into()
-}
-
 /// What makes an area law doubtful, with what can be done about it.
+#[must_use]
 pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
     let text = |warning: &SurfaceWarning| match warning {
         SurfaceWarning::Map(warning) => told(warning),
@@ -75,6 +59,7 @@ pub fn law_warnings(warnings: &[SurfaceWarning]) -> Vec<String> {
 }
 
 /// A warning with what can be done about it.
+#[must_use]
 pub fn told(warning: &MapWarning) -> String {
     match warning {
         MapWarning::Spikes { .. } => format!("{warning}; --despike, or despike = true in [surface], replaces them"),
@@ -86,14 +71,11 @@ pub fn told(warning: &MapWarning) -> String {
 ///
 /// # Errors
 /// [`Diagnostic`] if the file cannot be read or is no map.
-pub fn open(path: &Path, options: &ReadOptions) -> Result<ReadMap, Diagnostic> {
-    let file = input::open(path, EXPECTED)?;
+pub fn open(source: &Source, path: &Path, options: &ReadOptions) -> Result<ReadMap, Diagnostic> {
+    let file = stream(source, path, EXPECTED)?;
     read_map(BufReader::new(file), options).map_err(|error| {
         // A file of settings in place of a map is told by its name: maps may be large.
-        let text = path
-            .extension()
-            .filter(|&extension| extension == "toml")
-            .map(|_| slipgrid_formats::source::read_text(&input::disk(), path, EXPECTED));
+        let text = path.extension().filter(|&extension| extension == "toml").map(|_| read_text(source, path, EXPECTED));
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
             (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),
@@ -113,4 +95,22 @@ const fn how_to_give(option: MapOption) -> &'static str {
         MapOption::LateralUnit => "--lateral-unit um; in a calibration's [surface]: lateral_unit = \"um\"",
         MapOption::Pixel => "--pixel-um 0.5; in a calibration's [surface]: pixel_um = 0.5",
     }
+}
+
+/// What is wrong with the area law of the map at `path`, ; nothing where its computation was cancelled.
+#[must_use]
+pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
+    let mut refused = Diagnostic::file(path, error.to_string());
+    match error {
+        AreaLawError::Cancelled => return None,
+        AreaLawError::FactorsAboveOne { warnings, .. } => {
+            refused.reason += &listed(warnings);
+            refused = refused.expected(format!(
+                "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: a few high points carry the load of \
+                 the surface (--despike, despike = true in [surface])"
+            ));
+        }
+        AreaLawError::Contact(_) | AreaLawError::Windows(_) => {}
+    }
+    Some(refused)
 }

@@ -1,0 +1,86 @@
+//! `accuracy`: speed against error of every method, on one page.
+
+use std::path::PathBuf;
+
+use slipgrid_formats::run::Overrides;
+use slipgrid_formats::scene::SceneInput;
+use slipgrid_report::Outputs;
+use slipgrid_results::json;
+use slipgrid_springblock::{Expense, Fidelity, Scene};
+use slipgrid_studies::accuracy::{self, Machine, Size};
+
+use super::announcement::say;
+use super::date;
+use crate::args::AccuracyArgs;
+use crate::input::disk;
+use crate::output::{Place, check_folder, write};
+use crate::progress::Job;
+use crate::{CliError, Console, exit_code};
+
+/// Runs every row and reports.
+pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if let Some(folder) = &args.output {
+        let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
+        check_folder(Place::output(folder), &["accuracy.*", "result.json"], &inputs)?;
+    }
+    let (scene, input) = match &args.scene {
+        Some(path) => {
+            let input =
+                SceneInput::read(&disk(), path, Overrides { fidelity: Some(Fidelity::Reference), extent: None })?;
+            (input.scene.clone(), Some(input))
+        }
+        None => (accuracy::paper_scene()?, None),
+    };
+    let source = match &args.scene {
+        Some(path) => source_of(path, &scene),
+        None => {
+            "LDPE after Balestra et al., J. Tribol. 144, 031704; synthetic surface: area law by Persson's theory from \
+                 the rms slope 0.0137 of the map that stands in for the unpublished one"
+                .to_owned()
+        }
+    };
+    let size = if args.full { Size::Full } else { Size::Quick };
+    let base = accuracy::base(&scene);
+    let base = if size == Size::Quick { accuracy::reduced(&base) } else { base };
+    accuracy::check_reference(&base).map_err(|error| match &input {
+        Some(input) => CliError::from(input.refuse(&error)),
+        None => CliError::Other(format!("the built-in scene: {error}")),
+    })?;
+    let seeds = args.seeds.get();
+    let wall_s = accuracy::expected_wall_s(size, &base, seeds);
+    let expense = Expense { core_s: wall_s * console.threads as f64, wall_s, bytes: 0.0 };
+    say("this comparison", expense, false, console);
+    let report = accuracy::compare(size, &base, &source, seeds, machine(size), &Job::new(console))?;
+    if let Some(folder) = &args.output {
+        let mut outputs = Outputs::default();
+        outputs.add("accuracy.md", accuracy::markdown(&report));
+        outputs.add("accuracy.csv", accuracy::csv(&report));
+        if let Some(picture) = accuracy::picture(&report)? {
+            outputs.add("accuracy.svg", picture);
+        }
+        outputs.add("result.json", json(&report)?);
+        write(&outputs, folder)?;
+        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+    }
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else if args.output.is_none() {
+        console.answer(&accuracy::markdown(&report))?;
+    }
+    Ok(exit_code::DONE)
+}
+
+fn source_of(path: &std::path::Path, scene: &Scene) -> String {
+    let first = if scene.loads.len() > 1 { ", the first of its loads" } else { "" };
+    format!("scene: {}{first}", path.display())
+}
+
+/// The machine, and for a page that is kept the day.
+fn machine(size: Size) -> Machine {
+    Machine {
+        architecture: std::env::consts::ARCH,
+        system: std::env::consts::OS,
+        processors: std::thread::available_parallelism().ok().map(Into::into),
+        date: (size == Size::Full).then(date::today),
+    }
+}

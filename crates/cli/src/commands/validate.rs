@@ -1,0 +1,130 @@
+//! `validate`: measured ratios patterned/flat beside the model's.
+
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_results::{json, json_and_timings};
+use slipgrid_studies::validation::{self, Patterns, ValidationTask, validate};
+use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
+
+use super::area_law::checked;
+use crate::args::ValidateArgs;
+use crate::input::disk;
+use crate::output::{Place, check_folder, write};
+use crate::progress::Job;
+use crate::{CliError, Console, exit_code};
+
+/// Lengths of the pattern: ten centimetres are more than any specimen.
+const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);
+/// Travel of a run in time: sliding is steady after a few micrometres.
+const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
+/// Slope factors: beyond these no surface is meant.
+const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+
+/// What is written.
+const FILES: [&str; 10] = [
+    "report.html",
+    "result.json",
+    "timings.json",
+    "ratios.*",
+    "area-law.*",
+    "friction.*",
+    "interface.*",
+    "interface-end.svg",
+    "interface-squares.svg",
+    "friction-*.svg",
+];
+
+/// Reads both tables, models every condition and reports.
+pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    if let Some(folder) = &args.output {
+        check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
+    }
+    let (patterns, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
+    let calibration = Calibration::read(&disk(), &args.calibration)?;
+    let sliding_m = match args.sliding_um {
+        0.0 => None,
+        sliding_um => Some(checked("--sliding-um", sliding_um, TRAVEL_UM)?),
+    };
+    let task = ValidationTask {
+        path: &args.calibration,
+        calibration: &calibration,
+        patterns,
+        slope_factors,
+        all: args.all,
+        sliding_m,
+        figures: args.output.is_some(),
+    };
+    let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;
+    if let Some(folder) = &args.output {
+        let [result, timings] = json_and_timings(&report)?;
+        outputs.add("result.json", result);
+        outputs.add("timings.json", timings);
+        outputs.add("ratios.csv", validation::csv(&report));
+        outputs.add("ratios.svg", validation::picture(&report)?);
+        let page = validation::page(&serde_json::to_value(&report)?, &outputs);
+        outputs.add("report.html", page);
+        write(&outputs, folder)?;
+        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+    }
+    if args.json {
+        console.out.write_all(json(&report)?.as_bytes())?;
+    } else {
+        console.answer(&validation::table(&report))?;
+    }
+    Ok(exit_code::DONE)
+}
+
+/// The pattern at both depths.
+fn patterns(args: &ValidateArgs) -> Result<Patterns, Diagnostic> {
+    let layer_um = LENGTH_UM.from_si(DEFAULT_LAYER.height_m);
+    let depth = |flag, depth_um: f64| {
+        let depth_m = checked(flag, depth_um, PATTERN_UM)?;
+        if depth_m < DEFAULT_LAYER.height_m {
+            Ok(depth_m)
+        } else {
+            Err(Diagnostic::flag(flag, depth_um.to_string(), format!("leaves nothing of the layer of {layer_um} um"))
+                .expected(format!("a depth below {layer_um}")))
+        }
+    };
+    let width_m = checked("--width-um", args.width_um, PATTERN_UM)?;
+    let spacing_m = checked("--spacing-um", args.spacing_um, PATTERN_UM)?;
+    let grooves = |depth_m| {
+        Pattern::new(Planform::Groove, width_m, spacing_m, depth_m)
+            .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
+    };
+    Ok(Patterns {
+        modelled: grooves(depth("--depth-um", args.depth_um)?)?,
+        measured: grooves(depth("--measured-depth-um", args.measured_depth_um)?)?,
+    })
+}
+
+/// The factors asked for and 1, increasing.
+fn slope_factors(asked: &[f64]) -> Result<Vec<f64>, Diagnostic> {
+    let mut factors = vec![1.0];
+    for &factor in asked {
+        if !SLOPE_FACTORS.contains(&factor) {
+            let expected = format!("a factor from {} to {}", SLOPE_FACTORS.start(), SLOPE_FACTORS.end());
+            return Err(Diagnostic::flag("--slope-factors", factor.to_string(), "is out of range").expected(expected));
+        }
+        factors.push(checked("--slope-factors", factor, POSITIVE)?);
+    }
+    factors.sort_by(f64::total_cmp);
+    factors.dedup();
+    Ok(factors)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_surface_as_given_is_always_among_the_factors() {
+        assert_eq!(slope_factors(&[2.0, 0.5, 2.0]).unwrap(), [0.5, 1.0, 2.0]);
+        assert_eq!(slope_factors(&[]).unwrap(), [1.0]);
+        for bad in [0.0, -1.0, f64::NAN, 1e3] {
+            assert!(slope_factors(&[1.0, bad]).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Why a study ended without a result.
+
+use slipgrid_formats::Diagnostic;
+use slipgrid_report::ChartError;
+
+/// Why a study ended without a result.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// Input was refused.
+    #[error(transparent)]
+    Input(#[from] Diagnostic),
+    /// A picture could not be drawn.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// The monitor cancelled the study.
+    #[error("cancelled")]
+    Cancelled,
+    /// Anything else.
+    #[error("{0}")]
+    Failed(String),
+}
