@@ -209,7 +209,7 @@ impl SteadyCell {
         let loads: Vec<SpaceLoad<'_>> =
             self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern)).collect();
         let outcomes = model.solve_all(&loads).into_iter().zip(&self.loads);
-        outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome.into())).collect()
+        outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
 
     /// The ratios alone.
@@ -256,20 +256,14 @@ pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::samples;
     use crate::scene::RunOptions;
     use slipgrid_material::LocalFriction;
 
     fn model() -> SteadyCell {
-        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-        SteadyCell::new(&Scene {
-            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-            area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
-            pattern: None,
-            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
-            loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
-            speed_m_s: 2e-3,
-            run: RunOptions::default(),
-        })
+        let area_law = Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap());
+        let scene = samples::scene(samples::groove(130.0, 370.0, 20.0), &[0.65, 2.6], RunOptions::default());
+        SteadyCell::new(&Scene { area_law, pattern: None, ..scene })
     }
 
     #[test]

@@ -250,15 +250,11 @@ pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pat
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipgrid_pattern::Planform;
-
-    fn pattern(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
-        Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
-    }
+    use crate::samples::groove;
 
     #[test]
     fn whole_blocks_give_the_plain_lattice() {
-        let columns = cell(&pattern(130.0, 370.0, 20.0), 10e-6);
+        let columns = cell(&groove(130.0, 370.0, 20.0), 10e-6);
         assert_eq!(columns.len(), 50);
         assert!(columns.iter().all(|c| c.width == 1.0));
         assert!(columns.iter().all(|c| c.is_land() || c.cavity_rows == 2.0));
@@ -269,7 +265,7 @@ mod tests {
 
     #[test]
     fn a_sample_starts_with_half_a_land_and_clips_the_last_period() {
-        let columns = sample(&pattern(130.0, 370.0, 20.0), 10e-6, 996);
+        let columns = sample(&groove(130.0, 370.0, 20.0), 10e-6, 996);
         assert_eq!(columns.len(), 996);
         assert!(columns.iter().all(|c| c.width == 1.0));
         // Periods of 50 from column 18: cavities at 18..31, 68..81, ..., 968..981.
@@ -282,14 +278,14 @@ mod tests {
     #[test]
     fn stretched_columns_keep_every_area_and_the_first_edge() {
         for (width_um, spacing_um, periods) in [(133.7, 361.2, 1.0), (17.0, 18.0, 3.0), (7.0, 6.0, 7.0)] {
-            let columns = cell(&pattern(width_um, spacing_um, 14.0), 10e-6);
+            let columns = cell(&groove(width_um, spacing_um, 14.0), 10e-6);
             let width = columns[0].width;
             assert!(columns.iter().all(|c| c.width == width) && width > 0.93 && width < 1.07, "{width}");
             assert!((width * columns.len() as f64 - 0.1 * periods * (width_um + spacing_um)).abs() < 1e-12);
             let covered: f64 = columns.iter().map(|c| c.coverage * c.width).sum();
             assert!((covered - 0.1 * periods * width_um).abs() < 1e-5, "{covered}");
         }
-        let columns = cell(&pattern(133.0, 367.0, 14.0), 10e-6);
+        let columns = cell(&groove(133.0, 367.0, 14.0), 10e-6);
         // 13 columns of 50 are covered, and 0.3 of the one after them.
         assert_eq!((columns[17].coverage, columns[18].coverage, columns[30].coverage), (0.0, 1.0, 1.0));
         assert!((columns[31].coverage - 0.3).abs() < 1e-9 && columns[32].is_land());
@@ -298,7 +294,7 @@ mod tests {
     #[test]
     fn fitted_columns_keep_the_total_length() {
         for length in [990, 991, 996, 1000] {
-            let total: f64 = sample(&pattern(133.7, 361.2, 14.0), 10e-6, length).iter().map(|c| c.width).sum();
+            let total: f64 = sample(&groove(133.7, 361.2, 14.0), 10e-6, length).iter().map(|c| c.width).sum();
             assert!((total - length as f64).abs() < 1e-9, "{length}: {total}");
         }
     }
@@ -308,7 +304,7 @@ mod tests {
         // Springs along the axes are positive for widths between l/sqrt(3) and l sqrt(3).
         for width_um in [10.0, 14.9, 15.1, 44.4, 101.3] {
             for spacing_um in [10.0, 14.9, 15.1, 47.0, 512.9] {
-                for column in sample(&pattern(width_um, spacing_um, 20.0), 10e-6, 997) {
+                for column in sample(&groove(width_um, spacing_um, 20.0), 10e-6, 997) {
                     assert!(column.width > 0.6 && column.width < 1.7, "{width_um} {spacing_um} {}", column.width);
                 }
             }
@@ -317,7 +313,7 @@ mod tests {
 
     #[test]
     fn nearest_whole_blocks_are_at_least_one_and_leave_a_row() {
-        let nearest = nearest_whole(&pattern(4.0, 26.0, 199.0), 10e-6, 20).unwrap();
+        let nearest = nearest_whole(&groove(4.0, 26.0, 199.0), 10e-6, 20).unwrap();
         let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(close(nearest.width_m(), 10e-6) && close(nearest.spacing_m(), 30e-6));
         assert!(close(nearest.depth_m(), 190e-6));

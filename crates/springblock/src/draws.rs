@@ -60,10 +60,11 @@ pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficien
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::samples;
 
     #[test]
     fn moments_are_those_asked_for() {
-        let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
+        let friction = samples::friction();
         let drawn = draw(&friction, 7, 100_000);
         let n = drawn.len() as f64;
         let mean = |f: fn(&Coefficients) -> f64| drawn.iter().map(f).sum::<f64>() / n;
@@ -79,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_longer_draw_begins_like_a_shorter_one() {
-        let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
+        let friction = samples::friction();
         assert_eq!(draw(&friction, 1, 50), draw(&friction, 1, 996)[..50]);
         assert_ne!(draw(&friction, 1, 50), draw(&friction, 2, 50));
     }

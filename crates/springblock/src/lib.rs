@@ -50,6 +50,8 @@ mod error;
 mod face;
 mod lattice;
 mod outcome;
+#[cfg(test)]
+mod samples;
 mod scene;
 mod simulate;
 mod space;
@@ -63,4 +65,4 @@ pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, 
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
 pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
 pub use slipgrid_monitor::{Monitor, Unwatched};
-pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceOutcome, SpacePoint, SpaceSpring, SpaceSteadyModel};
+pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

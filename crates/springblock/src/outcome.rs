@@ -1,5 +1,7 @@
 //! What a simulation found: recorded history and observables, one record per load.
 
+use slipgrid_material::AreaLaw;
+
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
@@ -151,6 +153,38 @@ impl SurfaceOutcome {
             cost: None,
             interface: x_m.map(|x_m| InterfacePoint { x_m, y_m: 0.0, pressure_pa: 0.0, friction_pa: 0.0 }).collect(),
             trace: Vec::new(),
+        }
+    }
+}
+
+impl SurfaceOutcome {
+    /// Steady sliding: the forces `normal` and `friction` on the contact blocks, in any unit, in a solve that ended with
+    /// `status`, the pressures of `interface` and the least height of a ceiling, in metres.
+    pub(crate) fn sliding(
+        status: Status,
+        [normal, friction]: [&[f64]; 2],
+        interface: Vec<InterfacePoint>,
+        clearance_m: Option<f64>,
+        area_law: Option<&AreaLaw>,
+    ) -> Self {
+        let compressive: f64 = normal.iter().filter(|normal| **normal > 0.0).sum();
+        let total: f64 = friction.iter().sum();
+        let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
+        let status = match mu {
+            Some(0.0) if status == Status::Converged => Status::NoFriction,
+            Some(_) => status,
+            None => Status::NoLoad,
+        };
+        let extrapolated = |law: &AreaLaw| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa));
+        Self {
+            mu_dynamic: mu,
+            peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
+            tension_blocks: normal.iter().filter(|normal| **normal < 0.0).count(),
+            cavity_closed: clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0),
+            clearance_m,
+            area_law_extrapolated: area_law.is_some_and(extrapolated),
+            interface,
+            ..Self::unsolved(status, std::iter::empty())
         }
     }
 }

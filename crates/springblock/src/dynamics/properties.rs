@@ -2,7 +2,6 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use slipgrid_material::LocalFriction;
 
 use super::contact::{ContactRow, ContactSums, LocalLaw};
 use super::engine::{Engine, Setup};
@@ -10,8 +9,9 @@ use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::columns::Column;
-use crate::draws::{self, Coefficients};
+use crate::draws::Coefficients;
 use crate::lattice::Lattice;
+use crate::samples::coefficients;
 use crate::scene::Springs;
 
 const ROWS: usize = 5;
@@ -56,10 +56,6 @@ fn slide(
         let mut engine = StripLeapfrog::new(&lattice, setup);
         (0..STEPS).map(|_| engine.step()).collect()
     }
-}
-
-fn coefficients(seed: u64, count: usize) -> Vec<Coefficients> {
-    draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), seed, count)
 }
 
 /// Largest difference of the sums, the friction of `b` times `sign`.

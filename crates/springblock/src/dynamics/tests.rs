@@ -1,4 +1,3 @@
-use slipgrid_material::LocalFriction;
 use slipgrid_pattern::{Pattern, Planform};
 
 use super::bonds::Bonds;
@@ -9,8 +8,9 @@ use super::protocol::Protocol;
 use super::runge_kutta::RungeKutta;
 use super::strip_leapfrog::StripLeapfrog;
 use crate::columns;
-use crate::draws::{self, Coefficients};
+use crate::draws::Coefficients;
 use crate::lattice::Lattice;
+use crate::samples;
 use crate::scene::Springs;
 
 fn patterned(periodic: bool) -> Lattice {
@@ -20,8 +20,7 @@ fn patterned(periodic: bool) -> Lattice {
 }
 
 fn setup(lattice: &Lattice, time_step: f64, speed: f64) -> Setup<'static> {
-    let friction = LocalFriction::new(0.3, 0.27, 0.05).unwrap();
-    let coefficients = draws::draw(&friction, 5, lattice.nx());
+    let coefficients = samples::coefficients(5, lattice.nx());
     Setup {
         contact: ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0)),
         protocol: Protocol { ramp: 20.0, start: 60.0, load: 0.005 * lattice.length(), speed },

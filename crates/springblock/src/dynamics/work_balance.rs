@@ -1,6 +1,5 @@
 //! The leapfrog's account of work closes, with the friction that it reports.
 
-use slipgrid_material::LocalFriction;
 use slipgrid_pattern::{Pattern, Planform};
 
 use super::bonds::Bonds;
@@ -10,8 +9,8 @@ use super::protocol::Protocol;
 use super::strip_leapfrog::StripLeapfrog;
 use super::work_account::{Account, Instant};
 use crate::columns;
-use crate::draws;
 use crate::lattice::Lattice;
+use crate::samples;
 use crate::scene::Springs;
 
 /// Displacements of all blocks, along x and along y.
@@ -32,7 +31,7 @@ fn lack(time_step: f64, periodic: bool) -> f64 {
     let lattice = Lattice::new(columns, 6, periodic);
     let (nx, blocks) = (lattice.nx(), lattice.nx() * lattice.ny());
     let mass: Vec<f64> = (0..blocks).map(|number| lattice.mass(number % nx, number / nx)).collect();
-    let coefficients = draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), 5, nx);
+    let coefficients = samples::coefficients(5, nx);
     let protocol = Protocol { ramp: 0.0, start: 30.0, load: 0.005 * lattice.length(), speed: 1e-4 };
     let damping = 0.01;
     let contact = ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(None, 1.0));

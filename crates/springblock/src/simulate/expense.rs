@@ -160,25 +160,18 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_material::{Elastic, LocalFriction};
     use slipgrid_pattern::{Pattern, Planform};
 
     use super::*;
     use crate::Unwatched;
-    use crate::scene::{Layer, Load, RunOptions};
+    use crate::samples;
+    use crate::scene::{Layer, RunOptions};
     use crate::simulate::simulate;
 
     fn scene(fidelity: Fidelity, extent: Extent, block_m: f64) -> Scene {
-        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-        Scene {
-            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-            area_law: None,
-            pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()),
-            layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m, thickness_m: None },
-            loads: vec![Load { pressure_pa: 1e6, friction }; 2],
-            speed_m_s: 2e-3,
-            run: RunOptions { fidelity, extent, ..RunOptions::default() },
-        }
+        let run = RunOptions { fidelity, extent, ..RunOptions::default() };
+        let scene = samples::scene(samples::groove(130.0, 370.0, 20.0), &[1.0; 2], run);
+        Scene { area_law: None, layer: Layer { block_m, ..scene.layer }, ..scene }
     }
 
     #[test]

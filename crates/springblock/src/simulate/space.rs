@@ -229,47 +229,27 @@ fn statements(
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+    use slipgrid_material::LocalFriction;
     use slipgrid_pattern::{Planform, Texture};
 
     use super::*;
     use crate::Unwatched;
+    use crate::samples;
     use crate::scene::{Fidelity, Layer, Load, RunOptions};
     use crate::simulate;
 
-    /// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)).
-    fn law() -> AreaLaw {
-        let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
-        let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
-        AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
-    }
-
     /// A warm dynamic run of squares `width_um` wide, 120 um apart from centre to centre, in a layer of 60 um.
     fn scene(width_um: f64, friction: LocalFriction) -> Scene {
-        let pattern = Pattern::new(Planform::Square, width_um * 1e-6, (120.0 - width_um) * 1e-6, 20e-6).unwrap();
-        Scene {
-            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-            area_law: Some(law()),
-            pattern: Some(pattern),
-            layer: Layer { length_m: 960e-6, height_m: 60e-6, block_m: 10e-6, thickness_m: None },
-            loads: vec![Load { pressure_pa: 2.6e6, friction }],
-            speed_m_s: 2e-3,
-            run: RunOptions {
-                fidelity: Fidelity::Dynamic,
-                sliding_m: 0.3e-6,
-                warm_start: true,
-                ..RunOptions::default()
-            },
-        }
-    }
-
-    fn usual() -> LocalFriction {
-        LocalFriction::new(0.3, 0.27, 0.05).unwrap()
+        let run =
+            RunOptions { fidelity: Fidelity::Dynamic, sliding_m: 0.3e-6, warm_start: true, ..RunOptions::default() };
+        let scene = samples::scene(samples::pattern(Planform::Square, width_um, 120.0 - width_um, 20.0), &[2.6], run);
+        let layer = Layer { length_m: 960e-6, height_m: 60e-6, ..scene.layer };
+        Scene { layer, loads: vec![Load { pressure_pa: 2.6e6, friction }], ..scene }
     }
 
     #[test]
     fn squares_slide_in_space_and_near_steady_sliding() {
-        let mut scene = scene(60.0, usual());
+        let mut scene = scene(60.0, samples::friction());
         assert_eq!(scene.dimensions(), 3);
         let found = simulate(&scene, &Unwatched).unwrap();
         assert!(
@@ -309,7 +289,7 @@ mod tests {
 
     #[test]
     fn draws_are_averaged_and_threads_change_nothing() {
-        let mut scene = scene(60.0, usual());
+        let mut scene = scene(60.0, samples::friction());
         scene.run.sliding_m = 0.1e-6;
         scene.run.draws = 2;
         let threads = |count: usize| {
@@ -335,12 +315,12 @@ mod tests {
 
     #[test]
     fn dimensions_that_are_no_whole_blocks_are_corrected_by_the_steady_difference() {
-        let mut scene = scene(60.0, usual());
+        let mut scene = scene(60.0, samples::friction());
         scene.run.sliding_m = 0.1e-6;
         let whole = simulate(&scene, &Unwatched).unwrap().loads[0].ratio.unwrap();
         let steady = |pattern: &Pattern| SteadyCell::new(&scene).ratios(pattern)[0].unwrap();
         let nearest = scene.pattern.unwrap();
-        let pattern = Pattern::new(Planform::Square, 62e-6, 58e-6, 18e-6).unwrap();
+        let pattern = samples::pattern(Planform::Square, 62.0, 58.0, 18.0);
         let difference = steady(&pattern) - steady(&nearest);
         scene.pattern = Some(pattern);
         let found = simulate(&scene, &Unwatched).unwrap();
@@ -352,7 +332,7 @@ mod tests {
 
     #[test]
     fn grooves_along_the_sliding_direction_have_columns_along_them() {
-        let mut scene = scene(60.0, usual());
+        let mut scene = scene(60.0, samples::friction());
         let texture = Texture::new(Planform::Groove).with_sliding_angle_deg(90.0).unwrap();
         scene.pattern = Some(Pattern::new(texture, 60e-6, 60e-6, 20e-6).unwrap());
         scene.run.sliding_m = 0.1e-6;
@@ -362,7 +342,7 @@ mod tests {
 
     #[test]
     fn what_cannot_run_says_so() {
-        let mut scene = scene(60.0, usual());
+        let mut scene = scene(60.0, samples::friction());
         scene.run.step_s = Some(20e-9);
         assert!(matches!(simulate(&scene, &Unwatched), Err(SceneError::UnstableStep { .. })));
         scene.run.step_s = None;

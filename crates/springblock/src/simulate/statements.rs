@@ -115,23 +115,15 @@ pub fn describe_law(scene: &Scene, model: &mut Vec<String>) {
 mod tests {
     use super::*;
     use crate::simulate::simulate;
-    use crate::{Layer, Load, RunOptions, Unwatched};
-    use slipgrid_material::{Elastic, LocalFriction};
-    use slipgrid_pattern::Planform;
+    use crate::{Layer, RunOptions, Unwatched, samples};
 
     #[test]
     fn a_specimen_of_few_periods_says_that_it_is_not_the_pattern() {
-        let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
         let said = |length_m: f64, extent: Extent| {
-            let scene = Scene {
-                elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-                area_law: None,
-                pattern: Some(Pattern::new(Planform::Groove, 100e-6, 300e-6, 20e-6).unwrap()),
-                layer: Layer { length_m, height_m: 50e-6, block_m: 10e-6, thickness_m: None },
-                loads: vec![Load { pressure_pa: 1e6, friction }],
-                speed_m_s: 2e-3,
-                run: RunOptions { extent, ..RunOptions::default() },
-            };
+            let run = RunOptions { extent, ..RunOptions::default() };
+            let scene = samples::scene(samples::groove(100.0, 300.0, 20.0), &[1.0], run);
+            let layer = Layer { length_m, height_m: 50e-6, ..scene.layer };
+            let scene = Scene { area_law: None, layer, ..scene };
             let model = simulate(&scene, &Unwatched).unwrap().model;
             model.into_iter().find(|statement| statement.contains("periods"))
         };

@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use slipgrid_pattern::{Pattern, Planform};
 
-use super::tests::{E_PA, largest_imbalance, law, load, pattern};
+use super::tests::{largest_imbalance, load};
 use super::*;
 use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::Status;
+use crate::samples::{E_PA, pattern, persson_law};
 use crate::steady::{SteadyLoad, SteadyModel};
 
 /// Frictionless contact of a layer of cubes that touches where `touches` says; pressures by column, over the load's.
@@ -18,7 +19,7 @@ fn frictionless(columns: [usize; 2], rows: usize, touches: impl Fn(usize, usize)
         .collect();
     let model = SpaceSteadyModel::new(SpaceLattice::of_cubes(columns, rows, coverage, 0.0), 10e-6, E_PA, false);
     let outcome = model.solve(&SpaceLoad { dynamic_mu: 0.0, ..load(2.6, None) });
-    assert_eq!(outcome.status, Status::NoFriction, "{}", outcome.residual);
+    assert_eq!(outcome.status, Status::NoFriction, "{:?}", outcome.residual);
     let mut pressure = vec![0.0; columns[0] * columns[1]];
     for point in outcome.interface {
         let column = |at_m: f64| (at_m / 10e-6 - 0.5).round() as usize;
@@ -73,7 +74,7 @@ fn pressure_at_the_corner_of_a_square_punch_has_the_exponent_of_a_charged_plate(
 
 #[test]
 fn a_groove_lifts_off_as_in_the_vertical_plane() {
-    let law = law();
+    let law = persson_law();
     let grooves = pattern(Planform::Groove, 100.0, 40.0, 120.0);
     let in_plane = SteadyModel::new(Lattice::new(columns::cell(&grooves, 10e-6), 20, true), 10e-6, E_PA, true);
     let in_space = SpaceSteadyModel::new(SpaceLattice::cell(&grooves, 10e-6, 20), 10e-6, E_PA, true);

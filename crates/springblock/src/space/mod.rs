@@ -17,12 +17,10 @@ mod directions;
 mod interface;
 mod lattice;
 mod layer;
-mod outcome;
 mod springs;
 mod steady;
 
 pub use lattice::{SpaceBond, SpaceLattice};
-pub use outcome::{SpaceOutcome, SpacePoint};
 pub use springs::Spring as SpaceSpring;
 pub use steady::{SpaceLoad, SpaceSteadyModel};
 

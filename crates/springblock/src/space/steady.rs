@@ -14,8 +14,7 @@ use slipgrid_pattern::Pattern;
 use super::directions::{Direction, Directions, dot, norm, subtract};
 use super::interface::{Interface, Response};
 use super::lattice::SpaceLattice;
-use super::outcome::{SpaceOutcome, SpacePoint};
-use crate::outcome::Status;
+use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::Load;
 
 /// Sum of the forces out of balance over the load below which the solve has converged.
@@ -122,13 +121,13 @@ impl SpaceSteadyModel {
 
     /// Steady sliding under `load`.
     #[must_use]
-    pub fn solve(&self, load: &SpaceLoad) -> SpaceOutcome {
+    pub fn solve(&self, load: &SpaceLoad) -> SurfaceOutcome {
         Solver::new(self).outcome(load)
     }
 
     /// Steady sliding under each of `loads`, one helping the next.
     #[must_use]
-    pub fn solve_all(&self, loads: &[SpaceLoad]) -> Vec<SpaceOutcome> {
+    pub fn solve_all(&self, loads: &[SpaceLoad]) -> Vec<SurfaceOutcome> {
         let mut solver = Solver::new(self);
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
@@ -391,16 +390,17 @@ impl<'a> Solver<'a> {
         End { status, residual, directions: applied }
     }
 
-    fn outcome(&mut self, load: &SpaceLoad) -> SpaceOutcome {
+    fn outcome(&mut self, load: &SpaceLoad) -> SurfaceOutcome {
         if load.pressure_pa == 0.0 || self.interface.contacts() == 0 {
-            return SpaceOutcome::unloaded(self.points(load, |_| (0.0, 0.0)));
+            let interface = self.points(load, |_| (0.0, 0.0));
+            return SurfaceOutcome { interface, ..SurfaceOutcome::unsolved(Status::NoLoad, std::iter::empty()) };
         }
         let (end, lifted) = self.equilibrate(load);
         lifted.as_ref().unwrap_or(self).outcome_of(load, &end)
     }
 
     /// The contact blocks, with the normal and the friction force that `forces` gives for their number.
-    fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<SpacePoint> {
+    fn points(&self, load: &SpaceLoad, forces: impl Fn(usize) -> (f64, f64)) -> Vec<InterfacePoint> {
         let (spacing, block_m, area) = (self.model.lattice.spacing(), self.model.block_m, self.interface.column_area());
         let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
         contacts
@@ -410,10 +410,9 @@ impl<'a> Solver<'a> {
                 let scale = load.pressure_pa / (surface.contact_share * area);
                 let centre = |axis: usize| (surface.column[axis] as f64 + 0.5) * spacing[axis] * block_m;
                 let (normal, friction) = forces(number);
-                SpacePoint {
+                InterfacePoint {
                     x_m: centre(0),
                     y_m: centre(1),
-                    area_share: surface.contact_share,
                     pressure_pa: normal * scale,
                     friction_pa: friction * scale,
                 }
@@ -422,30 +421,14 @@ impl<'a> Solver<'a> {
     }
 
     /// What the present state says of `load`.
-    fn outcome_of(&self, load: &SpaceLoad, end: &End) -> SpaceOutcome {
+    fn outcome_of(&self, load: &SpaceLoad, end: &End) -> SurfaceOutcome {
         let friction = &self.state.unknowns[self.state.elastic.len()..];
         let interface = self.points(load, |number| (self.state.normal[number], friction[number]));
-        let compressive: f64 = self.state.normal.iter().filter(|normal| **normal > 0.0).sum();
-        let total: f64 = friction.iter().sum();
-        let mu = (compressive > 0.0 && total.is_finite()).then(|| total / compressive);
         let clearance = self.model.clearance(load.pressure_pa, &self.response.fields);
-        SpaceOutcome {
-            status: match mu {
-                Some(0.0) if end.status == Status::Converged => Status::NoFriction,
-                Some(_) => end.status,
-                None => Status::NoLoad,
-            },
-            mu_dynamic: mu,
-            peak_pressure_pa: interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max),
-            tension_blocks: self.state.normal.iter().filter(|normal| **normal < 0.0).count(),
-            cavity_closed: clearance.is_some_and(|clearance| clearance <= 0.0),
-            clearance_m: clearance.map(|clearance| clearance * self.model.block_m),
-            area_law_extrapolated: load
-                .area_law
-                .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
-            residual: end.residual,
-            iterations: end.directions,
-            interface,
-        }
+        let clearance_m = clearance.map(|clearance| clearance * self.model.block_m);
+        let found =
+            SurfaceOutcome::sliding(end.status, [&self.state.normal, friction], interface, clearance_m, load.area_law);
+        let residual = Some(end.residual).filter(|_| found.status != Status::NoLoad);
+        SurfaceOutcome { residual, iterations: end.directions, ..found }
     }
 }

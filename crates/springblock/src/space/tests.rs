@@ -4,19 +4,7 @@ use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
 
 use super::*;
 use crate::outcome::Status;
-
-pub(super) const E_PA: f64 = 0.38e9;
-
-/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
-pub(super) fn law() -> AreaLaw {
-    let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
-    let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
-    AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
-}
-
-pub(super) fn pattern(planform: Planform, width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
-    Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
-}
+use crate::samples::{E_PA, pattern, persson_law, roughness, sweep};
 
 fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SpaceSteadyModel {
     let rows = (layer_um / block_um).round() as usize;
@@ -28,23 +16,10 @@ pub(super) fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SpaceLoad
 }
 
 fn ratio(pattern: &Pattern, block_um: f64) -> f64 {
-    let law = law();
+    let law = persson_law();
     let outcome = model(pattern, block_um, 200.0).solve(&load(2.6, Some(&law)));
-    assert_eq!(outcome.status, Status::Converged, "{} {}", outcome.residual, outcome.iterations);
+    assert_eq!(outcome.status, Status::Converged, "{:?} {}", outcome.residual, outcome.iterations);
     outcome.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
-}
-
-/// Values of f(x) on x0, x0 + 1, ..., x0 + n.
-fn sweep(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..=n).map(|step| f(step as f64)).collect()
-}
-
-/// Largest departure of a step from the mean step, and whether a step goes against it.
-fn roughness(values: &[f64]) -> (f64, bool) {
-    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
-    let worst = steps.iter().map(|step| (step - mean).abs()).fold(0.0, f64::max);
-    (worst, steps.iter().any(|step| step * mean < 0.0))
 }
 
 /// Largest force left on a block, in units of P l^2: every spring by itself, its displacements as solved.
@@ -69,8 +44,9 @@ pub(super) fn largest_imbalance(model: &SpaceSteadyModel, load: &SpaceLoad) -> f
     let [a, b] = lattice.spacing();
     for point in &outcome.interface {
         let column = |at_m: f64, spacing: f64| (at_m / (spacing * model.block_m()) - 0.5).round() as usize;
-        let block = number([column(point.x_m, a), column(point.y_m, b), 0]);
-        let area = point.area_share * a * b / load.pressure_pa;
+        let [i, j] = [column(point.x_m, a), column(point.y_m, b)];
+        let block = number([i, j, 0]);
+        let area = lattice.contact_share(i, j) * a * b / load.pressure_pa;
         force[block][2] += point.pressure_pa * area;
         for (force, along) in force[block].iter_mut().zip(load.direction) {
             *force -= along * point.friction_pa * area;
@@ -108,7 +84,7 @@ fn assorted() -> Vec<Pattern> {
 
 #[test]
 fn every_block_is_in_equilibrium() {
-    let law = law();
+    let law = persson_law();
     for pattern in assorted() {
         let model = model(&pattern, 10.0, 100.0);
         let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
@@ -119,7 +95,7 @@ fn every_block_is_in_equilibrium() {
 
 #[test]
 fn hexagonal_discs_look_the_same_every_sixty_degrees() {
-    let law = law();
+    let law = persson_law();
     let mu = |arrangement, angle_deg: f64| {
         let texture = Texture::new(Planform::Disc).with_arrangement(arrangement).unwrap();
         let pattern = Pattern::new(texture.with_sliding_angle_deg(angle_deg).unwrap(), 60e-6, 40e-6, 20e-6).unwrap();
@@ -138,7 +114,7 @@ fn amontons_coulomb_gives_mu_d_for_any_pattern() {
     for pattern in assorted() {
         let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(1.0, None) };
         let outcome = model(&pattern, 10.0, 100.0).solve(&load);
-        assert_eq!(outcome.status, Status::Converged, "{pattern:?} {}", outcome.residual);
+        assert_eq!(outcome.status, Status::Converged, "{pattern:?} {:?}", outcome.residual);
         assert!((outcome.mu_dynamic.unwrap() - 0.27).abs() < 1e-9, "{pattern:?}");
     }
 }
@@ -146,7 +122,7 @@ fn amontons_coulomb_gives_mu_d_for_any_pattern() {
 #[test]
 fn a_flat_layer_is_uniform_and_shears_by_its_shear_modulus() {
     let model = SpaceSteadyModel::new(SpaceLattice::flat([4, 3], 20), 10e-6, E_PA, false);
-    let law = law();
+    let law = persson_law();
     let load = load(2.6, Some(&law));
     let outcome = model.solve(&load);
     assert!((outcome.mu_dynamic.unwrap() - 0.27 * law.factor(2.6e6)).abs() < 1e-10);
@@ -248,7 +224,7 @@ fn a_transversal_groove_in_a_specimen_of_seven_millimetres_is_that_of_the_plane(
     use crate::columns;
     use crate::lattice::Lattice;
     use crate::steady::{CondensedModel, SteadyLoad};
-    let law = law();
+    let law = persson_law();
     let law_load = load(2.6, Some(&law));
     for (width, spacing, depth) in [(400.0, 824.5, 49.4), (130.0, 370.0, 20.0)] {
         let pattern = pattern(Planform::Groove, width, spacing, depth);
@@ -281,7 +257,7 @@ fn pressure_map(model: &SpaceSteadyModel, load: &SpaceLoad) -> Vec<Option<f64>> 
 
 #[test]
 fn a_quarter_turn_and_a_mirror_turn_and_mirror_the_pressures() {
-    let law = law();
+    let law = persson_law();
     // 12 columns with a cavity of 4: the lattice is its own mirror image.
     let model = model(&pattern(Planform::Square, 40.0, 80.0, 20.0), 10.0, 80.0);
     let n = 12;
@@ -318,7 +294,7 @@ fn at_equal_areal_density_the_direction_of_grooves_matters_by_thousandths() {
     // 130 / 1920 = 6.77 %, (130 / 500)^2 = 6.76 %.
     let across = ratio(&pattern(Planform::Groove, 130.0, 1790.0, 20.0), 10.0);
     let squares = ratio(&pattern(Planform::Square, 130.0, 370.0, 20.0), 10.0);
-    let law = law();
+    let law = persson_law();
     let texture = Texture::new(Planform::Groove).with_groove_angle_deg(90.0).unwrap();
     let along = Pattern::new(texture, 130e-6, 1790e-6, 20e-6).unwrap();
     let load = SpaceLoad { direction: along.sliding_direction(), ..load(2.6, Some(&law)) };
@@ -363,14 +339,14 @@ fn the_ratio_is_continuous_in_width_spacing_and_depth() {
 
 #[test]
 fn loads_one_after_the_other_and_alone_agree_and_few_responses_are_enough() {
-    let law = law();
+    let law = persson_law();
     let model = model(&pattern(Planform::Square, 130.0, 370.0, 20.0), 10.0, 200.0);
     let loads = [0.65, 1.3, 1.95, 2.6].map(|pressure| load(pressure, Some(&law)));
     let together = model.solve_all(&loads);
     for (load, outcome) in loads.iter().zip(&together) {
         let alone = model.solve(load).mu_dynamic.unwrap();
         assert!((outcome.mu_dynamic.unwrap() - alone).abs() < 1e-9);
-        assert!(outcome.residual <= 1e-10 && outcome.tension_blocks == 0 && !outcome.cavity_closed);
+        assert!(outcome.residual.unwrap() <= 1e-10 && outcome.tension_blocks == 0 && !outcome.cavity_closed);
     }
     assert!(together.iter().map(|outcome| outcome.iterations).sum::<usize>() <= 80);
 }
@@ -382,7 +358,7 @@ fn a_transversal_groove_is_that_of_the_vertical_plane_to_rounding() {
     use crate::columns;
     use crate::lattice::Lattice;
     use crate::steady::{SteadyLoad, SteadyModel};
-    let law = law();
+    let law = persson_law();
     for (width, spacing, depth) in [
         (130.0, 370.0, 20.0),
         (100.0, 100.0, 30.0),
@@ -406,7 +382,7 @@ fn grooves_and_squares_of_equal_areal_density() {
     // 130 um squares 370 um apart cover 6.76 %: so do grooves 33.8 um wide on the same pitch.
     let squares = ratio(&pattern(Planform::Square, 130.0, 370.0, 20.0), 10.0);
     let texture = Texture::new(Planform::Groove);
-    let law = law();
+    let law = persson_law();
     let groove = |texture: Texture| {
         let pattern = Pattern::new(texture, 33.8e-6, 466.2e-6, 20e-6).unwrap();
         let load = SpaceLoad { direction: pattern.sliding_direction(), ..load(2.6, Some(&law)) };
@@ -420,13 +396,13 @@ fn grooves_and_squares_of_equal_areal_density() {
 
 #[test]
 fn tipping_lands_and_strong_friction_end_in_an_equilibrium_or_say_so() {
-    let law = law();
+    let law = persson_law();
     // Tall posts under strong friction: contact pulls at their rear.
     let model = model(&pattern(Planform::Square, 140.0, 60.0, 120.0), 10.0, 200.0);
     for mu in [0.0, 0.3, 1.0, 3.0] {
         let outcome = model.solve(&SpaceLoad { dynamic_mu: mu, ..load(2.6, Some(&law)) });
         let expected = if mu == 0.0 { Status::NoFriction } else { Status::Converged };
-        assert_eq!(outcome.status, expected, "{mu}: {}", outcome.residual);
+        assert_eq!(outcome.status, expected, "{mu}: {:?}", outcome.residual);
     }
     let outcome = model.solve(&load(0.0, None));
     assert_eq!((outcome.status, outcome.mu_dynamic), (Status::NoLoad, None));

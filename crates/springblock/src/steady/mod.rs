@@ -236,34 +236,12 @@ fn observe(
             InterfacePoint { x_m: contact.centre * block_m, y_m: 0.0, pressure_pa, friction_pa }
         })
         .collect();
-    let compressive: f64 = state.normal.iter().filter(|n| **n > 0.0).sum();
-    let friction: f64 = state.friction.iter().sum();
-    let peak_pressure_pa = interface.iter().map(|point| point.pressure_pa).fold(0.0, f64::max);
-    let mu = (compressive > 0.0 && friction.is_finite()).then(|| friction / compressive);
+    let clearance_m = clearance.map(|clearance| clearance * block_m);
+    let forces = [&state.normal[..], &state.friction];
     SurfaceOutcome {
-        status: match mu {
-            Some(0.0) if state.status == Status::Converged => Status::NoFriction,
-            Some(_) => state.status,
-            None => Status::NoLoad,
-        },
-        mu_dynamic: mu,
-        mu_dynamic_stderr: None,
-        stick_slip_excess: None,
-        mu_across: None,
-        averaged_from_s: None,
-        mu_static: None,
-        peak_pressure_pa,
-        tension_blocks: state.normal.iter().filter(|n| **n < 0.0).count(),
-        cavity_closed: clearance.is_some_and(|clearance| clearance <= 0.0),
-        clearance_m: clearance.map(|clearance| clearance * block_m),
-        area_law_extrapolated: load
-            .area_law
-            .is_some_and(|law| interface.iter().any(|point| law.is_extrapolated(point.pressure_pa))),
         residual: Some(state.residual),
         iterations: state.iterations,
-        cost: None,
-        interface,
-        trace: Vec::new(),
+        ..SurfaceOutcome::sliding(state.status, forces, interface, clearance_m, load.area_law)
     }
 }
 

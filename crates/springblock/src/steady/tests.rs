@@ -1,26 +1,14 @@
 use slipgrid_material::AreaLaw;
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_pattern::Pattern;
 
 use super::*;
 use crate::columns::{self, Column};
-
-const E_PA: f64 = 0.38e9;
-
-fn pattern(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
-    Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
-}
+use crate::samples::{E_PA, groove, persson_law, roughness, sweep};
 
 /// A column of whole blocks, in a cavity `cavity_rows` deep or on land.
 fn column(in_cavity: bool, cavity_rows: f64) -> Column {
     let (coverage, cavity_rows) = if in_cavity { (1.0, cavity_rows) } else { (0.0, 0.0) };
     Column { width: 1.0, coverage, cavity_rows }
-}
-
-/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
-fn law() -> AreaLaw {
-    let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
-    let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
-    AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
 }
 
 fn cell(pattern: &Pattern, block_um: f64, layer_um: f64) -> SteadyModel {
@@ -35,15 +23,15 @@ fn solve(model: &SteadyModel, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>)
 }
 
 fn ratio(width_um: f64, spacing_um: f64, depth_um: f64, block_um: f64) -> f64 {
-    let law = law();
-    let outcome = solve(&cell(&pattern(width_um, spacing_um, depth_um), block_um, 200.0), 2.6, 0.27, Some(&law));
+    let law = persson_law();
+    let outcome = solve(&cell(&groove(width_um, spacing_um, depth_um), block_um, 200.0), 2.6, 0.27, Some(&law));
     assert_eq!(outcome.status, Status::Converged);
     outcome.mu_dynamic.unwrap() / (0.27 * law.factor(2.6e6))
 }
 
 #[test]
 fn a_flat_periodic_layer_is_uniform_and_slides_at_mu_f() {
-    let law = law();
+    let law = persson_law();
     for count in [1, 2, 3, 10] {
         let model = SteadyModel::new(Lattice::new(columns::flat(count), 20, true), 10e-6, E_PA, false);
         let outcome = solve(&model, 2.6, 0.27, Some(&law));
@@ -65,7 +53,7 @@ fn a_flat_layer_shears_by_its_shear_modulus() {
 fn amontons_coulomb_gives_mu_d_for_any_pattern_and_the_bulk_feels_it() {
     for (width, spacing, depth) in [(130.0, 370.0, 20.0), (133.0, 368.5, 13.0), (200.0, 60.0, 55.0), (40.0, 90.0, 4.0)]
     {
-        let model = cell(&pattern(width, spacing, depth), 10.0, 200.0);
+        let model = cell(&groove(width, spacing, depth), 10.0, 200.0);
         let dynamic_mu = vec![0.27; model.lattice().nx()];
         let load = SteadyLoad { pressure_pa: 1e6, dynamic_mu: &dynamic_mu, area_law: None };
         let state = iterate(&model.system, &load);
@@ -78,7 +66,7 @@ fn amontons_coulomb_gives_mu_d_for_any_pattern_and_the_bulk_feels_it() {
 
 #[test]
 fn normal_forces_balance_the_load_and_do_not_depend_on_stiffness() {
-    let soft = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    let soft = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     let stiff = SteadyModel { youngs_modulus_pa: 1e12, ..soft.clone() };
     let (a, b) = (solve(&soft, 2.0, 0.3, None), solve(&stiff, 2.0, 0.3, None));
     let mean = a.interface.iter().map(|p| p.pressure_pa).sum::<f64>() / 50.0;
@@ -127,11 +115,11 @@ fn largest_imbalance(model: &SteadyModel, state: &Equilibrium) -> f64 {
 
 #[test]
 fn every_block_is_in_equilibrium() {
-    let law = law();
+    let law = persson_law();
     for (width, spacing, depth, periodic) in
         [(130.0, 370.0, 20.0, true), (133.3, 371.0, 14.5, true), (130.0, 370.0, 20.0, false)]
     {
-        let pattern = pattern(width, spacing, depth);
+        let pattern = groove(width, spacing, depth);
         let columns = if periodic { columns::cell(&pattern, 10e-6) } else { columns::sample(&pattern, 10e-6, 120) };
         let model = SteadyModel::new(Lattice::new(columns, 20, periodic), 10e-6, E_PA, false);
         let dynamic_mu = vec![0.27; model.lattice().nx()];
@@ -145,7 +133,7 @@ fn every_block_is_in_equilibrium() {
 fn mirrored_pattern_and_direction_give_mirrored_pressures() {
     // Sliding to the left on the mirrored pattern is sliding to the right on the pattern: friction
     // reversed (mu -> -mu) mirrors the pressures.
-    let model = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    let model = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     let mirrored: Vec<Column> = model.lattice.columns().iter().rev().copied().collect();
     let mirrored = SteadyModel::new(Lattice::new(mirrored, 20, true), 10e-6, E_PA, false);
     let (right, left) = (solve(&model, 2.6, 0.27, None), solve(&mirrored, 2.6, -0.27, None));
@@ -156,9 +144,9 @@ fn mirrored_pattern_and_direction_give_mirrored_pressures() {
 
 #[test]
 fn strong_coupling_still_converges_to_an_equilibrium() {
-    let law = law();
+    let law = persson_law();
     for mu in [0.0, 1.0, 3.0] {
-        let model = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+        let model = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
         let outcome = solve(&model, 2.6, mu, Some(&law));
         let expected = if mu == 0.0 { Status::NoFriction } else { Status::Converged };
         assert_eq!(outcome.status, expected, "{mu}: {:?}", outcome.residual);
@@ -175,8 +163,8 @@ fn the_prototype_ratio_of_the_published_pattern_is_met() {
 
 #[test]
 fn few_iterations_converge_to_rounding() {
-    let law = law();
-    let outcome = solve(&cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0), 2.6, 0.27, Some(&law));
+    let law = persson_law();
+    let outcome = solve(&cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0), 2.6, 0.27, Some(&law));
     assert!(outcome.residual.unwrap() <= 1e-11);
     assert!(outcome.iterations <= 14, "{}", outcome.iterations);
 }
@@ -263,7 +251,7 @@ fn pressure_at_the_leading_edge_of_a_land_has_the_exponent_of_a_sliding_corner()
 #[test]
 fn unilateral_contact_has_neither_tension_nor_penetration() {
     // A tall narrow land tips under friction: bilateral contact pulls at its rear.
-    let model = cell(&pattern(100.0, 40.0, 120.0), 10.0, 200.0);
+    let model = cell(&groove(100.0, 40.0, 120.0), 10.0, 200.0);
     let bilateral = solve(&model, 1.0, 0.6, None);
     assert!(bilateral.tension_blocks > 0);
     let unilateral = SteadyModel { liftoff: true, ..model };
@@ -277,9 +265,9 @@ fn unilateral_contact_has_neither_tension_nor_penetration() {
 
 #[test]
 fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
-    let soft = SteadyModel { youngs_modulus_pa: 1e6, ..cell(&pattern(300.0, 100.0, 3.0), 10.0, 200.0) };
+    let soft = SteadyModel { youngs_modulus_pa: 1e6, ..cell(&groove(300.0, 100.0, 3.0), 10.0, 200.0) };
     assert!(solve(&soft, 2.6, 0.27, None).cavity_closed);
-    let stiff = cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0);
+    let stiff = cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0);
     assert!(!solve(&stiff, 2.6, 0.27, None).cavity_closed);
     // What is left of the depth falls as the load grows, in proportion where friction does.
     let sag_m = |pressure_mpa| {
@@ -291,21 +279,8 @@ fn soft_wide_shallow_cavities_close_and_stiff_ones_do_not() {
 
 #[test]
 fn no_load_is_a_status() {
-    let outcome = solve(&cell(&pattern(130.0, 370.0, 20.0), 10.0, 200.0), 0.0, 0.27, None);
+    let outcome = solve(&cell(&groove(130.0, 370.0, 20.0), 10.0, 200.0), 0.0, 0.27, None);
     assert_eq!((outcome.status, outcome.mu_dynamic), (Status::NoLoad, None));
-}
-
-/// Values of f(x) on x0, x0 + 1, ..., x0 + n.
-fn sweep(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
-    (0..=n).map(|step| f(step as f64)).collect()
-}
-
-/// Largest departure of a step from the mean step, and whether a step goes against it.
-fn roughness(values: &[f64]) -> (f64, bool) {
-    let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mean = steps.iter().sum::<f64>() / steps.len() as f64;
-    let worst = steps.iter().map(|step| (step - mean).abs()).fold(0.0, f64::max);
-    (worst, steps.iter().any(|step| step * mean < 0.0))
 }
 
 #[test]

@@ -6,9 +6,9 @@
 
 use super::*;
 use crate::columns;
-use crate::draws;
 use crate::dynamics::contact::LocalLaw;
-use slipgrid_material::{AreaLaw, LocalFriction};
+use crate::samples;
+use slipgrid_material::AreaLaw;
 use slipgrid_pattern::{Pattern, Planform};
 
 /// Work since the start, in k l^2.
@@ -67,7 +67,7 @@ const NANOSECOND: f64 = 0.056273;
 fn engine<'a>(springs: Springs, time_step: f64, speed: f64, damping: f64, law: Option<&'a AreaLaw>) -> RungeKutta<'a> {
     let pattern = Pattern::new(Planform::Groove, 30e-6, 50e-6, 20e-6).unwrap();
     let lattice = Lattice::new(columns::cell(&pattern, 10e-6), 6, true);
-    let coefficients = draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), 5, lattice.nx());
+    let coefficients = samples::coefficients(5, lattice.nx());
     // 2.6 MPa over k / l = 0.75 x 0.38 GPa; times are whole numbers of steps.
     let setup = Setup {
         contact: ContactRow::new(lattice.contacts(), &coefficients, LocalLaw::new(law, 285e6)),

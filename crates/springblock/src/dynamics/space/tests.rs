@@ -1,6 +1,6 @@
 //! The cell's integrator against the sum over springs, closed forms, its symmetries, and the plane.
 
-use slipgrid_material::{AreaLaw, LocalFriction};
+use slipgrid_material::AreaLaw;
 use slipgrid_pattern::{Pattern, Planform, Texture};
 
 use super::super::contact::{ContactRow, ContactSums, LocalLaw};
@@ -10,8 +10,9 @@ use super::super::strip_leapfrog::StripLeapfrog;
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::columns;
-use crate::draws::{self, Coefficients};
+use crate::draws::Coefficients;
 use crate::lattice::Lattice;
+use crate::samples::coefficients;
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
 /// A cell of `nx` columns along x and `ny` along y with one rectangular cavity, `rows` high.
@@ -23,10 +24,6 @@ fn cell(width: usize, length: usize, [nx, ny]: [usize; 2], depth: usize, rows: u
     let lattice = SpaceLattice::cell(&pattern, 10e-6, rows);
     assert!(lattice.is_plain() && lattice.columns() == [nx, ny]);
     lattice
-}
-
-fn coefficients(seed: u64, count: usize) -> Vec<Coefficients> {
-    draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), seed, count)
 }
 
 fn protocol(lattice: &SpaceLattice, speed: f64) -> Protocol {

@@ -1,6 +1,5 @@
 //! The account of work in space closes, along any sliding direction.
 
-use slipgrid_material::LocalFriction;
 use slipgrid_pattern::{Pattern, Planform};
 
 use super::super::contact::LocalLaw;
@@ -9,7 +8,7 @@ use super::super::protocol::Protocol;
 use super::super::work_account::{Account, Instant};
 use super::bonds::SpaceBonds;
 use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
-use crate::draws;
+use crate::samples;
 use crate::space::SpaceLattice;
 
 /// What the account lacks, as a share of the drive's work.
@@ -18,7 +17,7 @@ fn lack(time_step: f64, direction: [f64; 2]) -> f64 {
     let lattice = SpaceLattice::cell(&pattern, 10e-6, 5);
     let ([nx, ny], rows) = (lattice.columns(), lattice.rows());
     let blocks = nx * ny * rows;
-    let coefficients = draws::draw(&LocalFriction::new(0.3, 0.27, 0.05).unwrap(), 5, nx * ny);
+    let coefficients = samples::coefficients(5, nx * ny);
     let protocol = Protocol { ramp: 0.0, start: 30.0, load: 0.005 * (nx * ny) as f64, speed: 1e-4 };
     let damping = 0.01;
     let law = LocalLaw::new(None, 1.0);

@@ -1,35 +1,17 @@
 #![allow(clippy::print_stdout, reason = "what takes minutes tells what it measured")]
 
-use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
+use slipgrid_material::LocalFriction;
 use slipgrid_pattern::Planform;
 
 use super::*;
 use crate::Unwatched;
-use crate::scene::{Load, RunOptions};
+use crate::samples::{self, groove};
+use crate::scene::RunOptions;
 use crate::simulate::simulate;
 
-/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)).
-fn law() -> AreaLaw {
-    let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
-    let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
-    AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
-}
-
-fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Pattern {
-    Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap()
-}
-
 fn scene(pattern: Pattern, run: RunOptions) -> Scene {
-    let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-    Scene {
-        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-        area_law: Some(law()),
-        pattern: Some(pattern),
-        layer: Layer { length_m: 6000e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
-        loads: [0.65e6, 2.6e6].map(|pressure_pa| Load { pressure_pa, friction }).to_vec(),
-        speed_m_s: 2e-3,
-        run,
-    }
+    let scene = samples::scene(pattern, &[0.65, 2.6], run);
+    Scene { layer: Layer { length_m: 6000e-6, ..scene.layer }, ..scene }
 }
 
 /// Ratios of `scene` with `thickness_m` behind a layer of `height_m`.
@@ -138,7 +120,7 @@ fn steady_cells_are_solved_over_the_whole_thickness_and_say_what_that_changes() 
 }
 
 fn squares() -> Pattern {
-    Pattern::new(Planform::Square, 200e-6, 200e-6, 20e-6).unwrap()
+    samples::pattern(Planform::Square, 200.0, 200.0, 20.0)
 }
 
 #[test]

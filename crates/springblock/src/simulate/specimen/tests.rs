@@ -1,19 +1,13 @@
 use super::*;
+use crate::samples;
 use crate::{Extent, Layer, RunOptions, Unwatched, simulate};
-use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-use slipgrid_pattern::Planform;
+use slipgrid_material::{AreaLaw, LocalFriction};
 
 fn scene(run: RunOptions) -> Scene {
-    let friction = LocalFriction::new(0.30, 0.27, 0.05).unwrap();
-    Scene {
-        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
-        area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
-        pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).unwrap()),
-        layer: Layer { length_m: 2e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
-        loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
-        speed_m_s: 2e-3,
-        run: RunOptions { extent: Extent::Sample, ..run },
-    }
+    let run = RunOptions { extent: Extent::Sample, ..run };
+    let scene = samples::scene(samples::groove(130.0, 370.0, 20.0), &[0.65, 2.6], run);
+    let area_law = Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap());
+    Scene { area_law, layer: Layer { length_m: 2e-3, ..scene.layer }, ..scene }
 }
 
 /// A strip with cavities of 130 um every 500 um, the first at `first_m`.
@@ -118,7 +112,7 @@ fn strips_that_sample_a_face_are_corrected_to_its_share_of_cavities() {
 #[test]
 fn slender_walls_at_the_rim_bear_nothing() {
     let mut scene = scene(RunOptions::default());
-    scene.pattern = Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 60e-6).unwrap());
+    scene.pattern = Some(samples::groove(130.0, 370.0, 60.0));
     // 12 um of land, 60 um high, stand before the first cavity and 8 um behind the last.
     let slender =
         Strip { length_m: 2e-3, cavities_m: vec![[12e-6, 142e-6], [1.862e-3, 1.992e-3]], ..strip(0, 2e-3, 1.0) };

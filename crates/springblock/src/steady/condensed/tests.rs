@@ -4,19 +4,10 @@ use slipgrid_pattern::{Pattern, Planform};
 use super::super::SteadyModel;
 use super::*;
 use crate::columns;
-
-const E_PA: f64 = 0.38e9;
-
-/// Persson's law for E* h'rms = 4 MPa, A(P) = erf(sqrt(2) P / (E* h'rms)), tabulated finely.
-fn law() -> AreaLaw {
-    let pressure_pa: Vec<f64> = (1..=200).map(|step| 0.1e6 * f64::from(step)).collect();
-    let area: Vec<f64> = pressure_pa.iter().map(|p| libm::erf(2.0_f64.sqrt() * p / 4e6)).collect();
-    AreaLaw::from_area_curve(&pressure_pa, &area, 0.7e6).unwrap()
-}
+use crate::samples::{E_PA, groove, persson_law};
 
 fn lattice(width_um: f64, spacing_um: f64, depth_um: f64, rows: usize) -> Lattice {
-    let pattern = Pattern::new(Planform::Groove, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).unwrap();
-    Lattice::new(columns::cell(&pattern, 10e-6), rows, true)
+    Lattice::new(columns::cell(&groove(width_um, spacing_um, depth_um), 10e-6), rows, true)
 }
 
 /// Normal forces by both ways under uneven friction, the largest difference.
@@ -93,7 +84,7 @@ fn assert_same([found, expected]: &[SurfaceOutcome; 2], what: &str) {
 
 #[test]
 fn random_designs_under_random_loads_slide_as_all_blocks_say() {
-    let law = law();
+    let law = persson_law();
     let mut uniform = uniform(1);
     let mut left = 0;
     for number in 0..200 {
@@ -155,7 +146,7 @@ fn what_it_cannot_do_is_left_to_all_blocks() {
 fn a_flat_ring_is_uniform() {
     for columns in [1, 2, 3, 10] {
         let lattice = Lattice::new(columns::flat(columns), 20, true);
-        let law = law();
+        let law = persson_law();
         let dynamic_mu = vec![0.27; columns];
         let load = SteadyLoad { pressure_pa: 2.6e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
         let outcome = CondensedModel::new(&lattice, 10e-6, E_PA, false).unwrap().solve(&load).unwrap();
