@@ -73,7 +73,6 @@ mod guided;
 mod ledger;
 mod linear_steps;
 mod model;
-mod normal;
 mod outcome;
 mod polish;
 mod propagation;

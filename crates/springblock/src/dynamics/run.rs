@@ -1,7 +1,7 @@
 //! One dynamic run: builds the integrator, drives it through the protocol, records, reports.
 
 use super::contact::{ContactRow, LocalLaw};
-use super::drive::{Drive, MOST_STEPS, Plan};
+use super::drive::{Drive, MOST_STEPS, Plan, not_begun};
 use super::engine::{PlaneEngine, Setup};
 use super::leapfrog::BondLeapfrog;
 use super::protocol::Protocol;
@@ -14,7 +14,7 @@ use crate::Monitor;
 use crate::SceneError;
 use crate::draws;
 use crate::lattice::Lattice;
-use crate::outcome::{DynamicCost, Status, SurfaceOutcome};
+use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Fidelity, Load, Scene, Springs};
 use crate::steady::{SteadyLoad, SteadyModel};
 
@@ -82,10 +82,8 @@ impl Scheme {
 pub fn usual_step_s(scene: &Scene, is_spatial: bool) -> f64 {
     if is_spatial {
         SPACE_STEP * Scales::space(&scene.elastic, scene.layer.block_m).time_s
-    } else if scene.run.fidelity == Fidelity::Reference {
-        REFERENCE_STEP_S
     } else {
-        LEAPFROG_STEP * Scales::new(&scene.elastic, scene.layer.block_m).time_s
+        Scheme::own_step_s(scene)
     }
 }
 
@@ -115,10 +113,12 @@ impl DynamicRun<'_> {
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let scene = self.scene;
         if self.load.pressure_pa == 0.0 {
-            return self.not_run(Status::NoLoad, monitor);
+            monitor.advance(self.share);
+            return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
         if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
-            return self.not_run(Status::TooManySteps, monitor);
+            monitor.advance(self.share);
+            return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let coefficients = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
@@ -144,13 +144,9 @@ impl DynamicRun<'_> {
         }
     }
 
-    /// What is said of a run that was not begun, because nothing could come of it.
-    fn not_run(&self, status: Status, monitor: &dyn Monitor) -> SurfaceOutcome {
-        monitor.advance(self.share);
-        let block_m = self.scene.layer.block_m;
-        let cost = DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 };
-        let unsolved = SurfaceOutcome::unsolved(status, self.lattice.contacts().map(|i| (i as f64 + 0.5) * block_m));
-        SurfaceOutcome { cost: Some(cost), ..unsolved }
+    /// Centres of the contact blocks, in metres.
+    fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.lattice.contacts().map(|column| [(column as f64 + 0.5) * self.scene.layer.block_m, 0.0])
     }
 
     /// Displacements of steady sliding over l, by row and column.
@@ -191,8 +187,7 @@ impl DynamicRun<'_> {
         };
         let driven = drive.run(&mut engine, monitor);
         engine.finish();
-        let centres_m = self.lattice.contacts().map(|column| [(column as f64 + 0.5) * scales.length_m, 0.0]);
-        driven.outcome(self.scene, scales, centres_m, self.is_closed(&engine))
+        driven.outcome(self.scene, scales, self.centres_m(), self.is_closed(&engine))
     }
 
     /// Whether a ceiling lies on or below the counterface at the end of the run.

@@ -131,7 +131,6 @@ impl Monitor for Clock {
 #[test]
 fn a_tiny_page_from_end_to_end() {
     let base = tiny();
-    let (mut out, mut err) = (Vec::new(), Vec::new());
     let machine = Machine { architecture: "a", system: "s", processors: None, date: None };
     let report = compare(Size::Quick, &base, "tiny", 2, machine, &Clock(std::time::Instant::now())).unwrap();
     assert_eq!(report.reference.status, "converged");

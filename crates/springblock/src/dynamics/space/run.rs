@@ -1,7 +1,7 @@
 //! One dynamic run of one cell in space.
 
 use super::super::contact::LocalLaw;
-use super::super::drive::{Drive, MOST_STEPS, Plan};
+use super::super::drive::{Drive, MOST_STEPS, Plan, not_begun};
 use super::super::protocol::Protocol;
 use super::super::scales::Scales;
 use super::super::stability::largest_of;
@@ -10,7 +10,7 @@ use super::leapfrog::{SpaceLeapfrog, SpaceSetup};
 use crate::Monitor;
 use crate::SceneError;
 use crate::draws;
-use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
+use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::space::SpaceLattice;
 
@@ -100,11 +100,13 @@ impl SpaceRun<'_> {
     #[must_use]
     pub fn run(&self, monitor: &dyn Monitor) -> SurfaceOutcome {
         let Self { scene, lattice, .. } = self;
-        if self.load.pressure_pa == 0.0 || self.contacts().next().is_none() {
-            return self.not_run(Status::NoLoad, monitor);
+        if self.load.pressure_pa == 0.0 || self.centres_m().next().is_none() {
+            monitor.advance(self.share);
+            return not_begun(Status::NoLoad, self.scheme.step_s, self.centres_m());
         }
         if Plan::new(scene, self.scheme.step_s).total() > MOST_STEPS {
-            return self.not_run(Status::TooManySteps, monitor);
+            monitor.advance(self.share);
+            return not_begun(Status::TooManySteps, self.scheme.step_s, self.centres_m());
         }
         let started_s = monitor.seconds();
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
@@ -139,25 +141,16 @@ impl SpaceRun<'_> {
             started_s,
         };
         let driven = drive.run(&mut engine, monitor);
-        driven.outcome(scene, &scales, self.contacts(), self.is_closed(&engine))
+        driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
     }
 
     /// Centres of the contact blocks, x fastest, in metres.
-    fn contacts(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+    fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         let [nx, ny] = self.lattice.columns();
         (0..nx * ny)
             .map(move |column| [column % nx, column / nx])
             .filter(|[i, j]| self.lattice.contact_share(*i, *j) > 0.0)
             .map(|column| column.map(|number| (number as f64 + 0.5) * self.scene.layer.block_m))
-    }
-
-    /// What is said of a run that was not begun, because nothing could come of it.
-    fn not_run(&self, status: Status, monitor: &dyn Monitor) -> SurfaceOutcome {
-        monitor.advance(self.share);
-        let cost = DynamicCost { steps: 0, dt_s: self.scheme.step_s, site_updates: 0, wall_s: 0.0 };
-        let at = |[x_m, y_m]: [f64; 2]| InterfacePoint { x_m, y_m, pressure_pa: 0.0, friction_pa: 0.0 };
-        let interface = self.contacts().map(at).collect();
-        SurfaceOutcome { cost: Some(cost), interface, ..SurfaceOutcome::unsolved(status, std::iter::empty()) }
     }
 
     /// Whether a ceiling lies on or below the counterface at the end of the run.
