@@ -1,7 +1,7 @@
 //! Errors of a simulated scene, and its numbers times the discrepancy of patterned samples.
 
 use serde::Serialize;
-use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
+use slipgrid_calibrate::uncertainty::{DiscrepancyAt, InputUncertainty, Slopes};
 use slipgrid_springblock::Simulation;
 
 use super::errors::{ErrorReport, ErrorsReport, Solved};
@@ -49,7 +49,7 @@ pub fn of_scene(
     simulation: &Simulation,
 ) -> Result<(ErrorsReport, Option<CorrectedReport>), CliError> {
     let (scene, uncertainty) = (&input.scene, &input.uncertainty);
-    let knowledge = uncertainty.knowledge(scene.area_law.as_ref(), &scene.loads, input.condition.as_ref())?;
+    let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, input.condition.as_ref())?;
     let slopes = Slopes::new(scene, &knowledge);
     let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
     let rows = solved.errors();
@@ -59,7 +59,7 @@ pub fn of_scene(
         return Ok((errors, None));
     };
     let factors = DiscrepancyAt::each(&found, &scene.loads);
-    let aimed = Knowledge { discrepancy: Some(factors.clone()), ..knowledge.clone() };
+    let aimed = InputUncertainty { discrepancy: Some(factors.clone()), ..knowledge.clone() };
     let corrected = Solved { knowledge: &aimed, ..solved }.errors();
     let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();
     let planform = pattern.planform().name();

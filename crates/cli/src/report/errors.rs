@@ -2,7 +2,9 @@
 //! by it, the discrepancy leave open, with its parts kept apart.
 
 use serde::Serialize;
-use slipgrid_calibrate::uncertainty::{Deviation, Deviations, Drawn, Knowledge, Slopes, drawn};
+use slipgrid_calibrate::uncertainty::{
+    Deviation, Deviations, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
+};
 use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -94,7 +96,7 @@ pub struct Solved<'a> {
     /// What came of it.
     pub simulation: &'a Simulation,
     /// How well its material is known at its loads; with a discrepancy, ratio and friction are corrected by it.
-    pub knowledge: &'a Knowledge,
+    pub knowledge: &'a InputUncertainty,
     /// How its ratios follow that.
     pub slopes: &'a Slopes,
 }
@@ -192,10 +194,14 @@ impl Solved<'_> {
     }
 
     /// What one draw of local coefficients leaves open; nothing of a cell at the mean coefficients.
-    fn drawn(&self, place: usize, load: &LoadOutcome) -> Drawn {
+    fn drawn(&self, place: usize, load: &LoadOutcome) -> SamplingScatter {
         let run = &self.scene.run;
         let is_drawn = run.fidelity != Fidelity::Steady || run.extent == Extent::Sample;
-        if is_drawn { drawn(load, self.scene.loads[place].friction.relative_std()) } else { Drawn::default() }
+        if is_drawn {
+            sampling_scatter(load, self.scene.loads[place].friction.relative_std())
+        } else {
+            SamplingScatter::default()
+        }
     }
 
     /// Parts of a run: how long it lasted, and what it drew.
