@@ -1,6 +1,6 @@
 //! Calibration against the time integration that it serves.
 
-use slipgrid_calibrate::{Coefficients, Measurement, Problem, calibrate};
+use slipgrid_calibrate::{Coefficients, Measurement, Problem, fit_coefficients};
 use slipgrid_material::LocalFriction;
 use slipgrid_springblock::{Extent, Fidelity, Unwatched, simulate};
 use slipgrid_tests::{persson_law, polymer_scene};
@@ -28,7 +28,7 @@ fn the_calibrated_flat_sample_slides_as_measured() {
         static_over_dynamic: 0.30 / 0.27,
         seed: 1,
     };
-    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     let pair = fit.pairs[0];
     // A run of its own, from rest.
     scene.loads[0].friction = LocalFriction::new(pair.static_mean, pair.dynamic_mean, 0.05).unwrap();

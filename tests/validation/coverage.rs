@@ -2,8 +2,10 @@
 //! and are told a ratio, flat friction and a local coefficient. The truth is solved by itself, at the true modulus.
 
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{Knowledge, ScaleError, Slopes};
-use slipgrid_calibrate::{Coefficients, FlatLoad, Measurement, Noise, Problem, calibrate, marginal_relative_std};
+use slipgrid_calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
+use slipgrid_calibrate::{
+    Coefficients, FlatLoad, Measurement, Noise, Problem, fit_coefficients, marginal_relative_std,
+};
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
@@ -113,10 +115,10 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
             let measured: Vec<f64> =
                 friction.iter().zip(&flat).map(|(mu, z)| mu * (1.0 + FRICTION_STD * z[replicate])).collect();
             let scene = scene(law(stiffer), &measured);
-            let known = Knowledge {
+            let known = InputUncertainty {
                 flat_friction: Some(vec![FRICTION_STD * FRICTION_STD; PRESSURES_MPA.len()]),
                 scale: Some(ScaleError::of_modulus(MODULUS_STD / stiffer, PRESSURES_MPA.len())),
-                ..Knowledge::default()
+                ..InputUncertainty::default()
             };
             let slopes = Slopes::new(&scene, &known);
             let of = |(load, ratio): (usize, &f64)| {
@@ -182,7 +184,7 @@ fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_
                 static_over_dynamic: 1.0 / 0.9,
                 seed: 1,
             };
-            let fit = calibrate(&problem, &Unwatched).unwrap();
+            let fit = fit_coefficients(&problem, &Unwatched).unwrap();
             let (pair, predicted) = (fit.pairs[0], fit.predictions[0]);
             let conditional = pair.dynamic_std_error.unwrap() / pair.dynamic_mean;
             let loads = [FlatLoad { pressure_pa: PRESSURE_PA, weight: 1.0 }];

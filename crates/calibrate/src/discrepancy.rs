@@ -88,7 +88,7 @@ pub struct RatioInterval {
 ///
 /// # Errors
 /// [`FitError`] if a number has no meaning or there are fewer points than coefficients.
-pub fn estimate(
+pub fn estimate_discrepancy(
     points: &[RatioPoint],
     form: DiscrepancyForm,
     modulus_relative_std: f64,
@@ -286,7 +286,7 @@ pub fn leave_one_out(
         .map(|left| {
             let others: Vec<RatioPoint> =
                 points.iter().enumerate().filter(|(i, _)| *i != left).map(|(_, point)| *point).collect();
-            let found = estimate(&others, form, modulus_relative_std).ok()?;
+            let found = estimate_discrepancy(&others, form, modulus_relative_std).ok()?;
             if found.degrees_of_freedom == 0 {
                 return None;
             }
@@ -323,7 +323,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::synthetic_noise::Noise;
 
     fn points(count: usize, tau: f64, noise: &mut Noise) -> Vec<RatioPoint> {
         (0..count)
@@ -342,7 +342,7 @@ mod tests {
     fn equal_weights_give_the_mean_and_its_error() {
         let mut noise = Noise::new(1);
         let data = points(6, 0.0, &mut noise);
-        let found = estimate(&data, DiscrepancyForm::Constant, 0.2).unwrap();
+        let found = estimate_discrepancy(&data, DiscrepancyForm::Constant, 0.2).unwrap();
         let weight = |p: &RatioPoint| (p.measured / p.measured_std).powi(2);
         let total: f64 = data.iter().map(weight).sum();
         let mean: f64 = data.iter().map(|p| weight(p) * (p.measured / p.modelled).ln()).sum::<f64>() / total;
@@ -366,7 +366,7 @@ mod tests {
         let (mut covered, mut left_out, mut scatter) = (0, 0, 0.0);
         for _ in 0..REPLICATES {
             let data = points(12, 0.05, &mut noise);
-            let found = estimate(&data, DiscrepancyForm::Constant, 0.0).unwrap();
+            let found = estimate_discrepancy(&data, DiscrepancyForm::Constant, 0.0).unwrap();
             scatter += found.scatter / REPLICATES as f64;
             let reach = student_95(11) * found.covariance[0][0].sqrt();
             covered += usize::from((found.coefficients[0] - 0.9_f64.ln()).abs() < reach);
@@ -398,12 +398,12 @@ mod tests {
                 modulus_sensitivity: 0.0,
             })
             .to_vec();
-        let found = estimate(&data, DiscrepancyForm::Linear, 0.2).unwrap();
+        let found = estimate_discrepancy(&data, DiscrepancyForm::Linear, 0.2).unwrap();
         assert!((found.coefficients[0] + 0.1).abs() < 1e-12 && (found.coefficients[1] - 0.05).abs() < 1e-12);
         assert!(found.scatter == 0.0 && found.correct(3e6, 0.9, 0.0).outside_measured_range);
         let same = vec![data[0]; 3];
-        assert!(matches!(estimate(&same, DiscrepancyForm::Linear, 0.2), Err(FitError::OutOfRange { .. })));
-        assert!(matches!(estimate(&[], DiscrepancyForm::Constant, 0.2), Err(FitError::NoMeasurement)));
+        assert!(matches!(estimate_discrepancy(&same, DiscrepancyForm::Linear, 0.2), Err(FitError::OutOfRange { .. })));
+        assert!(matches!(estimate_discrepancy(&[], DiscrepancyForm::Constant, 0.2), Err(FitError::NoMeasurement)));
     }
 
     #[test]
@@ -428,7 +428,7 @@ mod tests {
         let dry = points([0.6, 1.2, 1.8, 2.4], [0.80, 0.84, 0.79, 0.83]);
         let humid = points([0.8, 1.4, 2.0, 3.2], [0.70, 0.76, 0.72, 0.69]);
         for form in [DiscrepancyForm::Constant, DiscrepancyForm::Linear] {
-            let [a, b] = [&dry, &humid].map(|points| estimate(points, form, 0.2).unwrap());
+            let [a, b] = [&dry, &humid].map(|points| estimate_discrepancy(points, form, 0.2).unwrap());
             let between = a.towards(&b, 0.25).unwrap();
             for pressure_pa in [0.7e6, 1.5e6, 3e6] {
                 let [own, left, right] = [&between, &a, &b].map(|of| of.factor(pressure_pa).ln());
@@ -446,7 +446,7 @@ mod tests {
             assert_eq!(between.pressure_range_pa, [0.8e6, 2.4e6]);
             assert!((between.scatter - 0.75 * a.scatter - 0.25 * b.scatter).abs() < 1e-12);
         }
-        let constant = estimate(&dry, DiscrepancyForm::Constant, 0.2).unwrap();
-        assert_eq!(constant.towards(&estimate(&humid, DiscrepancyForm::Linear, 0.2).unwrap(), 0.5), None);
+        let constant = estimate_discrepancy(&dry, DiscrepancyForm::Constant, 0.2).unwrap();
+        assert_eq!(constant.towards(&estimate_discrepancy(&humid, DiscrepancyForm::Linear, 0.2).unwrap(), 0.5), None);
     }
 }

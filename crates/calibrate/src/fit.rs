@@ -1,16 +1,16 @@
 //! The fit itself.
 
-mod before;
-mod notes;
-mod profile;
+mod feasibility;
+mod fit_notes;
+mod profile_likelihood;
 
-pub use before::planned_steps;
+pub use feasibility::planned_steps;
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_springblock::{Monitor, Unwatched};
 
-use crate::emulator::Emulator;
-use crate::flat::{self, DynamicFlat, Pairs, Portion};
+use crate::flat_sample::{self, DynamicFlat, Pairs, Portion};
+use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Problem};
 
@@ -197,10 +197,10 @@ struct PeakLine {
 /// # Errors
 /// [`FitError`] if a number has no meaning, the flat sample does not slide in the model, or the
 /// monitor asks to stop. What can be known before the first run is.
-pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, FitError> {
+pub fn fit_coefficients(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, FitError> {
     problem.validate()?;
-    let (mut problem, mut left_out) = before::without_hidden_peaks(problem);
-    before::check(&problem)?;
+    let (mut problem, mut left_out) = feasibility::without_hidden_peaks(problem);
+    feasibility::check(&problem)?;
     loop {
         match attempt(&problem, monitor)? {
             Attempt::Fitted(mut fit) => {
@@ -209,7 +209,7 @@ pub fn calibrate(problem: &Problem, monitor: &dyn Monitor) -> Result<Fit, FitErr
             }
             Attempt::Flat(numbers) => {
                 for number in numbers {
-                    left_out.push(before::left_out(&problem, number, "hardly depends on mu_s in the model"));
+                    left_out.push(feasibility::left_out(&problem, number, "hardly depends on mu_s in the model"));
                     problem.measurements[number].static_peak = None;
                 }
             }
@@ -237,7 +237,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let mut slopes = vec![Vec::new(); problem.measurements.len()];
     for round in 0..MOST_ROUNDS {
         let mut found = correct(problem, &layout, &parameters, &portion)?;
-        before::check_deltas(&found.delta)?;
+        feasibility::check_deltas(&found.delta)?;
         average_slopes(&mut found.peaks, &mut slopes);
         let flat = flat_peaks(&found.peaks);
         if !flat.is_empty() && (flat.len() == found.peaks.iter().flatten().count() || round + 1 == MOST_ROUNDS) {
@@ -393,8 +393,8 @@ fn correct(
     let pairs = layout.pairs(problem, parameters)?;
     let (area_law, _) = layout.law(problem, parameters)?;
     let problem = &Problem { area_law, ..problem.clone() };
-    let steady = flat::steady(problem, &pairs)?;
-    let dynamic: Vec<DynamicFlat> = flat::dynamic(problem, &pairs, monitor)?;
+    let steady = flat_sample::steady(problem, &pairs)?;
+    let dynamic: Vec<DynamicFlat> = flat_sample::dynamic(problem, &pairs, monitor)?;
     let peaks = peak_lines(problem, &pairs, &dynamic)?;
     Ok(Corrections {
         delta: dynamic.iter().zip(&steady).map(|(d, s)| d.mu_dynamic / s).collect(),
@@ -414,7 +414,7 @@ fn peak_lines(problem: &Problem, pairs: &Pairs, dynamic: &[DynamicFlat]) -> Resu
             LocalFriction::new(pair.static_mean() * (1.0 + STATIC_STEP), pair.dynamic_mean(), pair.relative_std())
         })
         .collect::<Result<_, _>>()?;
-    let moved = flat::dynamic(problem, &raised, &Unwatched)?;
+    let moved = flat_sample::dynamic(problem, &raised, &Unwatched)?;
     Ok(dynamic
         .iter()
         .zip(&moved)
@@ -468,7 +468,7 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
             }
         })
         .collect();
-    let parameters = profile::parameters(model, solution)?;
+    let parameters = profile_likelihood::parameters(model, solution)?;
     let mut fit = Fit {
         pairs,
         predictions,
@@ -480,7 +480,7 @@ fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, 
         settled,
         notes: Vec::new(),
     };
-    fit.notes = notes::notes(model, &fit);
+    fit.notes = fit_notes::notes(model, &fit);
     Ok(fit)
 }
 

@@ -11,11 +11,11 @@ use slipgrid_units::{
 };
 
 use crate::area_law::table_warnings;
+use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
 use crate::patterned_samples::PatternedSamples;
-use crate::surface::{AreaLawOrigin, SurfaceFindings};
-use crate::task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
+use crate::surface_findings::{AreaLawOrigin, SurfaceFindings};
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
-use crate::{Coefficients, Discrepancies, Discrepancy, Fit, FittedPair, Measurement, Trial, TrialDomain};
+use crate::{Coefficients, Discrepancy, DiscrepancyByHumidity, Fit, FittedPair, Measurement, Trial, TrialDomain};
 
 /// A number of the material as a file holds it.
 fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
@@ -258,9 +258,9 @@ fn trial_domain(pattern: &Pattern) -> Option<TrialDomain> {
     }])
 }
 
-fn discrepancies(found: &Discrepancies) -> Result<Discrepancies, CalibrationError> {
+fn discrepancies(found: &DiscrepancyByHumidity) -> Result<DiscrepancyByHumidity, CalibrationError> {
     let at = |(humidity, found): &(f64, Discrepancy)| Ok((HUMIDITY_PCT.as_written(*humidity), discrepancy(found)?));
-    Ok(Discrepancies {
+    Ok(DiscrepancyByHumidity {
         all: discrepancy(&found.all)?,
         by_humidity: found.by_humidity.iter().map(at).collect::<Result<_, CalibrationError>>()?,
     })

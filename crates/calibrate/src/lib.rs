@@ -12,14 +12,18 @@
 //! found at the fitted coefficients, so that the dynamic mu that the program predicts for the flat
 //! sample is the measured one.
 //!
-//! | type | role |
+//! | item | role |
 //! |---|---|
-//! | [`Problem`] | measurements and what is known of the material |
-//! | [`calibrate`] | the fit |
+//! | [`run`], [`CalibrationTask`] | the whole job: from measurements and a surface to a material and what is known of its errors |
+//! | [`CalibrationOutcome`] | the material, its [`uncertainty::MaterialUncertainty`], the fit and the contact area behind it |
+//! | [`Selection`] | the measurements that coefficients for some conditions and pressures rest on |
+//! | [`area_law`], [`map_windows`] | contact area and area law of a map, and how windows of it scatter about them |
+//! | [`fit_coefficients`], [`Problem`] | the fit alone |
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
-//! | [`estimate`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
-//! | [`TrialDomain`] | the patterns that it is used for |
+//! | [`estimate_discrepancy`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
+//! | [`PatternedSamples`] | measured ratios of patterned samples beside the modelled ones |
+//! | [`TrialDomain`] | the patterns that the discrepancy is used for |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
@@ -27,68 +31,85 @@
 //!
 //! Where no map is given, the pressure scale of the area law can be fitted as well ([`AreaLawScale`]).
 //!
-//! This crate fits nothing to patterned samples and opens no files.
+//! This crate fits no coefficient to patterned samples, opens no files, prints nothing and reads no clock.
+//!
+//! A calibration from two measurements on flat samples, with a surface of which only the rms slope is known:
 //!
 //! ```no_run
-//! use slipgrid_calibrate::{Coefficients, Measurement, Problem, calibrate};
-//! use slipgrid_material::Elastic;
+//! use slipgrid_calibrate::{CalibrationTask, Coefficients, Measurement, Selection, Surface, run};
+//! use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
 //! use slipgrid_springblock::{Layer, Unwatched};
-//! let problem = Problem {
+//! let measured = |force_n: f64, mu_dynamic: f64| Measurement {
+//!     force_n,
+//!     speed_m_s: 2e-3,
+//!     humidity: 0.15,
+//!     mu_dynamic,
+//!     mu_dynamic_std: 0.001,
+//!     static_peak: None,
+//! };
+//! let task = CalibrationTask {
+//!     name: "LDPE on cast iron".to_owned(),
+//!     source: "our laboratory".to_owned(),
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
-//!     area_law: None,
-//!     area_law_scale: None,
-//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
+//!     youngs_modulus_std_pa: Some(0.08e9),
+//!     poisson_ratio: 1.0 / 3.0,
+//!     surface: Surface::RmsSlope(0.0137),
+//!     threshold_pa: THRESHOLD_PRESSURE_PA,
 //!     specimen_area_m2: 78.54e-6,
-//!     measurements: vec![Measurement {
-//!         force_n: 200.0,
-//!         speed_m_s: 2e-3,
-//!         humidity: 0.15,
-//!         mu_dynamic: 0.278,
-//!         mu_dynamic_std: 0.001,
-//!         static_peak: None,
-//!     }],
-//!     coefficients: Coefficients::Single,
+//!     flat: vec![measured(100.0, 0.271), measured(200.0, 0.278)],
+//!     patterned: Vec::new(),
+//!     pattern: None,
+//!     discrepancy: None,
+//!     coefficients: Coefficients::PerCondition,
 //!     relative_std: 0.05,
 //!     static_over_dynamic: 0.30 / 0.27,
+//!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
 //!     seed: 1,
+//!     selection: Selection::default(),
+//!     notes: Vec::new(),
 //! };
-//! let fit = calibrate(&problem, &Unwatched)?;
-//! println!("mu_d = {}", fit.pairs[0].dynamic_mean);
+//! let found = run(&task, &Unwatched)?;
+//! println!("mu_d = {}", found.fit.pairs[0].dynamic_mean);
+//! println!("{:?}", found.material.area_law);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 pub mod area_law;
-mod area_law_scale;
-mod discrepancies;
+mod calibration_task;
 mod discrepancy;
-mod emulator;
+mod discrepancy_by_humidity;
 mod fit;
+mod fit_problem;
 mod fitted_material;
-mod flat;
 mod flat_friction_law;
+mod flat_sample;
+mod flat_sample_emulator;
 mod least_squares;
-mod marginal;
-mod noise;
+pub mod map_windows;
+mod marginal_uncertainty;
 mod patterned_samples;
-mod problem;
+mod scaled_area_law;
 mod select_measurements;
-mod surface;
-mod task;
+mod surface_findings;
+mod synthetic_noise;
 pub mod trace;
-mod trials;
 pub mod uncertainty;
-pub mod windows;
+mod validity_domain;
 
-pub use area_law_scale::AreaLawScale;
-pub use discrepancies::Discrepancies;
-pub use discrepancy::{Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate, leave_one_out, uncorrected};
-pub use fit::{Fit, FittedPair, Parameter, Prediction, calibrate, planned_steps};
+pub use calibration_task::{
+    CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run,
+};
+pub use discrepancy::{
+    Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate_discrepancy, leave_one_out, uncorrected,
+};
+pub use discrepancy_by_humidity::DiscrepancyByHumidity;
+pub use fit::{Fit, FittedPair, Parameter, Prediction, fit_coefficients, planned_steps};
+pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak};
 pub use flat_friction_law::flat_friction_law;
-pub use marginal::{FlatLoad, marginal_relative_std};
-pub use noise::Noise;
+pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use patterned_samples::{PatternedSamples, RatioAtCondition};
-pub use problem::{Coefficients, FitError, Measurement, Problem, StaticPeak};
+pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
-pub use surface::{AreaLawOrigin, SurfaceFindings};
-pub use task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run};
-pub use trials::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};
+pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
+pub use synthetic_noise::Noise;
+pub use validity_domain::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

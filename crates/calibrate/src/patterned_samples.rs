@@ -7,11 +7,11 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, RunOptions, Scene, Status, simulate};
 
 use crate::area_law::area_law;
-use crate::flat::Portion;
+use crate::flat_sample::Portion;
 use crate::select_measurements::FEWEST_AT_HUMIDITY;
 use crate::{
-    CalibrationError, CalibrationTask, Discrepancies, Discrepancy, Measurement, RatioInterval, RatioPoint, estimate,
-    leave_one_out,
+    CalibrationError, CalibrationTask, Discrepancy, DiscrepancyByHumidity, Measurement, RatioInterval, RatioPoint,
+    estimate_discrepancy, leave_one_out,
 };
 
 /// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.
@@ -40,7 +40,7 @@ pub struct PatternedSamples {
     /// Standard deviation of Young's modulus over itself; 0 where it is not known.
     pub modulus_relative_std: f64,
     /// The discrepancy over all conditions and at humidities.
-    pub discrepancies: Discrepancies,
+    pub discrepancies: DiscrepancyByHumidity,
 }
 
 impl PatternedSamples {
@@ -76,7 +76,7 @@ pub fn compare(
         return Ok(None);
     }
     let modulus_relative_std = task.modulus_relative_std().unwrap_or(0.0);
-    let all = estimate(&points, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
+    let all = estimate_discrepancy(&points, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
     let left_out = leave_one_out(&points, form, modulus_relative_std);
     let mut rows: Vec<RatioAtCondition> = flat
         .into_iter()
@@ -93,14 +93,15 @@ pub fn compare(
         let members: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].flat.humidity == humidity).collect();
         let own: Vec<RatioPoint> = members.iter().map(|&i| points[i]).collect();
         if own.len() >= FEWEST_AT_HUMIDITY {
-            let found = estimate(&own, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
+            let found =
+                estimate_discrepancy(&own, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
             by_humidity.push((humidity, found));
             for (&i, found) in members.iter().zip(leave_one_out(&own, form, modulus_relative_std)) {
                 rows[i].left_out_at_humidity = found;
             }
         }
     }
-    let discrepancies = Discrepancies { all, by_humidity };
+    let discrepancies = DiscrepancyByHumidity { all, by_humidity };
     Ok(Some(PatternedSamples { rows, pattern, modulus_relative_std, discrepancies }))
 }
 

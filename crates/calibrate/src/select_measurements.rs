@@ -14,7 +14,7 @@ pub(crate) const FEWEST_AT_HUMIDITY: usize = 3;
 pub struct Selection {
     /// Speeds and humidities; where there are none, all measurements are taken.
     pub conditions: Vec<Condition>,
-    /// Nominal pressures, in pascals.
+    /// Nominal pressures, in pascals; where there are conditions, only measurements at or about these pressures are taken.
     pub pressures_pa: Vec<f64>,
 }
 

@@ -1,6 +1,8 @@
 //! The error beside every number of a solved scene.
 
-use slipgrid_calibrate::uncertainty::{Deviations, DiscrepancyAt, Drawn, Knowledge, Slopes, drawn};
+use slipgrid_calibrate::uncertainty::{
+    Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
+};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_results::errors::{
     BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AND_DRAWS,
@@ -23,7 +25,7 @@ pub struct Solved<'a> {
     /// What came of it.
     pub simulation: &'a Simulation,
     /// How well its material is known at its loads; with a discrepancy, ratio and friction are corrected by it.
-    pub knowledge: &'a Knowledge,
+    pub knowledge: &'a InputUncertainty,
     /// How its ratios follow that.
     pub slopes: &'a Slopes,
 }
@@ -89,10 +91,14 @@ impl Solved<'_> {
     }
 
     /// What one draw of local coefficients leaves open; nothing of a cell at the mean coefficients.
-    fn drawn(&self, place: usize, load: &LoadOutcome) -> Drawn {
+    fn drawn(&self, place: usize, load: &LoadOutcome) -> SamplingScatter {
         let run = &self.scene.run;
         let is_drawn = run.fidelity != Fidelity::Steady || run.extent == Extent::Sample;
-        if is_drawn { drawn(load, self.scene.loads[place].friction.relative_std()) } else { Drawn::default() }
+        if is_drawn {
+            sampling_scatter(load, self.scene.loads[place].friction.relative_std())
+        } else {
+            SamplingScatter::default()
+        }
     }
 
     /// Parts of a run: how long it lasted, and what it drew.
@@ -145,7 +151,7 @@ pub fn of_scene(
     condition: Option<&Condition>,
     simulation: &Simulation,
 ) -> Result<(ErrorsReport, Option<CorrectedReport>), MaterialError> {
-    let knowledge = uncertainty.knowledge(scene.area_law.as_ref(), &scene.loads, condition)?;
+    let knowledge = uncertainty.at_loads(scene.area_law.as_ref(), &scene.loads, condition)?;
     let slopes = Slopes::new(scene, &knowledge);
     let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
     let rows = solved.errors();
@@ -155,7 +161,7 @@ pub fn of_scene(
         return Ok((errors, None));
     };
     let factors = DiscrepancyAt::each(&found, &scene.loads);
-    let aimed = Knowledge { discrepancy: Some(factors.clone()), ..knowledge.clone() };
+    let aimed = InputUncertainty { discrepancy: Some(factors.clone()), ..knowledge.clone() };
     let corrected = Solved { knowledge: &aimed, ..solved }.errors();
     let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();
     let planform = pattern.planform().name();

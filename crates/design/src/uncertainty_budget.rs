@@ -1,6 +1,6 @@
 //! The error beside every number of a design.
 
-use slipgrid_calibrate::uncertainty::{DiscrepancyAt, Knowledge, Slopes};
+use slipgrid_calibrate::uncertainty::{DiscrepancyAt, InputUncertainty, Slopes};
 use slipgrid_material::Condition;
 use slipgrid_optimize::Quantity;
 use slipgrid_springblock::{Scene, Simulation};
@@ -33,12 +33,12 @@ pub fn of_design(
     confirmed: &Simulation,
     predicted: &[f64],
 ) -> Result<DesignErrors, DesignError> {
-    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
+    let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &known);
     let found = material.discrepancy_at(design.humidity());
     let discrepancy = found.map(|found| DiscrepancyAt::each(&found, &scene.loads));
     let factor = |place: usize| discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
-    let rows = |knowledge: &Knowledge| {
+    let rows = |knowledge: &InputUncertainty| {
         let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
         let mut rows = solved.errors();
         for (place, (row, value)) in rows.iter_mut().zip(predicted).enumerate() {
@@ -53,7 +53,7 @@ pub fn of_design(
         rows
     };
     let physics = rows(&known);
-    let aimed = Knowledge { discrepancy: discrepancy.clone(), ..known.clone() };
+    let aimed = InputUncertainty { discrepancy: discrepancy.clone(), ..known.clone() };
     let corrected = discrepancy.is_some().then(|| rows(&aimed));
     let solved = Solved { scene, simulation: confirmed, knowledge: &known, slopes: &slopes };
     let compared = corrected.as_ref().filter(|_| design.discrepancy).unwrap_or(&physics).clone();
@@ -70,11 +70,11 @@ pub(super) fn knowledge(
     material: &MaterialUncertainty,
     scene: &Scene,
     condition: Option<&Condition>,
-) -> Result<Knowledge, DesignError> {
-    let known = material.knowledge(scene.area_law.as_ref(), &scene.loads, condition)?;
+) -> Result<InputUncertainty, DesignError> {
+    let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, condition)?;
     let humidity = condition.map(|condition| condition.humidity);
     let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
-    Ok(Knowledge { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
+    Ok(InputUncertainty { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
 }
 
 /// Standard deviations at one pressure of a further condition; absent where nothing is known.

@@ -1,6 +1,6 @@
 //! The scene of a design: design.toml, which `simulate` takes.
 
-use slipgrid_calibrate::uncertainty::Knowledge;
+use slipgrid_calibrate::uncertainty::InputUncertainty;
 use slipgrid_material::{Condition, LocalFriction, Material, MaterialError};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
@@ -58,7 +58,7 @@ impl DesignScene<'_> {
     /// [`UnwritableScene`] if the values have no TOML form.
     pub fn to_toml(&self) -> Result<String, UnwritableScene> {
         let micrometres = |length_m| number(LENGTH_UM.from_si(length_m));
-        let knowledge = self.uncertainty.knowledge(self.material.area_law.as_ref(), self.loads, self.condition)?;
+        let knowledge = self.uncertainty.at_loads(self.material.area_law.as_ref(), self.loads, self.condition)?;
         let file = SceneFile {
             name: Some(self.name.to_owned()),
             condition: None,
@@ -92,7 +92,7 @@ impl DesignScene<'_> {
         Ok(format!("# Scene of the confirming run, by slipgrid {VERSION}: slipgrid simulate design.toml\n{body}"))
     }
 
-    fn material(&self, knowledge: &Knowledge) -> MaterialFile {
+    fn material(&self, knowledge: &InputUncertainty) -> MaterialFile {
         let youngs_modulus_gpa = MODULUS_GPA.from_si(self.material.elastic.youngs_modulus_pa());
         let provenance = &self.material.provenance;
         let named = |text: &str| (!text.is_empty()).then(|| text.to_owned());
@@ -141,7 +141,7 @@ impl DesignScene<'_> {
     }
 
     /// One pair where all loads share it, otherwise one per pressure, with their standard errors.
-    fn friction(&self, knowledge: &Knowledge) -> FrictionFile {
+    fn friction(&self, knowledge: &InputUncertainty) -> FrictionFile {
         let mut order: Vec<usize> = (0..self.loads.len()).collect();
         order.sort_by(|&a, &b| self.loads[a].pressure_pa.total_cmp(&self.loads[b].pressure_pa));
         let loads: Vec<&Load> = order.iter().map(|&place| &self.loads[place]).collect();

@@ -1,7 +1,7 @@
 //! The table `[discrepancy]` of a material file: the model's error on patterned samples.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::{Discrepancies, Discrepancy, Trial, TrialDomain};
+use slipgrid_calibrate::{Discrepancy, DiscrepancyByHumidity, Trial, TrialDomain};
 use slipgrid_pattern::Planform;
 use toml::Spanned;
 
@@ -148,7 +148,7 @@ pub fn read_trials(document: &Document, file: &DiscrepancyFile) -> Result<Option
 pub fn read_discrepancies(
     document: &Document,
     file: &toml::Spanned<DiscrepancyFile>,
-) -> Result<Discrepancies, Diagnostic> {
+) -> Result<DiscrepancyByHumidity, Diagnostic> {
     let table = file.get_ref();
     let read = |estimate: &EstimateFile| {
         estimate.read().ok_or_else(|| {
@@ -158,7 +158,7 @@ pub fn read_discrepancies(
         })
     };
     let own = |own: &HumidityFile| Ok((document.number(&own.humidity_pct, HUMIDITY_PCT)?, read(&own.estimate)?));
-    Ok(Discrepancies {
+    Ok(DiscrepancyByHumidity {
         all: read(&table.all)?,
         by_humidity: table.humidity.iter().map(own).collect::<Result<_, Diagnostic>>()?,
     })

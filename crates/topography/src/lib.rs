@@ -10,6 +10,8 @@
 //! |---|---|
 //! | [`HeightMap`] | a valid map in metres: parameters, form removal, filling of missing points, writing |
 //! | [`read_map`], [`ReadOptions`] | a map from what instruments write ([`MapFormat`]), whole, cropped or decimated |
+//! | [`PreparedMap`], [`Preparation`] | a map made ready for computation: filled, without spikes and form, as one period |
+//! | [`periodic_component`], [`side_step_ratio`] | a period of a map that is none, and how far it is from one |
 //! | [`Form`], [`Filling`], [`Plane`] | what form removal, filling and levelling do |
 //! | [`MapWarning`], [`limits`], [`Spikes`] | what makes a map doubtful, within which limits, and single points gone wrong |
 //! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; [`HeightMap::sdq`] and [`HeightMap::sdr`] |

@@ -1,5 +1,5 @@
 use super::*;
-use crate::noise::Noise;
+use crate::synthetic_noise::Noise;
 use crate::{AreaLawScale, Measurement, StaticPeak};
 use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_springblock::Layer;
@@ -38,7 +38,7 @@ fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: b
         }
     }
     let pairs = vec![pair; problem.measurements.len()];
-    let found = flat::dynamic(problem, &pairs, &Unwatched).unwrap();
+    let found = flat_sample::dynamic(problem, &pairs, &Unwatched).unwrap();
     for (measured, found) in problem.measurements.iter_mut().zip(&found) {
         measured.mu_dynamic = found.mu_dynamic;
         measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: found.mu_static.unwrap(), ..peak });
@@ -68,7 +68,7 @@ fn coefficients_behind_the_models_own_data_are_recovered() {
     for coefficients in [Coefficients::Single, Coefficients::PerCondition] {
         let mut problem = problem(coefficients);
         measured_by_the_model(&mut problem, 0.25, false);
-        let fit = calibrate(&problem, &Unwatched).unwrap();
+        let fit = fit_coefficients(&problem, &Unwatched).unwrap();
         assert_eq!(fit.pairs.len(), if coefficients == Coefficients::Single { 1 } else { 3 });
         for pair in &fit.pairs {
             // A short specimen gives delta to about 1e-3.
@@ -84,7 +84,7 @@ fn coefficients_behind_the_models_own_data_are_recovered() {
 fn standard_errors_follow_from_the_measured_ones() {
     let mut problem = problem(Coefficients::PerCondition);
     measured_by_the_model(&mut problem, 0.25, false);
-    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     for (pair, measured) in fit.pairs.iter().zip(&problem.measurements) {
         // mu is nearly proportional to mu_d: equal relative errors.
         let relative =
@@ -99,7 +99,7 @@ fn a_measured_static_peak_determines_the_static_coefficient() {
     let mut problem = problem(Coefficients::Single);
     measured_by_the_model(&mut problem, 0.25, true);
     problem.static_over_dynamic = 2.0; // not used: every measurement has its peak
-    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     let pair = fit.pairs[0];
     // The peak follows mu_s with a slope well below one: its error is larger than the peak's own.
     let error = pair.static_std_error.unwrap();
@@ -115,7 +115,7 @@ fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
     for (measured, factor) in problem.measurements.iter_mut().zip([0.9, 1.0, 1.1]) {
         measured.mu_dynamic *= factor;
     }
-    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     assert!(fit.chi_square > 50.0 && fit.degrees_of_freedom == 2);
     assert!(fit.notes.iter().any(|note| note.contains("one pair of coefficients does not describe")));
 }
@@ -124,7 +124,7 @@ fn loads_that_one_pair_cannot_describe_show_in_chi_square() {
 fn measurements_without_meaning_are_refused() {
     let mut problem = problem(Coefficients::Single);
     problem.measurements[1].mu_dynamic_std = 0.0;
-    let refused = calibrate(&problem, &Unwatched).unwrap_err().to_string();
+    let refused = fit_coefficients(&problem, &Unwatched).unwrap_err().to_string();
     assert!(refused.contains("measurement 2") && refused.contains("mu_dynamic_std"), "{refused}");
 }
 
@@ -174,7 +174,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let clean: Vec<f64> = {
         let exact = Problem { area_law: problem.law_at(scale_pa).unwrap(), ..problem.clone() };
         let pairs = vec![LocalFriction::new(0.275, truth, 0.05).unwrap(); count];
-        flat::steady(&exact, &pairs).unwrap().iter().map(|mu| 1.015 * mu).collect()
+        flat_sample::steady(&exact, &pairs).unwrap().iter().map(|mu| 1.015 * mu).collect()
     };
     let settings = problem.clone();
     let emulator = Emulator::new(&settings, &means).unwrap();
@@ -188,7 +188,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
         }
         let model = Model { problem: &problem, layout: &layout, corrections: &corrections, emulator: &emulator };
         let solution = model.fit(&[0.2, 0.2, (2e6_f64).ln()], true).unwrap();
-        let parameters = profile::parameters(&model, &solution).unwrap();
+        let parameters = profile_likelihood::parameters(&model, &solution).unwrap();
         chi_square += solution.chi_square();
         for ((covered, parameter), truth) in covered.iter_mut().zip(&parameters).zip([truth, 0.275, scale_pa]) {
             let [from, to] = parameter.interval;
@@ -214,7 +214,7 @@ fn the_emulator_is_the_steady_sample() {
     for (mean, scale_pa) in [(0.25, 6e6), (0.22, 1.3e6), (0.3, 20e6)] {
         let law = problem.law_at(scale_pa).unwrap();
         let exact = Problem { area_law: law.clone(), ..problem.clone() };
-        let solved = flat::steady(&exact, &vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6]).unwrap();
+        let solved = flat_sample::steady(&exact, &vec![LocalFriction::new(0.3, mean, 0.05).unwrap(); 6]).unwrap();
         for (i, mu) in solved.iter().enumerate() {
             let emulated = emulator.steady(i, mean, law.as_ref(), scale_pa.ln());
             // A tenth of the best measured standard deviation, in a specimen whose ends are a tenth of it.
@@ -231,16 +231,16 @@ fn a_law_that_the_loads_do_not_show_is_left_open_and_said() {
     for measured in &mut problem.measurements {
         measured.static_peak = None;
     }
-    let fit = calibrate(&problem, &Unwatched).unwrap();
+    let fit = fit_coefficients(&problem, &Unwatched).unwrap();
     let scale = fit.parameters.last().unwrap();
     assert_eq!(scale.name, "area_law_scale_pa");
     assert!(scale.interval.contains(&None), "{scale:?}");
     assert!(fit.notes.iter().any(|note| note.contains("area law: not determined by the data")), "{:?}", fit.notes);
     // A pair a load, or one load, cannot tell a law at all.
     let each = Problem { coefficients: Coefficients::PerCondition, ..problem.clone() };
-    assert!(matches!(calibrate(&each, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
+    assert!(matches!(fit_coefficients(&each, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
     problem.measurements.truncate(1);
-    assert!(matches!(calibrate(&problem, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
+    assert!(matches!(fit_coefficients(&problem, &Unwatched), Err(FitError::AreaLawNotIdentifiable { .. })));
 }
 
 fn with_peak(mu: f64, std: f64) -> Problem {
@@ -252,12 +252,12 @@ fn with_peak(mu: f64, std: f64) -> Problem {
 #[test]
 fn a_peak_that_does_not_stand_out_is_left_out_by_name() {
     for (mu, std) in [(0.19, 0.001), (0.2008, 0.002)] {
-        let fit = calibrate(&with_peak(mu, std), &Unwatched).unwrap();
+        let fit = fit_coefficients(&with_peak(mu, std), &Unwatched).unwrap();
         assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none()), "{:?}", fit.pairs);
         assert!(fit.notes.iter().any(|note| note.starts_with("static_mean of measurement 2: not determined")));
     }
     // A peak that stands out, and to which mu_s hardly matters: whatever is found has a finite error or none.
-    let fit = calibrate(&with_peak(0.2011, 1e-5), &Unwatched);
+    let fit = fit_coefficients(&with_peak(0.2011, 1e-5), &Unwatched);
     let fit = fit.unwrap_or_else(|error| panic!("{error}"));
     assert!(fit.pairs.iter().all(|pair| pair.static_std_error.is_none_or(f64::is_finite)), "{:?}", fit.pairs);
 }
@@ -273,7 +273,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     let refused = |spoil: &dyn Fn(&mut Problem)| {
         let mut problem = problem(Coefficients::PerCondition);
         spoil(&mut problem);
-        calibrate(&problem, &Idle).unwrap_err()
+        fit_coefficients(&problem, &Idle).unwrap_err()
     };
     let peak = refused(&|p| p.measurements[2].static_peak = Some(StaticPeak { mu: 1.5, std: 0.01 }));
     assert!(matches!(peak, FitError::PeakTooHigh { number: 3, .. }), "{peak}");
@@ -297,11 +297,11 @@ fn friction_at_which_the_model_does_not_slide_steadily_is_refused_by_name() {
     let mut problem = problem(Coefficients::Single);
     problem.area_law = None;
     problem.measurements.iter_mut().for_each(|measured| measured.mu_dynamic = 4.0);
-    let refused = calibrate(&problem, &Unwatched).unwrap_err();
+    let refused = fit_coefficients(&problem, &Unwatched).unwrap_err();
     assert!(matches!(refused, FitError::NoSliding { number: 1, .. }), "{refused}");
-    let refused = before::check_deltas(&[1.01, 0.46]).unwrap_err();
+    let refused = feasibility::check_deltas(&[1.01, 0.46]).unwrap_err();
     assert!(matches!(refused, FitError::NotQuasiStatic { number: 2, .. }), "{refused}");
-    assert!(before::check_deltas(&[0.98, 1.015]).is_ok() && before::check_deltas(&[f64::NAN]).is_err());
+    assert!(feasibility::check_deltas(&[0.98, 1.015]).is_ok() && feasibility::check_deltas(&[f64::NAN]).is_err());
 }
 
 #[test]
@@ -314,7 +314,7 @@ fn a_heavy_load_is_given_the_travel_that_its_onset_takes() {
     problem.measurements[0].mu_dynamic = 0.25;
     problem.measurements[0].static_peak = Some(StaticPeak { mu: 0.26, std: 0.002 });
     let pairs = vec![LocalFriction::new(0.3, 0.25, 0.05).unwrap()];
-    let found = flat::dynamic(&problem, &pairs, &Unwatched).unwrap();
+    let found = flat_sample::dynamic(&problem, &pairs, &Unwatched).unwrap();
     assert!(found[0].mu_static.unwrap() > found[0].mu_dynamic, "{found:?}");
 }
 
@@ -323,7 +323,7 @@ fn planned_steps_are_those_that_a_run_takes() {
     use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, simulate};
     let problem = problem(Coefficients::Single);
     let pair = LocalFriction::new(0.22, 0.2, 0.05).unwrap();
-    let planned = flat::planned_steps(&problem, &vec![pair; 3]);
+    let planned = flat_sample::planned_steps(&problem, &vec![pair; 3]);
     let scene = Scene {
         elastic: problem.elastic,
         area_law: None,

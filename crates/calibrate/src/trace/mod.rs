@@ -7,21 +7,21 @@
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
 //! | [`average`], [`Repeats`] | repeats of one condition |
 
-mod faults;
-mod peak;
+mod averaging_window;
 mod repeats;
-mod series;
+mod static_peak;
 mod stick_slip;
-mod window;
+mod time_series;
+mod trace_errors;
 
-pub use faults::{TraceError, TraceFlag};
-pub use peak::{RunIn, TracePeak};
+pub use averaging_window::WindowMean;
 pub use repeats::{MeanStd, Repeats, average};
+pub use static_peak::{RunIn, TracePeak};
 pub use stick_slip::StickSlip;
-pub use window::WindowMean;
+pub use trace_errors::{TraceError, TraceFlag};
 
-use peak::{BeforeWindow, before_window};
-use series::median;
+use static_peak::{BeforeWindow, before_window};
+use time_series::median;
 
 /// Samples in the window below which no mean is taken: two in each batch of its error.
 const FEWEST_SAMPLES: usize = 20;
@@ -155,7 +155,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         flags.push(TraceFlag::FrictionTurned);
     }
 
-    let window = window::window_mean(&time_s, &mu, options.window_s);
+    let window = averaging_window::window_mean(&time_s, &mu, options.window_s);
     if window.mu.abs() < NO_FRICTION {
         return Err(TraceError::NoFriction { mu: window.mu });
     }

@@ -1,6 +1,6 @@
 //! Stick-slip: friction rises slowly while the sample sticks and falls fast when it slips.
 
-use super::series::{median, median_of_three, sample_noise};
+use super::time_series::{median, median_of_three, sample_noise};
 
 /// A reversal counts from this multiple of the sample noise on. The range of three thousand samples of
 /// white noise is seven.
@@ -103,7 +103,7 @@ fn reversals(values: &[f64], threshold: f64) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::synthetic_noise::Noise;
 
     fn sampled(shape: impl Fn(f64) -> f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut deviates = Noise::new(7);

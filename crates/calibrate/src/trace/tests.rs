@@ -1,5 +1,5 @@
 use super::*;
-use crate::noise::Noise;
+use crate::synthetic_noise::Noise;
 
 const RADIUS_M: f64 = 0.0381;
 

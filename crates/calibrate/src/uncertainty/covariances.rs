@@ -50,7 +50,7 @@ pub fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Covariance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DiscrepancyForm, RatioPoint, estimate};
+    use crate::{DiscrepancyForm, RatioPoint, estimate_discrepancy};
     use slipgrid_material::LocalFriction;
 
     fn loads(pressures_mpa: &[f64]) -> Vec<Load> {
@@ -98,7 +98,7 @@ mod tests {
             })
             .collect();
         for form in [DiscrepancyForm::Constant, DiscrepancyForm::Linear] {
-            let found = estimate(&points, form, 0.0).unwrap();
+            let found = estimate_discrepancy(&points, form, 0.0).unwrap();
             assert!(found.scatter > 0.0);
             let loads = loads(&[0.6, 1.5, 2.9]);
             let covariance = log_covariance(&found, &loads);

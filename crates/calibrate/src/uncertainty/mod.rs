@@ -3,7 +3,7 @@
 //! | type | role |
 //! |---|---|
 //! | [`MaterialUncertainty`] | how well the numbers of a material are known |
-//! | [`Knowledge`] | how well a material is known at the loads of a scene |
+//! | [`InputUncertainty`] | how well a material is known at the loads of a scene |
 //! | [`Slopes`] | how the ratio follows each number that is not known exactly |
 //! | [`Deviations`] | standard deviations of ratio, friction and flat friction at one load, with their parts |
 //!
@@ -11,14 +11,14 @@
 //! local coefficient mu_d follows and mu_flat stays. What is left of a ratio's error is what the cavities' edges make of it.
 
 mod covariances;
-mod draws;
-mod first_order;
-mod material;
+mod first_order_propagation;
+mod material_uncertainty;
+mod sampling_scatter;
 
 pub use covariances::{Covariance, log_covariance, with_scale};
-pub use draws::{Drawn, drawn};
-pub use first_order::{Deviation, Deviations, Slopes, moved};
-pub use material::{CoefficientEstimate, MaterialUncertainty};
+pub use first_order_propagation::{Deviation, Deviations, Slopes, moved};
+pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
+pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 
 use slipgrid_springblock::Load;
 
@@ -26,7 +26,7 @@ use crate::Discrepancy;
 
 /// How well a material is known at the loads of a scene; the area law carries its own errors.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Knowledge {
+pub struct InputUncertainty {
     /// Variance of the relative error of flat dynamic friction, one per load; `None` where it is not known.
     pub flat_friction: Option<Vec<f64>>,
     /// The same of the static coefficient.

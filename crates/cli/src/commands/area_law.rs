@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use slipgrid_calibrate::area_law::{
     AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, area_law, persson_curve, surface_area_law,
 };
-use slipgrid_calibrate::windows::{
+use slipgrid_calibrate::map_windows::{
     DEFAULT_WINDOWS, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
 };
 use slipgrid_contact::AreaPoint;

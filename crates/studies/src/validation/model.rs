@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{Deviations, Knowledge, ScaleError, Slopes};
+use slipgrid_calibrate::uncertainty::{Deviations, InputUncertainty, ScaleError, Slopes};
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
@@ -38,12 +38,12 @@ pub struct Body {
 }
 
 /// What is known of the material at `points` under `law`.
-pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> Knowledge {
+pub fn knowledge(modulus_relative_std: Option<f64>, law: Option<&AreaLaw>, points: &[FlatPoint]) -> InputUncertainty {
     let std = modulus_relative_std.filter(|std| law.is_some() && *std > 0.0);
-    Knowledge {
+    InputUncertainty {
         flat_friction: Some(points.iter().map(|point| (point.mu_flat_std / point.mu_flat).powi(2)).collect()),
         scale: std.map(|std| ScaleError::of_modulus(std, points.len())),
-        ..Knowledge::default()
+        ..InputUncertainty::default()
     }
 }
 

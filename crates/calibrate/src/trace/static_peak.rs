@@ -5,7 +5,7 @@
 //! 84, 2161). Run-in falls as well, but over millimetres to metres of sliding. The two are told apart by what friction
 //! loses within [`ONSET_SLIP_M`] behind its highest value, against what it loses within the same slip after that.
 
-use super::series::{median, median_of_three, sample_noise};
+use super::time_series::{median, median_of_three, sample_noise};
 
 /// The peak stands out by this multiple of the noise, or it is none.
 const STANDS_OUT: f64 = 5.0;
@@ -115,7 +115,7 @@ pub fn before_window(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::noise::Noise;
+    use crate::synthetic_noise::Noise;
 
     fn trace(peak: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut deviates = Noise::new(11);

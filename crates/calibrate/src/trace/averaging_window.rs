@@ -1,6 +1,6 @@
 //! Mean, error and drift over the averaging window.
 
-use super::series::mean_between;
+use super::time_series::mean_between;
 
 /// Batches into which the window is cut. More would be shorter than what friction remembers, fewer
 /// would leave the error itself uncertain.
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_standard_error_of_white_noise_is_its_deviation_over_the_root_of_the_samples() {
-        let mut noise = crate::noise::Noise::new(5);
+        let mut noise = crate::synthetic_noise::Noise::new(5);
         let time: Vec<f64> = (0..=4000).map(|i| f64::from(i) * 0.01).collect();
         let runs = 200;
         let (mut squares, mut stated) = (0.0, 0.0);

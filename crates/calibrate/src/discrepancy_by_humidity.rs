@@ -4,14 +4,14 @@ use crate::Discrepancy;
 
 /// The discrepancy over all conditions, and at humidities that have one of their own.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Discrepancies {
+pub struct DiscrepancyByHumidity {
     /// Over all measured conditions.
     pub all: Discrepancy,
     /// At humidities, from 0 to 1, with enough measurements of their own.
     pub by_humidity: Vec<(f64, Discrepancy)>,
 }
 
-impl Discrepancies {
+impl DiscrepancyByHumidity {
     /// The discrepancy for a humidity, from 0 to 1: its own where one was estimated, between two that have one what lies
     /// between theirs, that of all conditions otherwise.
     #[must_use]
@@ -51,8 +51,10 @@ mod tests {
             chi_square: 4.0,
             degrees_of_freedom: 4,
         };
-        let found =
-            Discrepancies { all: of(-0.5), by_humidity: vec![(0.80, of(-0.4)), (0.15, of(-0.2)), (0.40, of(-0.1))] };
+        let found = DiscrepancyByHumidity {
+            all: of(-0.5),
+            by_humidity: vec![(0.80, of(-0.4)), (0.15, of(-0.2)), (0.40, of(-0.1))],
+        };
         let coefficient = |humidity: Option<f64>| found.at(humidity).coefficients[0];
         assert_eq!(
             [None, Some(0.15), Some(0.4), Some(0.1), Some(0.9)].map(coefficient),

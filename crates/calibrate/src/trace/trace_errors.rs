@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::peak::RunIn;
+use super::static_peak::RunIn;
 
 /// Why nothing can be read from a trace. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

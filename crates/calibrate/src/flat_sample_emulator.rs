@@ -2,7 +2,7 @@
 
 use slipgrid_material::{AreaLaw, LocalFriction};
 
-use crate::{FitError, Problem, flat};
+use crate::{FitError, Problem, flat_sample};
 
 /// Coefficients at which the sample is solved, relative to the present ones.
 const NODES: [f64; 3] = [0.8, 1.0, 1.25];
@@ -36,7 +36,7 @@ impl<'a> Emulator<'a> {
                     .iter()
                     .map(|mean| LocalFriction::new(mean * factor, mean * factor, problem.relative_std))
                     .collect::<Result<_, _>>()?;
-                let solved = flat::steady(&Problem { area_law: law.clone(), ..problem.clone() }, &pairs)?;
+                let solved = flat_sample::steady(&Problem { area_law: law.clone(), ..problem.clone() }, &pairs)?;
                 for (i, mu) in solved.iter().enumerate() {
                     rows[i][node] = mu / (dynamic_means[i] * factor * factor_at(law.as_ref(), problem, i));
                 }

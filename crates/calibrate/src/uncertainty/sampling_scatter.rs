@@ -4,7 +4,7 @@ use slipgrid_springblock::{LoadOutcome, SurfaceOutcome};
 
 /// Standard deviations over the values themselves among runs with other draws; `None` where a run has no friction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Drawn {
+pub struct SamplingScatter {
     /// Of the ratio.
     pub ratio: Option<f64>,
     /// Of friction, dynamic or static: each block's share of it follows one deviate of its own.
@@ -22,11 +22,11 @@ pub struct Drawn {
 ///
 /// F friction of a block, g its deviate, n the blocks of the flat surface, which has the same deviates.
 #[must_use]
-pub fn drawn(load: &LoadOutcome, scatter: f64) -> Drawn {
+pub fn sampling_scatter(load: &LoadOutcome, scatter: f64) -> SamplingScatter {
     let own = concentration(&load.surface);
     let flat = load.flat.as_ref().and_then(concentration_of_flat);
     let std = |square: f64| scatter * square.max(0.0).sqrt();
-    Drawn { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
+    SamplingScatter { ratio: own.zip(flat).map(|(own, flat)| std(own - flat)), mu: own.map(std), flat: flat.map(std) }
 }
 
 /// sum w_i^2: one over the number of blocks that carry friction, were it shared alike.
@@ -73,7 +73,7 @@ mod tests {
         let found: Vec<LoadOutcome> =
             (0..SEEDS).map(|seed| simulate(&scene(run(seed)), &Unwatched).unwrap().loads.remove(0)).collect();
         let column = |value: fn(&LoadOutcome) -> f64| spread(&found.iter().map(value).collect::<Vec<_>>());
-        let expected = drawn(&found[0], 0.05);
+        let expected = sampling_scatter(&found[0], 0.05);
         let cases = [
             (expected.ratio, column(|load| load.ratio.unwrap())),
             (expected.mu, column(|load| load.surface.mu_dynamic.unwrap())),
@@ -103,7 +103,7 @@ mod tests {
         };
         let found: Vec<LoadOutcome> = (0..SEEDS).map(of).collect();
         let peaks: Vec<f64> = found.iter().map(|load| load.surface.mu_static.unwrap()).collect();
-        let share = spread(&peaks) / drawn(&found[0], 0.05).mu.unwrap();
+        let share = spread(&peaks) / sampling_scatter(&found[0], 0.05).mu.unwrap();
         // Of 40 values it is known to 11 %.
         assert!((0.5..1.3).contains(&share), "{share}");
     }
@@ -113,6 +113,6 @@ mod tests {
         let mut scene = scene(RunOptions::default());
         scene.loads[0].pressure_pa = 0.0;
         let load = simulate(&scene, &Unwatched).unwrap().loads.remove(0);
-        assert_eq!(drawn(&load, 0.05).mu, None);
+        assert_eq!(sampling_scatter(&load, 0.05).mu, None);
     }
 }

@@ -10,10 +10,11 @@ use slipgrid_topography::PreparedMap;
 use crate::area_law::AreaLawError;
 use crate::patterned_samples::{PatternedSamples, compare};
 use crate::select_measurements::Selection;
-use crate::surface::{SurfaceFindings, surface_findings};
+use crate::surface_findings::{SurfaceFindings, surface_findings};
 use crate::uncertainty::MaterialUncertainty;
 use crate::{
-    Coefficients, DiscrepancyForm, Fit, FitError, Measurement, Problem, calibrate, fitted_material, planned_steps,
+    Coefficients, DiscrepancyForm, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material,
+    planned_steps,
 };
 
 /// Measurements, the surface they were made on, and what is to be made of them.
@@ -242,7 +243,7 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
         monitor.note(&text);
     }
     let stage = Stage::new(monitor, "calibration", None);
-    let fit = calibrate(&problem, &stage);
+    let fit = fit_coefficients(&problem, &stage);
     stage.finish();
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
     surface.take_fitted_scale(&fit)?;

@@ -4,8 +4,8 @@
 use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
 
-use super::{Covariance, Knowledge, ScaleError, with_scale};
-use crate::{Discrepancies, Discrepancy, TrialDomain};
+use super::{Covariance, InputUncertainty, ScaleError, with_scale};
+use crate::{Discrepancy, DiscrepancyByHumidity, TrialDomain};
 
 /// Errors of a material's numbers, as far as its file has them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +27,7 @@ pub struct MaterialUncertainty {
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, at every humidity.
-    pub discrepancies: Option<Discrepancies>,
+    pub discrepancies: Option<DiscrepancyByHumidity>,
     /// The patterned samples behind it, in words.
     pub discrepancy_pattern: Option<String>,
     /// The patterns that it is used for, where the file says what the samples were.
@@ -76,12 +76,12 @@ impl MaterialUncertainty {
     ///
     /// # Errors
     /// [`MaterialError`] where the law cannot be moved by its scale's error.
-    pub fn knowledge(
+    pub fn at_loads(
         &self,
         area_law: Option<&AreaLaw>,
         loads: &[Load],
         condition: Option<&Condition>,
-    ) -> Result<Knowledge, MaterialError> {
+    ) -> Result<InputUncertainty, MaterialError> {
         let pressures_pa: Vec<f64> = loads.iter().map(|load| load.pressure_pa).collect();
         let variance =
             |known: Covariance| known.iter().enumerate().map(|(place, row)| row[place]).collect::<Vec<f64>>();
@@ -96,9 +96,9 @@ impl MaterialUncertainty {
                 with_friction: joint[..count].iter().map(|row| row[count]).collect(),
             };
             let flat_friction = Some((0..count).map(|load| joint[load][load]).collect());
-            return Ok(Knowledge { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
+            return Ok(InputUncertainty { flat_friction, static_friction, scale: Some(scale), discrepancy: None });
         }
-        Ok(Knowledge {
+        Ok(InputUncertainty {
             flat_friction: self.friction_covariance(&pressures_pa, condition).map(variance),
             static_friction,
             scale: self.modulus_std(area_law).map(|std| ScaleError::of_modulus(std, count)),
@@ -116,7 +116,7 @@ impl MaterialUncertainty {
 
     /// What a material with this `area_law` does not say of its own errors, of which `knowledge` is what it says.
     #[must_use]
-    pub fn unknown(&self, knowledge: &Knowledge, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
+    pub fn unknown(&self, knowledge: &InputUncertainty, area_law: Option<&AreaLaw>) -> Vec<&'static str> {
         let mut unknown = Vec::new();
         if knowledge.flat_friction.is_none() {
             unknown.push("flat friction");

@@ -5,7 +5,7 @@ use slipgrid_monitor::Monitor;
 use slipgrid_topography::HeightMap;
 
 use crate::area_law::{AreaLawRequest, area_curve, area_law};
-use crate::flat::Portion;
+use crate::flat_sample::Portion;
 
 /// Windows along either side where nobody asks for another number.
 pub const DEFAULT_WINDOWS: usize = 2;

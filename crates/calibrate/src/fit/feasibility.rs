@@ -3,7 +3,7 @@
 use slipgrid_springblock::MOST_STEPS;
 
 use super::{FRICTION_BOUNDS, Layout, first_guess};
-use crate::{FitError, Problem, flat};
+use crate::{FitError, Problem, flat_sample};
 
 /// Static peak over dynamic friction beyond which the model of the flat sample has none: at 0.64 MPa on the usual layer
 /// it is 1.03 for mu_s / mu_d of 1.2, 1.4 for 2, 1.83 for 3, and falls again beyond.
@@ -91,7 +91,7 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
     }
     let layout = Layout::new(problem);
     let guess = first_guess(problem, &layout);
-    let steps = flat::planned_steps(problem, &layout.pairs(problem, &guess)?);
+    let steps = flat_sample::planned_steps(problem, &layout.pairs(problem, &guess)?);
     if let Some(i) = steps.iter().position(|steps| *steps > MOST_STEPS) {
         let (steps, most) = (steps[i] as f64, MOST_STEPS as f64);
         return Err(FitError::TooManySteps { number: i + 1, steps, most });
@@ -107,7 +107,7 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
 /// where static peaks are fitted.
 ///
 /// # Errors
-/// [`FitError`] as [`calibrate`](super::calibrate), of all that is known before the first run.
+/// [`FitError`] as [`fit_coefficients`](super::calibrate), of all that is known before the first run.
 pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, FitError> {
     problem.validate()?;
     check(&without_hidden_peaks(problem).0)

@@ -41,7 +41,7 @@ fn a_stiffer_surface_is_a_lighter_load() {
     let area_law = law(0.02e6);
     let scene = scene(Planform::Groove, Some(area_law.clone()));
     let std = 0.01;
-    let slopes = Slopes::new(&scene, &Knowledge { scale: modulus(std), ..Knowledge::default() });
+    let slopes = Slopes::new(&scene, &InputUncertainty { scale: modulus(std), ..InputUncertainty::default() });
     const STEP: f64 = 0.01;
     let heavier = |log: f64| {
         let mut moved = scene.clone();
@@ -64,7 +64,8 @@ fn a_stiffer_surface_is_a_lighter_load() {
 #[test]
 fn without_an_area_law_only_flat_friction_moves_friction() {
     let scene = scene(Planform::Groove, None);
-    let knowledge = Knowledge { flat_friction: Some(vec![4e-4; 3]), scale: modulus(0.2), ..Knowledge::default() };
+    let knowledge =
+        InputUncertainty { flat_friction: Some(vec![4e-4; 3]), scale: modulus(0.2), ..InputUncertainty::default() };
     let slopes = Slopes::new(&scene, &knowledge);
     for (load, [ratio, flat]) in solved(&scene).into_iter().enumerate() {
         let found = slopes.deviations(load, ratio, flat, &knowledge).unwrap();
@@ -82,7 +83,7 @@ fn first_order_is_what_samples_scatter() {
     let known = [[4e-4, 9e-4], [9e-4, 4e-3]];
     let joint = with_scale(&known, &area_law, &scene.loads).unwrap();
     let discrepancy = DiscrepancyAt { factor: 0.9, log_variance: 1e-4, modulus_sensitivity: 0.02 };
-    let knowledge = Knowledge {
+    let knowledge = InputUncertainty {
         flat_friction: Some((0..3).map(|load| joint[load][load]).collect()),
         scale: Some(ScaleError {
             is_fitted: true,
@@ -90,7 +91,7 @@ fn first_order_is_what_samples_scatter() {
             with_friction: (0..3).map(|load| joint[load][3]).collect(),
         }),
         discrepancy: Some(vec![discrepancy; 3]),
-        ..Knowledge::default()
+        ..InputUncertainty::default()
     };
     let slopes = Slopes::new(&scene, &knowledge);
     let cell = steady_cell(&scene, &scene.pattern.unwrap());
@@ -145,7 +146,8 @@ fn first_order_is_what_samples_scatter() {
 #[test]
 fn slopes_in_space_do_not_see_the_size_of_blocks() {
     let scene = scene(Planform::Square, Some(law(0.7e6)));
-    let knowledge = Knowledge { flat_friction: Some(vec![1e-4; 3]), scale: modulus(0.1), ..Knowledge::default() };
+    let knowledge =
+        InputUncertainty { flat_friction: Some(vec![1e-4; 3]), scale: modulus(0.1), ..InputUncertainty::default() };
     let coarse = Slopes::new(&scene, &knowledge);
     assert_eq!(steady_cell(&scene, &scene.pattern.unwrap()).layer.block_m, 20e-6);
     // 13 rows have no half.
@@ -162,7 +164,7 @@ fn slopes_in_space_do_not_see_the_size_of_blocks() {
 fn a_neighbour_without_an_answer_leaves_the_error_open() {
     let mut scene = scene(Planform::Groove, Some(law(0.7e6)));
     scene.loads[1].pressure_pa = 0.0;
-    let knowledge = Knowledge { flat_friction: Some(vec![1e-4; 3]), ..Knowledge::default() };
+    let knowledge = InputUncertainty { flat_friction: Some(vec![1e-4; 3]), ..InputUncertainty::default() };
     let slopes = Slopes::new(&scene, &knowledge);
     assert_eq!(slopes.deviations(1, 1.0, 0.3, &knowledge), None);
     assert!(

@@ -6,7 +6,7 @@ use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SteadyCell};
 
-use super::{DiscrepancyAt, Knowledge, Source};
+use super::{DiscrepancyAt, InputUncertainty, Source};
 
 /// Slopes of the steady ratio at one load; zero along what nothing is known of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -72,7 +72,7 @@ pub struct Deviations {
 impl Slopes {
     /// The slopes of `scene` along what `knowledge` has errors of. A flat scene has a ratio of 1 whatever happens.
     #[must_use]
-    pub fn new(scene: &Scene, knowledge: &Knowledge) -> Self {
+    pub fn new(scene: &Scene, knowledge: &InputUncertainty) -> Self {
         let has_law_errors = scene.area_law.as_ref().is_some_and(|law| law.factor_std().is_some());
         let count = scene.loads.len();
         let Some(pattern) = &scene.pattern else {
@@ -120,7 +120,13 @@ impl Slopes {
     /// `mu_flat`; `None` where the slopes are not known. With a discrepancy in `knowledge`, those of ratio and friction
     /// times its factor.
     #[must_use]
-    pub fn deviations(&self, load: usize, ratio: f64, mu_flat: f64, knowledge: &Knowledge) -> Option<Deviations> {
+    pub fn deviations(
+        &self,
+        load: usize,
+        ratio: f64,
+        mu_flat: f64,
+        knowledge: &InputUncertainty,
+    ) -> Option<Deviations> {
         let slope = (*self.by_load.get(load)?)?;
         let known = |of: &Option<Vec<f64>>| of.as_ref().and_then(|all| all.get(load)).copied();
         let friction = known(&knowledge.flat_friction);
