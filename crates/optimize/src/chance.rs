@@ -1,8 +1,8 @@
 //! The chance that what is made of a design is on target, by draws that all designs share.
 
-use crate::normal::Normals;
 use crate::propagation::{Linearization, Probability};
 use crate::uncertainty::Uncertainty;
+use slipgrid_statistics::Normals;
 
 /// Seeded draws of everything that is not known exactly. Designs judged by the same draws are compared without the
 /// scatter of drawing.
@@ -22,7 +22,7 @@ impl CommonDraws {
         let inputs = uncertainty.inputs();
         let mut deviations = Vec::with_capacity(draws * inputs);
         for _ in 0..draws {
-            let z: Vec<f64> = (0..inputs).map(|_| normals.next()).collect();
+            let z: Vec<f64> = (0..inputs).map(|_| normals.draw()).collect();
             deviations.extend(uncertainty.deviations(&z));
         }
         Self { deviations, inputs, draws }

@@ -72,7 +72,6 @@ mod guided;
 mod ledger;
 mod linear_steps;
 mod model;
-mod normal;
 mod outcome;
 mod polish;
 mod propagation;

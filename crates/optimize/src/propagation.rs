@@ -2,11 +2,11 @@
 
 use crate::ModelFailure;
 use crate::model::as_many;
-use crate::normal::Normals;
 use crate::sensitivity::{AXES, lengths_m, with_lengths};
 use crate::uncertainty::Uncertainty;
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
+use slipgrid_statistics::Normals;
 
 /// A model whose parameters can be moved. As with [`ForwardModel`](crate::ForwardModel), designs are evaluated from
 /// several threads at once and equal inputs give equal answers.
@@ -80,7 +80,7 @@ pub fn propagate(
     let mut inputs: Vec<(Pattern, Vec<f64>)> = Vec::with_capacity(draws);
     for _ in 0..draws {
         let drawn = (0..MOST_REDRAWS).find_map(|attempt| {
-            let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.next()).collect();
+            let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.draw()).collect();
             let deviations = uncertainty.deviations(&z);
             let drawn = moved(design, &deviations).ok();
             redrawn += usize::from(drawn.is_none() && attempt + 1 < MOST_REDRAWS);

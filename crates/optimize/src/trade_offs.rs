@@ -308,12 +308,12 @@ mod tests {
 
     #[test]
     fn non_dominated_agrees_with_the_definition_on_random_sets() {
-        let mut normals = crate::normal::Normals::new(11);
+        let mut normals = slipgrid_statistics::Normals::new(11);
         for count in [1, 2, 30, 200] {
             for dimensions in [2, 3] {
                 // Rounded, so that equal goals occur.
                 let points: Vec<Vec<f64>> =
-                    (0..count).map(|_| (0..dimensions).map(|_| (3.0 * normals.next()).round()).collect()).collect();
+                    (0..count).map(|_| (0..dimensions).map(|_| (3.0 * normals.draw()).round()).collect()).collect();
                 let goals: Vec<&[f64]> = points.iter().map(|point| &point[..]).collect();
                 let expected: Vec<usize> =
                     (0..count).filter(|&i| !goals.iter().any(|other| dominates(other, goals[i]))).collect();

@@ -1,8 +1,7 @@
 //! Random local coefficients, the same on every platform.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
 use slipgrid_material::LocalFriction;
+use slipgrid_statistics::Normals;
 
 /// Deviates of one column: mu_s = mean_s (1 + s g1), mu_d = mean_d (1 + s g2).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,30 +20,16 @@ impl Coefficients {
     }
 }
 
-/// A uniform deviate in (0, 1]: 53 random bits.
-fn uniform(generator: &mut ChaCha8Rng) -> f64 {
-    ((generator.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
-}
-
-/// Two independent standard normal deviates by Box and Muller's transform. The elementary functions
-/// come from a portable library, so that platforms agree to the last bit.
-fn normal_pair(generator: &mut ChaCha8Rng) -> (f64, f64) {
-    // r = sqrt(-2 ln u1), (g1, g2) = r (cos, sin)(2 pi u2)
-    let radius = (-2.0 * libm::log(uniform(generator))).sqrt();
-    let angle = std::f64::consts::TAU * uniform(generator);
-    (radius * libm::cos(angle), radius * libm::sin(angle))
-}
-
 /// Coefficients of `count` columns, left to right, cavity or not, so that a flat and a patterned
 /// surface share them. A pair with a coefficient that is not positive is drawn again.
 #[must_use]
 pub fn draw(friction: &LocalFriction, seed: u64, count: usize) -> Vec<Coefficients> {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    let mut normals = Normals::new(seed);
     let std = friction.relative_std();
     (0..count)
         .map(|_| {
             loop {
-                let (g1, g2) = normal_pair(&mut generator);
+                let (g1, g2) = (normals.draw(), normals.draw());
                 let drawn = Coefficients {
                     static_mu: friction.static_mean() * (1.0 + std * g1),
                     dynamic_mu: friction.dynamic_mean() * (1.0 + std * g2),

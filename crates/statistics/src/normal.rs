@@ -4,17 +4,20 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// A seeded stream of independent standard normal deviates, by Box and Muller's transform (Ann. Math. Stat. 29, 610).
-pub(crate) struct Normals {
+pub struct Normals {
     generator: ChaCha8Rng,
     second: Option<f64>,
 }
 
 impl Normals {
-    pub(crate) fn new(seed: u64) -> Self {
+    /// The stream of `seed`.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
         Self { generator: ChaCha8Rng::seed_from_u64(seed), second: None }
     }
 
-    pub(crate) fn next(&mut self) -> f64 {
+    /// The next deviate.
+    pub fn draw(&mut self) -> f64 {
         if let Some(second) = self.second.take() {
             return second;
         }
@@ -39,7 +42,7 @@ mod tests {
     fn moments_are_those_of_the_normal_distribution() {
         let mut normals = Normals::new(3);
         let n = 200_000;
-        let draws: Vec<f64> = (0..n).map(|_| normals.next()).collect();
+        let draws: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
         let moment = |power: i32| draws.iter().map(|x| x.powi(power)).sum::<f64>() / f64::from(n);
         // Standard errors 0.0022, 0.0032, 0.0087, 0.022.
         for (power, expected, error) in [(1, 0.0, 0.0022), (2, 1.0, 0.0032), (3, 0.0, 0.0087), (4, 3.0, 0.022)] {
@@ -48,7 +51,7 @@ mod tests {
         let beyond = draws.iter().filter(|x| x.abs() > 1.959_964).count() as f64 / f64::from(n);
         assert!((beyond - 0.05).abs() < 0.0017, "{beyond}");
         let mut again = Normals::new(3);
-        assert!(draws.iter().take(99).all(|x| *x == again.next()));
-        assert_ne!(Normals::new(4).next(), draws[0]);
+        assert!(draws.iter().take(99).all(|x| *x == again.draw()));
+        assert_ne!(Normals::new(4).draw(), draws[0]);
     }
 }

@@ -1,0 +1,16 @@
+//! Statistics that several crates need: normal deviates, medians, standard deviations and Student's t.
+//!
+//! ```
+//! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};
+//! assert_eq!((median(&mut [4.0, 1.0, 3.0, 2.0]), upper_median(&mut [4.0, 1.0, 3.0, 2.0])), (Some(2.5), Some(3.0)));
+//! assert_eq!(mean_and_std([1.0, 2.0, 3.0]), Some((2.0, Some(1.0))));
+//! assert_eq!(Confidence::PERCENT_95.student_t(2), 4.302_653);
+//! ```
+
+mod normal;
+mod sample;
+mod student;
+
+pub use normal::Normals;
+pub use sample::{mean_and_std, median, upper_median};
+pub use student::Confidence;
