@@ -10,6 +10,7 @@
 //! corrected ratio moves by what is left, (g - g of the fit) dE/E: most of it cancels.
 
 use nalgebra::{DMatrix, DVector};
+use slipgrid_statistics::Confidence;
 
 use crate::FitError;
 
@@ -249,7 +250,7 @@ impl Discrepancy {
         let of_fit: f64 = self.covariance.iter().zip(&row).map(|(line, x)| x * dot(line, &row)).sum();
         let of_modulus = (modulus_sensitivity - self.modulus_sensitivity_at(pressure_pa)) * self.modulus_relative_std;
         let variance = of_fit + self.scatter.powi(2) + of_modulus.powi(2);
-        let student = student_95(self.degrees_of_freedom);
+        let student = Confidence::PERCENT_95.student_t(self.degrees_of_freedom);
         let outside = self.is_outside_measured_range(pressure_pa);
         interval(modelled * self.factor(pressure_pa), variance.sqrt(), student, outside)
     }
@@ -293,27 +294,10 @@ pub fn leave_one_out(
             let point = &points[left];
             let true_ratio = found.correct(point.pressure_pa, point.modelled, point.modulus_sensitivity);
             let log_std = true_ratio.log_std.hypot(point.measured_std / point.measured);
-            let student = student_95(found.degrees_of_freedom);
+            let student = Confidence::PERCENT_95.student_t(found.degrees_of_freedom);
             Some(interval(true_ratio.ratio, log_std, student, true_ratio.outside_measured_range))
         })
         .collect()
-}
-
-/// The 97.5 % point of Student's t: exact for up to three degrees of freedom, Fisher's expansion beyond.
-/// None at all count as one: nothing is known of the scatter.
-fn student_95(degrees_of_freedom: usize) -> f64 {
-    match degrees_of_freedom {
-        0 | 1 => 12.706_205,
-        2 => 4.302_653,
-        3 => 3.182_446,
-        more => {
-            let (z, n) = (1.959_964_f64, more as f64);
-            let (z3, z5, z7) = (z.powi(3), z.powi(5), z.powi(7));
-            z + (z3 + z) / (4.0 * n)
-                + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
-                + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3))
-        }
-    }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -368,7 +352,7 @@ mod tests {
             let data = points(12, 0.05, &mut noise);
             let found = estimate_discrepancy(&data, DiscrepancyForm::Constant, 0.0).unwrap();
             scatter += found.scatter / REPLICATES as f64;
-            let reach = student_95(11) * found.covariance[0][0].sqrt();
+            let reach = Confidence::PERCENT_95.student_t(11) * found.covariance[0][0].sqrt();
             covered += usize::from((found.coefficients[0] - 0.9_f64.ln()).abs() < reach);
             let predicted = leave_one_out(&data, DiscrepancyForm::Constant, 0.0);
             left_out += predicted
@@ -409,7 +393,11 @@ mod tests {
     #[test]
     fn points_of_students_t() {
         for (n, t) in [(1, 12.706), (2, 4.303), (3, 3.182), (4, 2.776), (10, 2.228), (30, 2.042)] {
-            assert!((student_95(n) - t).abs() < 0.01, "{n}: {}", student_95(n));
+            assert!(
+                (Confidence::PERCENT_95.student_t(n) - t).abs() < 0.01,
+                "{n}: {}",
+                Confidence::PERCENT_95.student_t(n)
+            );
         }
     }
 

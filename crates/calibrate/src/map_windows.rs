@@ -2,6 +2,7 @@
 
 use slipgrid_contact::{ContactError, coarser, windows};
 use slipgrid_monitor::Monitor;
+use slipgrid_statistics::mean_and_std;
 use slipgrid_topography::HeightMap;
 
 use crate::area_law::{AreaLawRequest, area_curve, area_law};
@@ -79,8 +80,13 @@ pub fn window_spread(
         slopes.push(window.rms_slope_spectral()?);
     }
     let at = |n: usize| factors.iter().map(move |factor| factor[n]);
-    let statistics: Vec<[f64; 2]> = (0..request.pressures_pa.len()).map(|n| mean_and_spread(at(n))).collect();
-    let [rms_slope_mean, rms_slope_spread] = mean_and_spread(slopes.iter().copied());
+    let mean_and_spread = |values: &mut dyn Iterator<Item = f64>| {
+        // Of at least four windows.
+        let found = mean_and_std(values.collect::<Vec<f64>>());
+        found.map_or([f64::NAN; 2], |(mean, std)| [mean, std.unwrap_or(f64::NAN)])
+    };
+    let statistics: Vec<[f64; 2]> = (0..request.pressures_pa.len()).map(|n| mean_and_spread(&mut at(n))).collect();
+    let [rms_slope_mean, rms_slope_spread] = mean_and_spread(&mut slopes.iter().copied());
     Ok(Some(WindowSpread {
         per_side,
         pixels,
@@ -132,11 +138,4 @@ fn factors_of(
     let curve = area_curve(map, request.contact_modulus_pa, request.pressures_pa, STATISTICS_TOLERANCE, monitor)?;
     let law = area_law(&curve.points, request.threshold_pa).ok();
     Ok(law.map(|law| request.pressures_pa.iter().map(|&pressure_pa| law.factor(pressure_pa)).collect()))
-}
-
-/// Mean and standard deviation (n - 1) of at least two values.
-fn mean_and_spread(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
-    let count = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / count;
-    [mean, (values.map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()]
 }

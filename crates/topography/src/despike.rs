@@ -10,7 +10,9 @@ use std::fmt;
 
 use crate::HeightMap;
 use crate::plausibility::limits::{LEAST_SPIKE_NEIGHBOURS, MOST_SPIKE_POINTS, SPIKE_DEVIATIONS, SPIKE_REACH};
-use crate::plausibility::{ROBUST_DEVIATION, median};
+use slipgrid_statistics::upper_median;
+
+use crate::plausibility::ROBUST_DEVIATION;
 
 /// Fewest differences that have a scale.
 const LEAST_SAMPLED: usize = 64;
@@ -129,7 +131,7 @@ impl HeightMap {
                 around.push(height);
             }
         });
-        median(&mut around).unwrap_or(f64::NAN)
+        upper_median(&mut around).unwrap_or(f64::NAN)
     }
 
     /// T: how far from the median about it a point must lie; `None` of a map too small to tell.
@@ -148,13 +150,13 @@ impl HeightMap {
         if differences.len() < LEAST_SAMPLED {
             return None;
         }
-        let middle_m = median(&mut differences)?;
+        let middle_m = upper_median(&mut differences)?;
         // Heights in coarse steps agree with the median more often than not: then those that do not say how they differ.
         let mut unequal: Vec<f64> = differences.iter().copied().filter(|difference| *difference > rounding_m).collect();
         let deviation_m = if middle_m > rounding_m {
             middle_m
         } else if unequal.len() as f64 > LEAST_UNEQUAL_SHARE * differences.len() as f64 {
-            median(&mut unequal)?
+            upper_median(&mut unequal)?
         } else {
             rounding_m
         };

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use slipgrid_statistics::upper_median;
+
 use crate::{HeightMap, Spikes};
 
 /// The limits of plausibility of maps, all of them.
@@ -171,9 +173,9 @@ impl HeightMap {
     /// Patches that stand far above the rest, where they are few.
     fn raised(&self) -> Option<MapWarning> {
         let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
-        let median_m = median(&mut sample)?;
+        let median_m = upper_median(&mut sample)?;
         sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
-        let deviation_m = ROBUST_DEVIATION * median(&mut sample)?;
+        let deviation_m = ROBUST_DEVIATION * upper_median(&mut sample)?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;
         if deviation_m <= 0.0 {
             return None;
@@ -203,15 +205,6 @@ impl HeightMap {
 
 /// Standard deviation of a normal distribution over the median of its absolute values.
 pub(crate) const ROBUST_DEVIATION: f64 = 1.4826;
-
-/// The middle one of `values`, the upper of two; `None` of none. The order of `values` changes.
-pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return None;
-    }
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
 
 #[cfg(test)]
 mod tests {

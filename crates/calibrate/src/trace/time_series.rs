@@ -1,5 +1,7 @@
 //! Values against time, at samples that need not be even.
 
+use slipgrid_statistics::upper_median;
+
 /// Mean over time of the line through the samples, from `from` to `to`. Beyond the samples the nearest
 /// one holds.
 pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
@@ -26,11 +28,7 @@ pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
 
 /// The middle of some values, the upper one of an even count; zero of none.
 pub fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+    upper_median(&mut values).unwrap_or(0.0)
 }
 
 /// Each value replaced by the median of itself and its neighbours: single outliers go, edges stay.

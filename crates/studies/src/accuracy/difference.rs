@@ -1,20 +1,14 @@
 //! How far one row lies from another, and whether that is more than chance.
 
 use super::measure::Run;
+use slipgrid_statistics::{Confidence, mean_and_std};
 
 /// A difference below this many standard errors is not significant.
 pub const SIGNIFICANT: f64 = 2.0;
 
-/// The same where the standard error is known from `count` values alone: the quantile of Student's t with
-/// `count` - 1 degrees of freedom that leaves as much to chance, 4.55 %, as 2 does of the normal deviate.
+/// The same where the standard error is known from `count` values alone.
 fn significant_of(count: usize) -> f64 {
-    // Few degrees of freedom: tabulated.
-    const FEW: [f64; 4] = [13.968, 4.527, 3.307, 2.869];
-    let degrees = count.saturating_sub(1).max(1);
-    let over = 1.0 / degrees as f64;
-    // t = z + (z^3 + z)/(4 n) + (5 z^5 + 16 z^3 + 3 z)/(96 n^2) + (3 z^7 + 19 z^5 + 17 z^3 - 15 z)/(384 n^3) at z = 2
-    let expanded = SIGNIFICANT + over * (2.5 + over * (3.0625 + over * 2.859_375));
-    FEW.get(degrees - 1).copied().unwrap_or(expanded)
+    Confidence::TWO_SIGMA.student_t(count.saturating_sub(1))
 }
 
 /// An observable of a run.
@@ -63,7 +57,7 @@ pub struct Mean {
 pub fn mean(quantity: Quantity, runs: &[Run]) -> Option<Mean> {
     let found: Vec<(f64, Option<f64>)> = runs.iter().filter_map(|run| quantity.of(run)).collect();
     let values: Vec<f64> = found.iter().map(|(value, _)| *value).collect();
-    let (value, std) = mean_and_std(&values)?;
+    let (value, std) = mean_and_std(values.iter().copied())?;
     // Standard error of a mean of n independent means: sqrt(sum s_i^2) / n
     let squares: Option<f64> = found.iter().map(|(_, stderr)| stderr.map(|stderr| stderr * stderr)).sum();
     Some(Mean { value, std, stderr: squares.map(|squares| squares.sqrt() / found.len() as f64) })
@@ -113,7 +107,7 @@ pub fn difference(quantity: Quantity, runs: &[Run], judge: &[Run]) -> Option<Dif
         return None;
     }
     let differences: Vec<f64> = pairs.iter().map(|((own, _), (judge, _))| 100.0 * (own - judge) / scale).collect();
-    let (percent, std) = mean_and_std(&differences)?;
+    let (percent, std) = mean_and_std(differences.iter().copied())?;
     let scatter = std.map(|std| std / count.sqrt());
     let squares: Option<f64> =
         pairs.iter().map(|((_, own), (_, judge))| Some(own.as_ref()?.powi(2) + judge.as_ref()?.powi(2))).sum();
@@ -121,17 +115,6 @@ pub fn difference(quantity: Quantity, runs: &[Run], judge: &[Run]) -> Option<Dif
     let stderr = [scatter, batches].into_iter().flatten().reduce(f64::max);
     let standard_errors = if batches.is_some() { SIGNIFICANT } else { significant_of(pairs.len()) };
     Some(Difference { percent, stderr, chance: stderr.map(|stderr| standard_errors * stderr) })
-}
-
-/// Mean and, of two values or more, standard deviation of a sample.
-fn mean_and_std(values: &[f64]) -> Option<(f64, Option<f64>)> {
-    let count = values.len() as f64;
-    if values.is_empty() {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    Some((mean, (values.len() > 1).then(|| (squares / (count - 1.0)).sqrt())))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! The land of a patterned surface: what is left of the original surface, and its level.
 
+use slipgrid_statistics::median;
+
 use crate::form::{FittedForm, Form};
 use crate::{HeightMap, MapError};
 
@@ -97,18 +99,6 @@ fn above(map: &HeightMap, fitted: &FittedForm) -> Vec<f64> {
     map.heights_m().iter().enumerate().map(|(n, height)| height - fitted.height_m(n, map)).collect()
 }
 
-/// The middle value; the mean of both of an even number.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return None;
-    }
-    let even = values.len().is_multiple_of(2);
-    let (below, &mut upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    Some(if even { 0.5 * (lower + upper) } else { upper })
-}
-
 /// The threshold that parts heights into two groups with the least variance within (Otsu).
 fn groups(height_m: &[f64]) -> Option<Groups> {
     let mut present: Vec<f64> = height_m.iter().copied().filter(|height| !height.is_nan()).collect();
@@ -187,13 +177,6 @@ fn near(height_m: &[f64], cols: usize, threshold_m: f64, margin: [usize; 2]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(&mut [3.0, 1.0, 2.0]), Some(2.0));
-        assert_eq!(median(&mut [4.0, 1.0, 3.0, 2.0]), Some(2.5));
-        assert_eq!(median(&mut []), None);
-    }
 
     #[test]
     fn two_groups_are_parted_half_way_and_one_is_not() {

@@ -15,7 +15,8 @@ mod land;
 use std::collections::BTreeMap;
 
 use components::{Axis, Chord, Regions};
-use land::{Land, median};
+use land::Land;
+use slipgrid_statistics::median;
 
 pub use cut::{CutCavity, CutPattern, CutShape};
 

@@ -1,0 +1,32 @@
+//! Student's t.
+
+/// How much is left to chance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Confidence {
+    /// The normal deviate that leaves as much on both sides together.
+    normal: f64,
+    /// The quantiles of Student's t of few degrees of freedom, from 1.
+    few: &'static [f64],
+}
+
+impl Confidence {
+    /// 95 %: 1.96 standard errors of a normal deviate.
+    pub const PERCENT_95: Self = Self { normal: 1.959_964, few: &[12.706_205, 4.302_653, 3.182_446] };
+    /// 95.45 %: two standard errors of a normal deviate.
+    pub const TWO_SIGMA: Self = Self { normal: 2.0, few: &[13.968, 4.527, 3.307, 2.869] };
+
+    /// The quantile of Student's t that leaves as much to chance on both sides: tabulated for few degrees of freedom, by
+    /// Fisher's expansion beyond. None at all count as one: nothing is known of the scatter.
+    #[must_use]
+    pub fn student_t(self, degrees_of_freedom: usize) -> f64 {
+        let degrees_of_freedom = degrees_of_freedom.max(1);
+        if let Some(&tabulated) = self.few.get(degrees_of_freedom - 1) {
+            return tabulated;
+        }
+        let (z, n) = (self.normal, degrees_of_freedom as f64);
+        let (z3, z5, z7) = (z.powi(3), z.powi(5), z.powi(7));
+        z + (z3 + z) / (4.0 * n)
+            + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
+            + (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n.powi(3))
+    }
+}
