@@ -41,6 +41,18 @@ impl From<slipgrid_report::ChartError> for CliError {
     }
 }
 
+impl From<slipgrid_report::ReportError> for CliError {
+    fn from(error: slipgrid_report::ReportError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
+impl From<slipgrid_formats::written_material::UnwritableMaterial> for CliError {
+    fn from(error: slipgrid_formats::written_material::UnwritableMaterial) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
 impl From<serde_json::Error> for CliError {
     fn from(error: serde_json::Error) -> Self {
         Self::Other(format!("the result has no JSON form: {error}"))

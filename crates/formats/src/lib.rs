@@ -14,7 +14,7 @@
 //! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
 //! | [`pattern`], [`laser`] | textures, specimens, lasers |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
-//! | [`confirmed_scene`] | writes the scene of a design |
+//! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
 
 pub mod altitude_map;
 pub mod calibration;
@@ -46,6 +46,7 @@ pub mod traces;
 pub mod trade_offs;
 pub mod unusual;
 pub mod values;
+pub mod written_material;
 
 pub use diagnostic::Diagnostic;
 pub use document::Document;

@@ -5,22 +5,29 @@
 //! | [`charts`] | pictures of numbers, as SVG |
 //! | [`html`] | pages that stand alone: report.html |
 //! | [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
+//! | [`calibration`], [`area_law`], [`surface`], [`traces`] | what calibrations, contact, maps and tribometer traces say |
 //! | [`laser_files`] | what a laser takes, by format |
 //! | [`Outputs`] | files of one result, in memory |
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 
+pub mod area_law;
+pub mod calibration;
 pub mod charts;
 pub mod csv;
+mod error;
 pub mod html;
 pub mod laser_files;
 pub mod lattice;
 mod outputs;
 pub mod pages;
 pub mod pictures;
+pub mod surface;
 pub mod target;
+pub mod traces;
 pub mod trade_offs;
 
 pub use charts::ChartError;
+pub use error::ReportError;
 pub use laser_files::{DrawingInput, LaserFile, draw, draw_with};
 pub use outputs::{Content, Outputs};

@@ -3,16 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::area_law::{
-    AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, area_law, persson_curve, surface_area_law,
+    AreaLawError, AreaLawRequest, DEFAULT_PRESSURES_MPA, persson_curve, surface_area_law,
 };
-use slipgrid_calibrate::map_windows::{
-    DEFAULT_WINDOWS, Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread, resolution,
-};
-use slipgrid_contact::AreaPoint;
-use slipgrid_material::AreaLaw;
-use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, PreparedMap, ReadOptions};
+use slipgrid_calibrate::map_windows::{DEFAULT_WINDOWS, WINDOW_STATEMENT, resolution};
+use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptions};
 
-use super::area_report::{AreaLawReport, AreaReport, ResolutionReport, WindowReport, picture, table, table_csv};
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
 use crate::output::{Place, check_folder};
@@ -22,7 +17,10 @@ use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{law_warnings, read_period, refuse_law};
 use slipgrid_formats::surface::MapOptions;
 use slipgrid_report::Outputs;
-use slipgrid_results::{VERSION, json, json_and_timings};
+use slipgrid_report::area_law::{
+    AreaLawCurve, AreaLawReport, FACTOR_STATEMENT, model, picture, resolution_report, table, table_csv, window_report,
+};
+use slipgrid_results::{json, json_and_timings};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
 /// Computes the curve and reports.
@@ -31,12 +29,10 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         let inputs: Vec<PathBuf> = args.map.iter().cloned().collect();
         check_folder(Place::output(folder), &["result.json", "timings.json", "area-law.*"], &inputs)?;
     }
-    let request = Request::check(args)?;
+    let request = request(args)?;
     let report = match (&args.map, args.persson_rms_slope) {
         (Some(path), _) => of_map(path, args, &request, console)?,
-        (None, Some(rms_slope)) => {
-            of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?, args, &request, console)?
-        }
+        (None, Some(rms_slope)) => of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?, &request)?,
         (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
     if let Some(folder) = &args.output {
@@ -58,120 +54,33 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
 }
 
 /// The flags in SI units.
-struct Request {
-    /// E*.
-    contact_modulus_pa: f64,
-    poisson_ratio: f64,
-    tolerance: f64,
-    /// P0.
-    threshold_pa: f64,
-    /// Pressures asked for.
-    listed_pa: Vec<f64>,
-    /// Pressures solved for: the threshold's beside them where all lie above it.
-    solved_pa: Vec<f64>,
-}
-
-impl Request {
-    fn check(args: &AreaLawArgs) -> Result<Self, Diagnostic> {
-        let youngs_modulus_pa = checked("--youngs-modulus-gpa", args.youngs_modulus_gpa, MODULUS_GPA)?;
-        let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
-        let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
-        let listed_pa = pressures(args)?;
-        // A(P0) is interpolated where the list goes past P0; otherwise it is computed beside the list.
-        let mut solved_pa = listed_pa.clone();
-        if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
-            solved_pa.insert(0, threshold_pa);
-        }
-        Ok(Self {
-            // E* = E / (1 - nu^2)
-            contact_modulus_pa: youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio),
-            poisson_ratio,
-            tolerance: checked("--tolerance", args.tolerance, TOLERANCE)?,
-            threshold_pa,
-            listed_pa,
-            solved_pa,
-        })
+fn request(args: &AreaLawArgs) -> Result<AreaLawCurve, Diagnostic> {
+    let youngs_modulus_pa = checked("--youngs-modulus-gpa", args.youngs_modulus_gpa, MODULUS_GPA)?;
+    let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
+    let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
+    let listed_pa = pressures(args)?;
+    // A(P0) is interpolated where the list goes past P0; otherwise it is computed beside the list.
+    let mut solved_pa = listed_pa.clone();
+    if listed_pa.iter().all(|&pressure_pa| pressure_pa > threshold_pa) {
+        solved_pa.insert(0, threshold_pa);
     }
-
-    /// Where the pressures asked for begin among those solved for.
-    fn first(&self) -> usize {
-        self.solved_pa.len() - self.listed_pa.len()
-    }
-
-    fn law(&self) -> AreaLawRequest<'_> {
-        AreaLawRequest {
-            contact_modulus_pa: self.contact_modulus_pa,
-            pressures_pa: &self.solved_pa,
-            threshold_pa: self.threshold_pa,
-            tolerance: self.tolerance,
-            windows: None,
-        }
-    }
-
-    /// f at a pressure by `law`; 1 without one as long as no pressure lies above the threshold.
-    fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
-        let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
-        law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
-    }
-
-    /// The report of a curve, without what only a map has.
-    fn report(&self, curve: &[AreaPoint], rms_slope: f64, args: &AreaLawArgs, console: &Console<'_>) -> AreaLawReport {
-        let law = area_law(curve, self.threshold_pa).ok();
-        let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
-        let persson = persson.and_then(|curve| area_law(&curve, self.threshold_pa).ok());
-        let report = |point: &AreaPoint| AreaReport {
-            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-            area_fraction: point.area_fraction,
-            area_fraction_corrected: point.area_fraction_corrected,
-            factor: self.factor(law.as_ref(), point.pressure_pa),
-            factor_std: None,
-            factor_persson: self.factor(persson.as_ref(), point.pressure_pa),
-            area_error: point.area_error,
-            iterations: point.convergence.iterations,
-            residual: point.convergence.residual,
-            status: point.convergence.status.name(),
-        };
-        AreaLawReport {
-            program: "slipgrid",
-            version: VERSION,
-            map: None,
-            synthetic_surface: false,
-            rms_slope,
-            sa_um: None,
-            pixel_um: None,
-            rows: None,
-            columns: None,
-            youngs_modulus_gpa: args.youngs_modulus_gpa,
-            poisson_ratio: self.poisson_ratio,
-            contact_modulus_gpa: MODULUS_GPA.from_si(self.contact_modulus_pa),
-            full_contact_pressure_mpa: None,
-            threshold_mpa: PRESSURE_MPA.from_si(self.threshold_pa),
-            threshold_proportionality: proportionality(curve, self.threshold_pa),
-            tolerance: self.tolerance,
-            model: Vec::new(),
-            warnings: Vec::new(),
-            wall_s: 0.0,
-            threads: console.threads,
-            windows: None,
-            resolutions: Vec::new(),
-            results: curve[self.first()..].iter().map(report).collect(),
-        }
-    }
-}
-
-/// A(P0)/P0 over A/P at the lightest load, where the curve lists both.
-fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
-    let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
-    let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
-    let at_threshold = curve.iter().find(|point| point.pressure_pa == threshold_pa)?;
-    Some(share(at_threshold) / share(lightest))
+    Ok(AreaLawCurve {
+        // E* = E / (1 - nu^2)
+        contact_modulus_pa: youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio),
+        youngs_modulus_gpa: args.youngs_modulus_gpa,
+        poisson_ratio,
+        tolerance: checked("--tolerance", args.tolerance, TOLERANCE)?,
+        threshold_pa,
+        listed_pa,
+        solved_pa,
+    })
 }
 
 /// Rough contact of the map at `path`.
 fn of_map(
     path: &Path,
     args: &AreaLawArgs,
-    request: &Request,
+    request: &AreaLawCurve,
     console: &mut Console<'_>,
 ) -> Result<AreaLawReport, CliError> {
     let mut options = map_options(&args.reading)?;
@@ -221,7 +130,7 @@ fn of_map(
         warnings: law_warnings(&found.warnings),
         wall_s: found.curve_s,
         resolutions,
-        ..request.report(&curve.points, surface.rms_slope, args, console)
+        ..request.report(&curve.points, surface.rms_slope)
     };
     if let Some(windows) = windows {
         let root = (windows.count as f64).sqrt();
@@ -233,39 +142,8 @@ fn of_map(
     Ok(report)
 }
 
-fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
-    WindowReport {
-        per_side: spread.per_side,
-        count: spread.count(),
-        rows: spread.pixels[0],
-        columns: spread.pixels[1],
-        made_periodic: WINDOW_STATEMENT,
-        tolerance: STATISTICS_TOLERANCE,
-        rms_slope_mean: spread.rms_slope_mean,
-        rms_slope_spread: spread.rms_slope_spread,
-        factor_mean: spread.factor_mean[first..].to_vec(),
-        factor_spread: spread.factor_spread[first..].to_vec(),
-        wall_s,
-    }
-}
-
-fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
-    ResolutionReport {
-        coarser: resolution.coarser,
-        pixel_um: LENGTH_UM.from_si(resolution.pixel_m),
-        rms_slope: resolution.rms_slope,
-        tolerance: STATISTICS_TOLERANCE,
-        factor: resolution.factor.as_ref().map(|factor| factor[first..].to_vec()),
-    }
-}
-
 /// Persson's theory for a surface of which only the rms slope is known.
-fn of_theory(
-    rms_slope: f64,
-    args: &AreaLawArgs,
-    request: &Request,
-    console: &Console<'_>,
-) -> Result<AreaLawReport, CliError> {
+fn of_theory(rms_slope: f64, request: &AreaLawCurve) -> Result<AreaLawReport, CliError> {
     let curve = persson_curve(rms_slope, request.contact_modulus_pa, &request.solved_pa)
         .map_err(|error| CliError::Other(error.to_string()))?;
     let model = vec![
@@ -274,12 +152,8 @@ fn of_theory(
             .to_owned(),
         FACTOR_STATEMENT.to_owned(),
     ];
-    Ok(AreaLawReport { model, ..request.report(&curve, rms_slope, args, console) })
+    Ok(AreaLawReport { model, ..request.report(&curve, rms_slope) })
 }
-
-/// How f is meant.
-const FACTOR_STATEMENT: &str =
-    "f is the area over that at the threshold P0, divided by P/P0: the line through the origin, not the tangent";
 
 /// The number of a flag in SI units.
 pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
@@ -336,16 +210,4 @@ fn unit(flag: &str, name: &str) -> Result<LengthUnit, Diagnostic> {
         reason: error.to_string(),
         ..Diagnostic::default()
     })
-}
-
-fn model(surface: &PreparedMap) -> Vec<String> {
-    let mut model = vec![
-        "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
-        FACTOR_STATEMENT.to_owned(),
-    ];
-    if surface.synthetic {
-        model.push("the map is synthetic, not measured".to_owned());
-    }
-    model.extend(surface.notes.iter().cloned());
-    model
 }

@@ -3,7 +3,6 @@
 mod accuracy;
 mod announcement;
 mod area_law;
-mod area_report;
 mod calibrate;
 mod date;
 mod export;

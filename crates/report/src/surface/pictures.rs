@@ -2,9 +2,8 @@
 
 use slipgrid_topography::{Decimation, DecimationMethod, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin};
 
-use crate::CliError;
-use slipgrid_report::Outputs;
-use slipgrid_report::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
+use crate::charts::{self, HeightHistogramChart, SectionChart, SpectrumChart, SurfaceMapChart};
+use crate::{ChartError, Outputs};
 
 /// Most pixels of the drawn map along a side.
 const MOST_PIXELS: usize = 700;
@@ -22,7 +21,7 @@ pub fn add(
     curve: &MaterialRatioCurve,
     spectrum: &[SpectrumBin],
     column: usize,
-) -> Result<(), CliError> {
+) -> Result<(), ChartError> {
     let map = &surface.map;
     let titled = |title: &str| {
         if surface.synthetic { format!("{title} (synthetic surface)") } else { title.to_owned() }

@@ -1,4 +1,8 @@
-//! What `surface` prints.
+//! An altitude map: parameters, cavities, pictures.
+
+mod pictures;
+
+pub use pictures::add as pictures;
 
 use std::fmt::Write as _;
 
@@ -7,7 +11,6 @@ use slipgrid_topography::{
     CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin, Spread,
 };
 
-use crate::args::SurfaceArgs;
 use slipgrid_formats::altitude_map::told;
 use slipgrid_results::fixed;
 use slipgrid_results::{Table, VERSION};
@@ -101,7 +104,7 @@ impl From<Spread> for SpreadReport {
 impl SurfaceReport {
     /// Gathers what was found.
     pub fn new(
-        args: &SurfaceArgs,
+        path: &std::path::Path,
         surface: &PreparedMap,
         curve: &MaterialRatioCurve,
         lengths: &CorrelationLengths,
@@ -123,7 +126,7 @@ impl SurfaceReport {
         Self {
             program: "slipgrid",
             version: VERSION,
-            map: args.map.display().to_string(),
+            map: path.display().to_string(),
             format: surface.format.name(),
             synthetic_surface: surface.synthetic,
             rows: map.rows(),

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use slipgrid_calibrate::{CalibrationOutcome, Fit, Parameter};
 
-use crate::CliError;
-use slipgrid_report::charts::{Estimate, ResidualsChart, residuals as draw};
+use crate::ReportError;
+use crate::charts::{Estimate, ResidualsChart, residuals as draw};
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
@@ -63,7 +63,7 @@ impl FitDetails {
 }
 
 /// Everything that was found, as JSON.
-pub fn json(fit: &Fit) -> Result<String, CliError> {
+pub fn json(fit: &Fit) -> Result<String, ReportError> {
     Ok(slipgrid_results::json(&FitDetails::new(fit))?)
 }
 
@@ -102,7 +102,7 @@ pub fn profiles(fit: &Fit) -> String {
 }
 
 /// Residuals of all measurements in standard deviations.
-pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, CliError> {
+pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, ReportError> {
     let labels: Vec<String> = outcome
         .measurements
         .iter()
@@ -117,6 +117,5 @@ pub fn residuals(name: &str, outcome: &CalibrationOutcome) -> Result<String, Cli
         .map(|(measured, predicted)| Estimate { value: predicted.residual, error: Some(measured.mu_dynamic_std) })
         .collect();
     let title = format!("{}: model minus measured dynamic friction of flat samples", name);
-    draw(&ResidualsChart { title: &title, labels: &labels, residuals: &residuals })
-        .map_err(|error| CliError::Other(error.to_string()))
+    Ok(draw(&ResidualsChart { title: &title, labels: &labels, residuals: &residuals })?)
 }

@@ -1,11 +1,7 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
-mod pictures;
-mod report;
-
 use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
 
-use self::report::SurfaceReport;
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_folder};
@@ -13,6 +9,7 @@ use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
 use slipgrid_report::Outputs;
+use slipgrid_report::surface::{SurfaceReport, cavities_csv, pictures, section_csv, spectrum_csv};
 use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
 
@@ -57,16 +54,16 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let curve = MaterialRatioCurve::new(map);
     let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(refuse)?;
     let spectrum = map.radial_spectrum(window).map_err(refuse)?;
-    let report = SurfaceReport::new(args, &surface, &curve, &lengths, &spectrum, cavities.as_ref());
+    let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref());
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add("result.json", json(&report)?);
-        outputs.add("section.csv", report::section_csv(map, column));
-        outputs.add("spectrum.csv", report::spectrum_csv(&spectrum));
+        outputs.add("section.csv", section_csv(map, column));
+        outputs.add("spectrum.csv", spectrum_csv(&spectrum));
         if let Some(cavities) = &cavities {
-            outputs.add("cavities.csv", report::cavities_csv(cavities));
+            outputs.add("cavities.csv", cavities_csv(cavities));
         }
-        pictures::add(&mut outputs, &surface, &curve, &spectrum, column)?;
+        pictures(&mut outputs, &surface, &curve, &spectrum, column)?;
         crate::output::write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }

@@ -1,23 +1,34 @@
 //! The material file that a calibration writes.
 
 use slipgrid_calibrate::{
-    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
+    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, Discrepancy, FittedPair, FittedRow as Row,
+    PatternedSamples, Trial,
 };
 use slipgrid_material::Condition;
 use toml::Spanned;
 
-use super::discrepancy;
-use crate::CliError;
-use slipgrid_formats::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
-use slipgrid_formats::values::{Numbers, number, number_list};
+use crate::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
+use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
+use crate::values::{Numbers, number, number_list};
 use slipgrid_results::VERSION;
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+/// A material that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum UnwritableMaterial {
+    /// Its numbers have no TOML form.
+    #[error("the material has no TOML form: {0}")]
+    Toml(toml::ser::Error),
+    /// The fit has not one pair of coefficients, or one for each measurement.
+    #[error("{0}")]
+    Pairs(String),
+}
 
 /// The material as TOML.
 ///
 /// # Errors
-/// [`CliError::Other`] if the fit has not one pair, or one pair per measurement.
-pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, CliError> {
+/// [`UnwritableMaterial`] if the fit has not one pair, or one pair per measurement.
+pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, UnwritableMaterial> {
     let (provenance, facts) = (&outcome.material.provenance, &outcome.surface);
     let file = MaterialFile {
         name: Some(provenance.name.clone()),
@@ -51,10 +62,9 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
         discrepancy: outcome
             .patterned
             .as_ref()
-            .map(|found| discrepancy::file(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
+            .map(|found| discrepancy(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
     };
-    let body =
-        toml::to_string(&file).map_err(|error| CliError::Other(format!("the material has no TOML form: {error}")))?;
+    let body = toml::to_string(&file).map_err(|error| UnwritableMaterial::Toml(error))?;
     Ok(format!(
         "# Material, by slipgrid calibrate {VERSION}. Scenes and designs name this file: material = \"...\".\n\
          # residual: model minus measured dynamic friction of the flat sample.\n{body}"
@@ -66,7 +76,7 @@ fn rounded(residual: f64) -> f64 {
     (residual * 1e9).round() / 1e9 + 0.0
 }
 
-fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, CliError> {
+fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<FrictionFile, UnwritableMaterial> {
     let (relative_std, fit) = (Some(number(task.relative_std)), &outcome.fit);
     match (task.coefficients, &fit.pairs[..]) {
         (Coefficients::Single, [pair]) => Ok(FrictionFile {
@@ -88,7 +98,7 @@ fn friction(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Fric
             let conditions = tables.map(|(condition, rows)| unplaced(condition_table(*condition, rows))).collect();
             Ok(FrictionFile { relative_std, conditions, ..FrictionFile::default() })
         }
-        (_, pairs) => Err(CliError::Other(format!("the fit returned {} pairs of coefficients", pairs.len()))),
+        (_, pairs) => Err(UnwritableMaterial::Pairs(format!("the fit returned {} pairs of coefficients", pairs.len()))),
     }
 }
 
@@ -117,13 +127,28 @@ fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
 
+/// The discrepancy as a table of the material file; `pattern` are the samples in words.
+fn discrepancy(found: &PatternedSamples, pattern: String) -> Spanned<DiscrepancyFile> {
+    let at = |(humidity, found): &(f64, Discrepancy)| HumidityFile {
+        humidity_pct: number(HUMIDITY_PCT.from_si(*humidity)),
+        estimate: EstimateFile::new(found),
+    };
+    let file = DiscrepancyFile {
+        pattern,
+        all: EstimateFile::new(&found.discrepancies.all),
+        humidity: found.discrepancies.by_humidity.iter().map(at).collect(),
+        trials: vec![TrialFile::from(&Trial::from(&found.pattern))],
+    };
+    Spanned::new(0..0, file)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Document;
+    use crate::material_uncertainty::read_known;
+    use crate::scene::DEFAULT_LAYER;
     use slipgrid_calibrate::{DiscrepancyForm, Measurement, Selection, Surface};
-    use slipgrid_formats::Document;
-    use slipgrid_formats::material_uncertainty::read_known;
-    use slipgrid_formats::scene::DEFAULT_LAYER;
     use slipgrid_material::{Elastic, Friction};
     use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::{Pattern, Planform};

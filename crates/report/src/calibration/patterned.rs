@@ -1,30 +1,12 @@
-//! Patterned samples beside the model: the table of a material file, a table to read and one to compute with.
+//! Patterned samples beside the model: a table to read and one to compute with.
 
-use slipgrid_calibrate::{PatternedSamples, RatioAtCondition, RatioInterval, Trial, uncorrected};
-use toml::Spanned;
-
-use slipgrid_formats::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
-use slipgrid_formats::values::number;
+use slipgrid_calibrate::{PatternedSamples, RatioAtCondition, RatioInterval, uncorrected};
 use slipgrid_results::Table;
 use slipgrid_results::fixed;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
-/// The discrepancy as a table of the material file; `pattern` are the samples in words.
-pub fn file(found: &PatternedSamples, pattern: String) -> Spanned<DiscrepancyFile> {
-    let at = |(humidity, found): &(f64, slipgrid_calibrate::Discrepancy)| HumidityFile {
-        humidity_pct: number(HUMIDITY_PCT.from_si(*humidity)),
-        estimate: EstimateFile::new(found),
-    };
-    let file = DiscrepancyFile {
-        pattern,
-        all: EstimateFile::new(&found.discrepancies.all),
-        humidity: found.discrepancies.by_humidity.iter().map(at).collect(),
-        trials: vec![TrialFile::from(&Trial::from(&found.pattern))],
-    };
-    Spanned::new(0..0, file)
-}
-
 /// Measured ratios beside predicted ones.
+#[must_use]
 pub fn table(found: &PatternedSamples) -> String {
     let mut table = Table::new([
         "F N",
@@ -74,6 +56,7 @@ fn coverage(found: &PatternedSamples) -> String {
 }
 
 /// The same as [`table`] as CSV.
+#[must_use]
 pub fn csv(found: &PatternedSamples) -> String {
     let mut text = String::from(
         "force_n,speed_mm_s,humidity_pct,ratio,ratio_std,modelled,modulus_sensitivity,left_out,left_out_low,left_out_high,\

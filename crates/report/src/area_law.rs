@@ -1,0 +1,404 @@
+//! The real contact area of a map or by theory: object, text, table and picture.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use slipgrid_calibrate::area_law::{AreaLawRequest, area_law, persson_curve};
+use slipgrid_calibrate::map_windows::{Resolution, STATISTICS_TOLERANCE, WINDOW_STATEMENT, WindowSpread};
+use slipgrid_contact::AreaPoint;
+use slipgrid_material::AreaLaw;
+use slipgrid_topography::PreparedMap;
+
+use crate::charts::{self, AreaLawChart};
+use slipgrid_results::{Table, VERSION, fixed};
+use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, tidy};
+
+/// What `area-law --json` prints.
+#[derive(Clone, Debug, Serialize)]
+pub struct AreaLawReport {
+    /// `slipgrid`.
+    pub program: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// Null for an analytic law, as all that only a map has.
+    pub map: Option<String>,
+    /// The file says of itself that it is synthetic.
+    pub synthetic_surface: bool,
+    /// Spectral rms slope.
+    pub rms_slope: f64,
+    /// Arithmetical mean height.
+    pub sa_um: Option<f64>,
+    /// Side of a pixel.
+    pub pixel_um: Option<f64>,
+    /// Pixels along x.
+    pub rows: Option<usize>,
+    /// Pixels along y.
+    pub columns: Option<usize>,
+    /// Young's modulus.
+    pub youngs_modulus_gpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// E* = E / (1 - nu^2).
+    pub contact_modulus_gpa: f64,
+    /// Pressure at which the surfaces touch everywhere.
+    pub full_contact_pressure_mpa: Option<f64>,
+    /// P0: area is in proportion to pressure up to it.
+    pub threshold_mpa: f64,
+    /// A/P at the threshold over that at the lightest load: 1 where area still grows in proportion.
+    pub threshold_proportionality: Option<f64>,
+    /// Relative error up to which contact was solved.
+    pub tolerance: f64,
+    /// What was modelled, and how.
+    pub model: Vec<String>,
+    /// What makes the numbers doubtful; each begins with its name.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+    /// Seconds of the curve.
+    pub wall_s: f64,
+    /// Threads that computed.
+    pub threads: usize,
+    /// What windows of the map say, where asked for.
+    pub windows: Option<WindowReport>,
+    /// What coarser pixels say, where asked for.
+    pub resolutions: Vec<ResolutionReport>,
+    /// One for each pressure.
+    pub results: Vec<AreaReport>,
+}
+
+/// What windows of the map say, one number per pressure in lists.
+#[derive(Clone, Debug, Serialize)]
+pub struct WindowReport {
+    /// Windows along a side.
+    pub per_side: usize,
+    /// Windows in all.
+    pub count: usize,
+    /// Pixels of a window along x.
+    pub rows: usize,
+    /// Pixels of a window along y.
+    pub columns: usize,
+    /// How a window becomes a period.
+    pub made_periodic: &'static str,
+    /// Relative error up to which contact was solved.
+    pub tolerance: f64,
+    /// Mean rms slope.
+    pub rms_slope_mean: f64,
+    /// Standard deviation of the rms slope among windows.
+    pub rms_slope_spread: f64,
+    /// Mean f.
+    pub factor_mean: Vec<f64>,
+    /// Standard deviation among windows: what a map of that size would leave open.
+    pub factor_spread: Vec<f64>,
+    /// Seconds.
+    pub wall_s: f64,
+}
+
+/// The law seen by coarser pixels.
+#[derive(Clone, Debug, Serialize)]
+pub struct ResolutionReport {
+    /// Pixels that became one, along a side.
+    pub coarser: usize,
+    /// Side of a pixel then.
+    pub pixel_um: f64,
+    /// Spectral rms slope then.
+    pub rms_slope: f64,
+    /// Relative error up to which contact was solved.
+    pub tolerance: f64,
+    /// f, one per pressure; null where the curve does not reach the threshold pressure.
+    pub factor: Option<Vec<f64>>,
+}
+
+/// Contact at one pressure.
+#[derive(Clone, Debug, Serialize)]
+pub struct AreaReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Real over nominal contact area.
+    pub area_fraction: f64,
+    /// The same with the boundary of contact spots corrected.
+    pub area_fraction_corrected: f64,
+    /// f; null where the curve does not reach the threshold pressure.
+    pub factor: Option<f64>,
+    /// Its standard error from the windows.
+    pub factor_std: Option<f64>,
+    /// f by Persson's theory for the map's rms slope.
+    pub factor_persson: Option<f64>,
+    /// Estimate of the error of the areas at this tolerance.
+    pub area_error: f64,
+    /// Iterations of the solver.
+    pub iterations: usize,
+    /// Where it ended: relative error of the pressures.
+    pub residual: f64,
+    /// How it ended.
+    pub status: &'static str,
+}
+
+/// The report as text.
+pub fn table(report: &AreaLawReport) -> String {
+    let mut text = match (&report.map, report.rows, report.columns, report.pixel_um) {
+        (Some(map), Some(rows), Some(columns), Some(pixel_um)) => format!(
+            "{map}: {}{rows} x {columns} pixels of {pixel_um} um, Sa {} um",
+            if report.synthetic_surface { "synthetic, " } else { "" },
+            fixed(report.sa_um, 4),
+        ),
+        _ => "no map: analytic law".to_owned(),
+    };
+    text += &format!(
+        ", rms slope {}; E {} GPa, nu {}\n",
+        fixed(Some(report.rms_slope), 5),
+        report.youngs_modulus_gpa,
+        fixed(Some(report.poisson_ratio), 3),
+    );
+    for statement in &report.model {
+        text += &format!("- {statement}\n");
+    }
+    for warning in &report.warnings {
+        text += &format!("! {warning}\n");
+    }
+    let mut table = Table::new(["P MPa", "area", "corrected", "+-", "f", "+-", "iterations", "error", "status"]);
+    for point in &report.results {
+        table.row([
+            point.pressure_mpa.to_string(),
+            fixed(Some(point.area_fraction), 5),
+            fixed(Some(point.area_fraction_corrected), 5),
+            format!("{:.0e}", point.area_error),
+            fixed(point.factor, 5),
+            fixed(point.factor_std, 5),
+            point.iterations.to_string(),
+            format!("{:.1e}", point.residual),
+            point.status.to_owned(),
+        ]);
+    }
+    text += &format!("\n{table}\n");
+    if !report.resolutions.is_empty() {
+        text += &format!("{}\n", resolution_table(report));
+    }
+    if let Some(share) = report.threshold_proportionality {
+        text += &format!(
+            "at P0 = {} MPa the area per load is {share:.3} times that at the lightest load\n",
+            report.threshold_mpa
+        );
+    }
+    let full = report.full_contact_pressure_mpa.map(|full| format!("full contact from {full:.1} MPa; "));
+    let windows = report.windows.as_ref().map(|windows| format!(" and {:.2} s for windows", windows.wall_s));
+    text += &format!("{}{:.2} s{}\n", full.unwrap_or_default(), report.wall_s, windows.unwrap_or_default());
+    text
+}
+
+/// f at every resolution side by side.
+fn resolution_table(report: &AreaLawReport) -> Table {
+    let mut titles = vec!["P MPa".to_owned(), "f".to_owned()];
+    titles.extend(report.resolutions.iter().map(|coarse| format!("f, {} um", coarse.pixel_um)));
+    let mut table = Table::new(titles.iter().map(String::as_str));
+    let mut slopes = vec!["rms slope".to_owned(), fixed(Some(report.rms_slope), 5)];
+    slopes.extend(report.resolutions.iter().map(|coarse| fixed(Some(coarse.rms_slope), 5)));
+    table.row(slopes);
+    for (n, point) in report.results.iter().enumerate() {
+        let mut row = vec![point.pressure_mpa.to_string(), fixed(point.factor, 5)];
+        row.extend(report.resolutions.iter().map(|coarse| fixed(coarse.factor.as_ref().map(|factor| factor[n]), 5)));
+        table.row(row);
+    }
+    table
+}
+
+/// The table of the report.
+pub fn table_csv(report: &AreaLawReport) -> String {
+    let mut text = String::from("pressure_mpa,area_fraction,area_fraction_corrected,factor,factor_std");
+    for coarse in &report.resolutions {
+        // Writing to a string cannot fail.
+        let _ = write!(text, ",factor_at_{}_um", coarse.pixel_um);
+    }
+    text.push('\n');
+    let known = |value: Option<f64>| value.map_or_else(String::new, |value| value.to_string());
+    for (n, point) in report.results.iter().enumerate() {
+        let _ = write!(
+            text,
+            "{},{},{},{},{}",
+            point.pressure_mpa,
+            point.area_fraction,
+            point.area_fraction_corrected,
+            known(point.factor),
+            known(point.factor_std)
+        );
+        for coarse in &report.resolutions {
+            let _ = write!(text, ",{}", known(coarse.factor.as_ref().map(|factor| factor[n])));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Area and f against pressure.
+///
+/// # Errors
+/// [`charts::ChartError`] if there is nothing to draw.
+pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
+    let column = |value: fn(&AreaReport) -> f64| report.results.iter().map(value).collect::<Vec<f64>>();
+    let factor: Vec<f64> = report.results.iter().map(|point| point.factor.unwrap_or(1.0)).collect();
+    let factor_std: Option<Vec<f64>> = report.results.iter().map(|point| point.factor_std).collect();
+    let threshold_mpa = tidy(report.threshold_mpa);
+    let threshold_area = report
+        .results
+        .iter()
+        .find(|point| tidy(point.pressure_mpa) == threshold_mpa)
+        .map(|point| [threshold_mpa, point.area_fraction_corrected]);
+    let title = match (report.synthetic_surface, &report.map) {
+        (true, _) => "Real contact area (synthetic surface)",
+        (false, Some(_)) => "Real contact area",
+        (false, None) => "Real contact area (Persson's theory)",
+    };
+    Ok(charts::area_law(&AreaLawChart {
+        title,
+        pressure_mpa: &column(|point| point.pressure_mpa),
+        area_fraction: &column(|point| point.area_fraction_corrected),
+        factor: &factor,
+        factor_std: factor_std.as_deref().unwrap_or_default(),
+        threshold: threshold_area,
+        others: &[],
+    })?)
+}
+
+/// What a curve of real contact area was solved for, SI units.
+#[derive(Clone, Debug)]
+pub struct AreaLawCurve {
+    /// E* = E / (1 - nu^2).
+    pub contact_modulus_pa: f64,
+    /// Young's modulus as it was given, in GPa.
+    pub youngs_modulus_gpa: f64,
+    /// Poisson's ratio.
+    pub poisson_ratio: f64,
+    /// Relative error up to which contact is solved.
+    pub tolerance: f64,
+    /// P0, in pascals.
+    pub threshold_pa: f64,
+    /// Pressures asked for.
+    pub listed_pa: Vec<f64>,
+    /// Pressures solved for: the threshold's beside them where all lie above it.
+    pub solved_pa: Vec<f64>,
+}
+
+impl AreaLawCurve {
+    /// Where the pressures asked for begin among those solved for.
+    #[must_use]
+    pub fn first(&self) -> usize {
+        self.solved_pa.len() - self.listed_pa.len()
+    }
+
+    /// The same as a request to solve.
+    #[must_use]
+    pub fn law(&self) -> AreaLawRequest<'_> {
+        AreaLawRequest {
+            contact_modulus_pa: self.contact_modulus_pa,
+            pressures_pa: &self.solved_pa,
+            threshold_pa: self.threshold_pa,
+            tolerance: self.tolerance,
+            windows: None,
+        }
+    }
+
+    /// f at a pressure by `law`; 1 without one as long as no pressure lies above the threshold.
+    fn factor(&self, law: Option<&AreaLaw>, pressure_pa: f64) -> Option<f64> {
+        let below = self.listed_pa.iter().all(|&pressure_pa| pressure_pa <= self.threshold_pa);
+        law.map(|law| law.factor(pressure_pa)).or(below.then_some(1.0))
+    }
+
+    /// The report of a curve, without what only a map has.
+    #[must_use]
+    pub fn report(&self, curve: &[AreaPoint], rms_slope: f64) -> AreaLawReport {
+        let law = area_law(curve, self.threshold_pa).ok();
+        let persson = persson_curve(rms_slope, self.contact_modulus_pa, &self.solved_pa).ok();
+        let persson = persson.and_then(|curve| area_law(&curve, self.threshold_pa).ok());
+        let report = |point: &AreaPoint| AreaReport {
+            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
+            area_fraction: point.area_fraction,
+            area_fraction_corrected: point.area_fraction_corrected,
+            factor: self.factor(law.as_ref(), point.pressure_pa),
+            factor_std: None,
+            factor_persson: self.factor(persson.as_ref(), point.pressure_pa),
+            area_error: point.area_error,
+            iterations: point.convergence.iterations,
+            residual: point.convergence.residual,
+            status: point.convergence.status.name(),
+        };
+        AreaLawReport {
+            program: "slipgrid",
+            version: VERSION,
+            map: None,
+            synthetic_surface: false,
+            rms_slope,
+            sa_um: None,
+            pixel_um: None,
+            rows: None,
+            columns: None,
+            youngs_modulus_gpa: self.youngs_modulus_gpa,
+            poisson_ratio: self.poisson_ratio,
+            contact_modulus_gpa: MODULUS_GPA.from_si(self.contact_modulus_pa),
+            full_contact_pressure_mpa: None,
+            threshold_mpa: PRESSURE_MPA.from_si(self.threshold_pa),
+            threshold_proportionality: proportionality(curve, self.threshold_pa),
+            tolerance: self.tolerance,
+            model: Vec::new(),
+            warnings: Vec::new(),
+            wall_s: 0.0,
+            threads: rayon::current_num_threads(),
+            windows: None,
+            resolutions: Vec::new(),
+            results: curve[self.first()..].iter().map(report).collect(),
+        }
+    }
+}
+
+/// A(P0)/P0 over A/P at the lightest load, where the curve lists both.
+fn proportionality(curve: &[AreaPoint], threshold_pa: f64) -> Option<f64> {
+    let share = |point: &AreaPoint| point.area_fraction_corrected / point.pressure_pa;
+    let lightest = curve.first().filter(|point| point.pressure_pa < threshold_pa && point.area_fraction > 0.0)?;
+    let at_threshold = curve.iter().find(|point| point.pressure_pa == threshold_pa)?;
+    Some(share(at_threshold) / share(lightest))
+}
+
+/// What windows of a map say of the pressures from number `first` on.
+#[must_use]
+pub fn window_report(spread: &WindowSpread, first: usize, wall_s: f64) -> WindowReport {
+    WindowReport {
+        per_side: spread.per_side,
+        count: spread.count(),
+        rows: spread.pixels[0],
+        columns: spread.pixels[1],
+        made_periodic: WINDOW_STATEMENT,
+        tolerance: STATISTICS_TOLERANCE,
+        rms_slope_mean: spread.rms_slope_mean,
+        rms_slope_spread: spread.rms_slope_spread,
+        factor_mean: spread.factor_mean[first..].to_vec(),
+        factor_spread: spread.factor_spread[first..].to_vec(),
+        wall_s,
+    }
+}
+
+/// What a map in coarser points says of the pressures from number `first` on.
+#[must_use]
+pub fn resolution_report(resolution: &Resolution, first: usize) -> ResolutionReport {
+    ResolutionReport {
+        coarser: resolution.coarser,
+        pixel_um: LENGTH_UM.from_si(resolution.pixel_m),
+        rms_slope: resolution.rms_slope,
+        tolerance: STATISTICS_TOLERANCE,
+        factor: resolution.factor.as_ref().map(|factor| factor[first..].to_vec()),
+    }
+}
+
+/// How f is meant.
+pub const FACTOR_STATEMENT: &str =
+    "f is the area over that at the threshold P0, divided by P/P0: the line through the origin, not the tangent";
+
+/// What was modelled of `surface`, and how.
+#[must_use]
+pub fn model(surface: &PreparedMap) -> Vec<String> {
+    let mut model = vec![
+        "rough contact of the map with a rigid plane: elastic half-space, periodic, no adhesion".to_owned(),
+        FACTOR_STATEMENT.to_owned(),
+    ];
+    if surface.synthetic {
+        model.push("the map is synthetic, not measured".to_owned());
+    }
+    model.extend(surface.notes.iter().cloned());
+    model
+}

@@ -1,0 +1,80 @@
+//! What a calibration found: text, tables, pictures.
+
+#[path = "fit.rs"]
+mod fit_details;
+mod patterned;
+
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_results::{Table, fixed};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
+
+use crate::{Outputs, ReportError};
+
+/// The calibration for people.
+#[must_use]
+pub fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {
+    let fit = &outcome.fit;
+    let mut text = format!("{} ({})\n", calibration.name, calibration.source);
+    for note in &outcome.material.provenance.notes {
+        text += &format!("- {note}\n");
+    }
+    for warning in &outcome.material.provenance.warnings {
+        text += &format!("! {warning}\n");
+    }
+    let mut table = Table::new([
+        "F N",
+        "P MPa",
+        "v mm/s",
+        "RH %",
+        "mu measured",
+        "+-",
+        "mu_d",
+        "+-",
+        "mu_s",
+        "+-",
+        "model - measured",
+    ]);
+    for (row, measured) in outcome.measurements.iter().enumerate() {
+        let pair = if fit.pairs.len() == 1 { fit.pairs.first() } else { fit.pairs.get(row) };
+        table.row([
+            measured.force_n.to_string(),
+            fixed(Some(PRESSURE_MPA.from_si(task.pressure_pa(measured))), 3),
+            SPEED_MM_S.from_si(measured.speed_m_s).to_string(),
+            HUMIDITY_PCT.from_si(measured.humidity).to_string(),
+            fixed(Some(measured.mu_dynamic), 4),
+            fixed(Some(measured.mu_dynamic_std), 4),
+            fixed(pair.map(|pair| pair.dynamic_mean), 4),
+            fixed(pair.and_then(|pair| pair.dynamic_std_error), 4),
+            fixed(pair.map(|pair| pair.static_mean), 4),
+            fixed(pair.and_then(|pair| pair.static_std_error), 4),
+            fixed(fit.predictions.get(row).map(|predicted| predicted.residual), 4),
+        ]);
+    }
+    text += &format!("\n{table}{}", fit_details::table(fit));
+    if let Some(patterned) = &outcome.patterned {
+        text += &format!(
+            "\nratios patterned / flat: measured, by the model, and predicted without the row itself\n{}",
+            patterned::table(patterned)
+        );
+    } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
+        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would give the model's discrepancy\n";
+    }
+    text
+}
+
+/// Everything that was found, as files: the fit, its profiles and residuals, patterned samples, and traces where there are.
+///
+/// # Errors
+/// [`ReportError`] where a picture cannot be drawn or a record has no JSON form.
+pub fn files(calibration: &Calibration, outcome: &CalibrationOutcome) -> Result<Outputs, ReportError> {
+    let mut outputs =
+        if calibration.traces.is_empty() { Outputs::default() } else { crate::traces::files(&calibration.traces)? };
+    outputs.add("fit.json", fit_details::json(&outcome.fit)?);
+    outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
+    outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
+    if let Some(patterned) = &outcome.patterned {
+        outputs.add("discrepancy.csv", patterned::csv(patterned));
+    }
+    Ok(outputs)
+}

@@ -1,0 +1,150 @@
+//! Tribometer traces as tables and pictures.
+
+use slipgrid_calibrate::Measurement;
+use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
+use slipgrid_formats::measurements;
+use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, notes};
+use slipgrid_results::{Table, VERSION, fixed};
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
+
+use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};
+use crate::{ChartError, Outputs};
+
+/// Tables and pictures of all conditions.
+///
+/// # Errors
+/// [`ChartError`] where a picture cannot be drawn.
+pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
+    let mut outputs = Outputs::default();
+    for kind in SurfaceKind::ALL {
+        let of_kind = conditions.iter().filter(|traces| traces.condition.surface == kind);
+        let rows: Vec<Measurement> = of_kind.map(ConditionTraces::measurement).collect();
+        if !rows.is_empty() {
+            let comment = format!(
+                "By slipgrid traces {VERSION}: {} samples, mean and standard deviation of repeats",
+                kind.name()
+            );
+            outputs.add(format!("{}.csv", kind.name()), measurements::table(&comment, &rows));
+        }
+    }
+    outputs.add("traces.csv", table(conditions));
+    for traces in conditions {
+        outputs.add(format!("{}.svg", name(&traces.condition)), picture(traces)?);
+    }
+    Ok(outputs)
+}
+
+/// Surface, force in N, speed in mm/s and humidity in per cent, in words.
+fn words(condition: &TraceCondition) -> [String; 4] {
+    [
+        condition.surface.name().to_owned(),
+        condition.force_n.to_string(),
+        SPEED_MM_S.from_si(condition.speed_m_s).to_string(),
+        HUMIDITY_PCT.from_si(condition.humidity).to_string(),
+    ]
+}
+
+/// A file name for a condition: `flat-200N-2mm_s-15pct`.
+fn name(condition: &TraceCondition) -> String {
+    let [surface, force, speed, humidity] = words(condition);
+    format!("{surface}-{force}N-{speed}mm_s-{humidity}pct")
+}
+
+fn title(condition: &TraceCondition) -> String {
+    let [surface, force, speed, humidity] = words(condition);
+    format!("{surface} sample, {force} N, {speed} mm/s, {humidity} % humidity")
+}
+
+fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {
+    let points: Vec<Vec<[f64; 2]>> = traces
+        .traces
+        .iter()
+        .map(|trace| trace.findings.time_s.iter().zip(&trace.findings.mu).map(|(&t, &mu)| [t, mu]).collect())
+        .collect();
+    let repeats: Vec<RepeatTrace<'_>> = traces
+        .traces
+        .iter()
+        .zip(&points)
+        .map(|(trace, points)| RepeatTrace {
+            series: Series { label: &trace.label, points },
+            mu_dynamic: trace.findings.window.mu,
+            static_peak: trace.findings.static_peak.map(|peak| [peak.time_s, peak.mu]),
+        })
+        .collect();
+    let window_s = traces.traces.first().map_or(DEFAULT_WINDOW_S, |trace| trace.findings.window_s);
+    tribometer(&TribometerChart { title: &title(&traces.condition), window_s, repeats: &repeats })
+}
+
+/// One row a repeat.
+fn table(conditions: &[ConditionTraces]) -> String {
+    let mut text = String::from(
+        "surface,force_n,speed_mm_s,humidity_pct,trace,mu_dynamic,mu_dynamic_stderr,drift,drift_stderr,mu_static,\
+         mu_static_time_s,stick_slip_amplitude,stick_slip_period_s,stick_slips,normal_force_n,flags\n",
+    );
+    for traces in conditions {
+        let condition = words(&traces.condition);
+        for trace in &traces.traces {
+            let found = &trace.findings;
+            let optional = |value: Option<f64>| value.map_or_else(String::new, |value| tidy(value).to_string());
+            let cells = [
+                quoted(&trace.label),
+                tidy(found.window.mu).to_string(),
+                tidy(found.window.stderr).to_string(),
+                tidy(found.window.drift).to_string(),
+                tidy(found.window.drift_stderr).to_string(),
+                optional(found.static_peak.map(|peak| peak.mu)),
+                optional(found.static_peak.map(|peak| peak.time_s)),
+                optional(found.stick_slip.map(|slip| slip.amplitude)),
+                optional(found.stick_slip.map(|slip| slip.period_s)),
+                found.stick_slip.map_or_else(String::new, |slip| slip.slips.to_string()),
+                tidy(found.normal_force_n).to_string(),
+                quoted(&trace.flags.join("; ")),
+            ];
+            text += &format!("{},{}\n", condition.join(","), cells.join(","));
+        }
+    }
+    text
+}
+
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "'"))
+}
+
+/// The traces for people.
+#[must_use]
+pub fn summary(conditions: &[ConditionTraces]) -> String {
+    let mut text = String::new();
+    for traces in conditions {
+        text += &format!("{}\n", title(&traces.condition));
+        let mut table = Table::new(["trace", "mu", "+-", "drift %", "static peak", "at s", "slip", "period s"]);
+        for trace in &traces.traces {
+            let found = &trace.findings;
+            table.row([
+                trace.label.clone(),
+                fixed(Some(found.window.mu), 4),
+                fixed(Some(found.window.stderr), 4),
+                fixed(Some(100.0 * found.window.drift / found.window.mu), 1),
+                fixed(found.static_peak.map(|peak| peak.mu), 4),
+                fixed(found.static_peak.map(|peak| peak.time_s), 2),
+                fixed(found.stick_slip.map(|slip| slip.amplitude), 4),
+                fixed(found.stick_slip.map(|slip| slip.period_s), 2),
+            ]);
+        }
+        let mean = &traces.mean;
+        table.row([
+            format!("mean of {}", mean.count),
+            fixed(Some(mean.mu_dynamic.mean), 4),
+            fixed(Some(mean.mu_dynamic.std), 4),
+            String::new(),
+            fixed(mean.mu_static.map(|peak| peak.mean), 4),
+            String::new(),
+            String::new(),
+            String::new(),
+        ]);
+        text += &format!("{table}\n");
+    }
+    for note in notes(conditions) {
+        text += &format!("- {note}\n");
+    }
+    text
+}
