@@ -4,13 +4,13 @@
 //! |---|---|
 //! | `scales` | units: l, k, m |
 //! | `protocol` | ramp, rest, drive |
-//! | `contact` | the friction law on the contact row |
+//! | `contact` | the friction law on a contact block, and the contact row of the plane |
 //! | `bonds`, `bond_rows` | forces of linear or exact springs, row by row |
 //! | `rows` | coefficients and state of a strip of columns |
 //! | `stencil` | a lattice cut into strips, with the coefficients of its linear springs |
 //! | `sweep` | one step for the rows of a strip, in vectors |
 //! | `contact_columns` | what a pass over contact blocks reads |
-//! | `contact_strip` | friction on the contact blocks of a strip, in vectors |
+//! | `contact_vectors` | friction on the contact blocks of a strip, or of a cell in space, in vectors |
 //! | `strip` | one step of a strip |
 //! | `crew` | several threads on one lattice |
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
@@ -18,7 +18,7 @@
 //! | `recorder` | history and averages |
 //! | `stationary` | where a record becomes stationary |
 //! | `drive` | an integrator from start to end |
-//! | `run` | one run in the vertical plane |
+//! | `run` | one run in the plane |
 //! | `space` | the cell in space |
 
 mod bond_rows;

@@ -6,8 +6,7 @@
 //! | `field` | displacements at two instants |
 //! | `stencil` | rows of inside blocks, and rows with a coefficient per spring |
 //! | `sweep` | one step for a row, in vectors |
-//! | `slip` | friction as a vector on one block |
-//! | `contact` | friction on the contact layer, in vectors |
+//! | `slip` | friction as a vector on contact blocks |
 //! | `leapfrog` | the integrator |
 //! | `run` | one run of one cell |
 
