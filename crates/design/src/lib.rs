@@ -65,6 +65,14 @@ mod trade_offs;
 mod trial_domain;
 mod uncertainty_budget;
 
+// What a task is made of, so that a program needs no other crate.
+pub use slipgrid_export as export;
+pub use slipgrid_material as material;
+pub use slipgrid_monitor::{Monitor, Unwatched};
+pub use slipgrid_optimize as optimize;
+pub use slipgrid_pattern as pattern;
+pub use slipgrid_springblock as springblock;
+
 pub use constraint_quantities::ConstraintQuantity;
 pub use cost_estimate::cost_line;
 pub use dynamic_excess::correct;

@@ -1,0 +1,78 @@
+//! Laser-textured surfaces for a target dry friction: every library of slipgrid under one name.
+//!
+//! | room | what happens there |
+//! |---|---|
+//! | [`topography`] | altitude maps: read, levelled, measured |
+//! | [`contact`] | real contact area of a rough surface against pressure |
+//! | [`material`] | elastic constants, local friction, the area law |
+//! | [`pattern`] | planforms and their lengths |
+//! | [`springblock`] | friction of a pattern: steady cells, runs in time, in the plane and in space |
+//! | [`calibrate`] | measurements on samples to a material, with errors |
+//! | [`optimize`] | searches among patterns |
+//! | [`design`] | **the main job**: search, confirm in time, explain |
+//! | [`export`] | layouts on a specimen and the files of a laser |
+//! | [`formats`] | scene, design, calibration and material files |
+//! | [`results`], [`report`] | records of what was found; text, charts and pages drawn from them |
+//! | [`studies`] | the program's own evidence |
+//! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
+//!
+//! No library opens a file, reads a clock, prints, or touches the environment: bytes come through
+//! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
+//!
+//! The main job: a task from the text of a design file, a search that is confirmed in time, a drawing for the laser.
+//!
+//! ```
+//! use slipgrid::design::{NoCache, run};
+//! use slipgrid::formats::{Document, design::Design};
+//! use slipgrid::{export, monitor::Unwatched};
+//!
+//! let text = r#"
+//!     [material]
+//!     youngs_modulus_gpa = 0.38
+//!     density_g_cm3 = 0.9
+//!     friction = { static_mean = 0.30, dynamic_mean = 0.27, relative_std = 0.05 }
+//!     area_law = { pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }
+//!     [target]
+//!     quantity = "ratio"
+//!     pressure_mpa = 2.6
+//!     value = 0.95
+//!     tolerance = 0.02
+//!     [bounds]
+//!     width_um = [100, 200]
+//!     spacing_um = [200, 400]
+//!     depth_um = [5, 20]
+//!     [specimen]
+//!     shape = "disc"
+//!     diameter_mm = 2
+//!     [sample]
+//!     layer_um = 60
+//!     block_um = 10
+//! "#;
+//! let design = Design::from_document(Document::new("design.toml", text))?;
+//! let found = run(&design.task, &mut NoCache, &Unwatched)?;
+//! println!("{}", found.report.summary());
+//!
+//! let layout = design.task.specimen.layout(found.pattern)?;
+//! let heading = export::Heading { name: &design.task.name, version: found.report.version, notes: &[] };
+//! let mut drawing = Vec::new();
+//! export::dxf(&layout, &heading, &mut drawing)?;
+//! assert!(drawing.starts_with(b"999\nslipgrid"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub use slipgrid_calibrate as calibrate;
+pub use slipgrid_contact as contact;
+pub use slipgrid_design as design;
+pub use slipgrid_export as export;
+pub use slipgrid_formats as formats;
+pub use slipgrid_material as material;
+pub use slipgrid_monitor as monitor;
+pub use slipgrid_optimize as optimize;
+pub use slipgrid_pattern as pattern;
+pub use slipgrid_report as report;
+pub use slipgrid_results as results;
+pub use slipgrid_springblock as springblock;
+pub use slipgrid_statistics as statistics;
+pub use slipgrid_studies as studies;
+pub use slipgrid_topography as topography;
+pub use slipgrid_units as units;

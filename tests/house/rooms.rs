@@ -1,0 +1,110 @@
+//! Crates use only those before them, and none but the command line touches what is outside the process.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The crates in an order in which each uses only those before it.
+const ROOMS: [&str; 18] = [
+    "monitor",
+    "units",
+    "statistics",
+    "material",
+    "pattern",
+    "topography",
+    "contact",
+    "springblock",
+    "calibrate",
+    "optimize",
+    "export",
+    "results",
+    "design",
+    "formats",
+    "report",
+    "studies",
+    "slipgrid",
+    "cli",
+];
+/// The one that has files, clock, console and environment.
+const FRONT_DOOR: &str = "cli";
+/// Lines that the command line has at most.
+const MOST_LINES: usize = 4000;
+/// What reaches outside: files, clocks, the environment, the console, processes and a pool of threads for all.
+const OUTSIDE: [&str; 13] = [
+    "std::fs",
+    "File::open",
+    "File::create",
+    "std::env::",
+    "Instant::now",
+    "SystemTime",
+    "println!",
+    "print!(",
+    "io::stdout",
+    "io::stderr",
+    "std::process",
+    "build_global",
+    "available_parallelism",
+];
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
+}
+
+/// Every Rust file below `folder`.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Code of `text` without comments and without the tests at its end.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let lines = text.lines().enumerate().take_while(|(_, line)| line.trim() != "#[cfg(test)]");
+    lines.map(|(place, line)| (place + 1, line.split("//").next().unwrap_or_default()))
+}
+
+#[test]
+fn libraries_touch_nothing_outside() {
+    for room in ROOMS.into_iter().filter(|room| *room != FRONT_DOOR) {
+        let mut files = Vec::new();
+        sources(&root().join("crates").join(room).join("src"), &mut files);
+        assert!(!files.is_empty(), "{room}");
+        for file in files.iter().filter(|file| !file.to_string_lossy().contains("test")) {
+            let text = fs::read_to_string(file).unwrap();
+            for (line, code) in code(&text) {
+                let touched = OUTSIDE.into_iter().find(|outside| code.contains(outside));
+                assert!(touched.is_none(), "{}:{line}: {}", file.display(), touched.unwrap_or_default());
+            }
+        }
+    }
+}
+
+#[test]
+fn every_room_uses_only_those_before_it() {
+    let mut there: Vec<String> =
+        fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    there.sort();
+    let mut known = ROOMS.map(str::to_owned);
+    known.sort();
+    assert_eq!(there, known);
+    for (place, room) in ROOMS.into_iter().enumerate() {
+        let manifest = fs::read_to_string(root().join("crates").join(room).join("Cargo.toml")).unwrap();
+        let own = manifest.split("[dev-dependencies]").next().unwrap();
+        for used in own.lines().filter_map(|line| line.strip_prefix("slipgrid-")?.strip_suffix(".workspace = true")) {
+            let at = ROOMS.into_iter().position(|other| other == used);
+            assert!(at.is_some_and(|at| at < place), "{room} uses {used}");
+        }
+    }
+}
+
+#[test]
+fn the_command_line_stays_small() {
+    let mut files = Vec::new();
+    sources(&root().join("crates").join(FRONT_DOOR).join("src"), &mut files);
+    let lines: usize = files.iter().map(|file| fs::read_to_string(file).unwrap().lines().count()).sum();
+    assert!(lines < MOST_LINES, "{lines} lines in the command line");
+}
