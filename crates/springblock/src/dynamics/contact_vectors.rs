@@ -122,6 +122,7 @@ where
     for<'p> Pass<'p, H>: WithSimd<Output = bool>,
 {
     /// One leapfrog kick by the spring forces, horizontal and vertical, by column; the sums over all blocks.
+    #[inline(never)]
     pub fn kick(&mut self, force: [&[f64]; H], lift: &[f64], kept: f64) -> ContactSums {
         let left = vectorized(Pass {
             columns: &self.columns,
@@ -148,6 +149,8 @@ where
         ContactSums { friction: along(self.drive, sums), across, normal: fixed_sum(&self.normal) }
     }
 
+    /// What the pass has left: seldom, and out of its way.
+    #[inline(never)]
     fn kick_block(&mut self, i: usize, force: [f64; H], lift: f64, kept: f64) {
         let Self { blocks, law, columns, .. } = self;
         // What is no block has no friction, even where displacements are no longer finite.

@@ -104,8 +104,10 @@ impl Plane {
     }
 
     /// Places the blocks from `start` on `by` beside where they are `now`.
+    #[inline]
     pub fn place_moved(&mut self, now: &Self, start: usize, by: &[f64]) {
-        for ((value, now), by) in self.rows_mut()[start..].iter_mut().zip(&now.rows()[start..]).zip(by) {
+        let (values, now) = (&mut self.rows_mut()[start..][..by.len()], &now.rows()[start..][..by.len()]);
+        for ((value, now), by) in values.iter_mut().zip(now).zip(by) {
             *value = now + by;
         }
     }
