@@ -68,7 +68,9 @@ fn task(more: &str) -> DesignTask {
 
 #[test]
 fn every_stage_ends_when_the_monitor_cancels() {
-    let task = task("[trade_offs]\ngoals = [\"misfit\", \"volume\"]\ndesigns = 100\n[search]\ntable = true\nmax_evaluations = 200\n");
+    let task = task(
+        "[trade_offs]\ngoals = [\"misfit\", \"volume\"]\ndesigns = 100\n[search]\ntable = true\nmax_evaluations = 200\n",
+    );
     let whole = Button::new("", Duration::ZERO);
     run(&task, &mut NoCache, &whole).unwrap();
     let mut stages = whole.seen.into_inner().unwrap();
@@ -100,7 +102,8 @@ fn seconds_from_cancelling_to_the_end() {
             let worst = [10, 50, 150, 400].map(|after_ms| {
                 let button = Button::new(&stage, Duration::from_millis(after_ms));
                 let found = run(&task, &mut NoCache, &button);
-                let ended = button.begun.lock().unwrap().map(|begun| begun.elapsed() - button.after.min(begun.elapsed()));
+                let ended =
+                    button.begun.lock().unwrap().map(|begun| begun.elapsed() - button.after.min(begun.elapsed()));
                 (found.err() == Some(DesignError::Cancelled)).then(|| ended.unwrap_or_default().as_secs_f64())
             });
             let worst = worst.into_iter().flatten().fold(0.0, f64::max);

@@ -20,7 +20,8 @@ fn a_program_outside_does_the_main_job_and_cancels_it() {
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     let program = target().join("release").join(format!("design_job{}", std::env::consts::EXE_SUFFIX));
     let folder = tempfile::tempdir().unwrap();
-    let run = |argument: Option<&str>| Command::new(&program).args(argument).current_dir(folder.path()).output().unwrap();
+    let run =
+        |argument: Option<&str>| Command::new(&program).args(argument).current_dir(folder.path()).output().unwrap();
     let cancelled = run(Some("--cancel"));
     assert!(!cancelled.status.success() && String::from_utf8_lossy(&cancelled.stderr).contains("Cancelled"));
     assert!(!folder.path().join("pattern.dxf").exists());

@@ -85,8 +85,10 @@ fn libraries_touch_nothing_outside() {
 
 #[test]
 fn every_room_uses_only_those_before_it() {
-    let mut there: Vec<String> =
-        fs::read_dir(root().join("crates")).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let mut there: Vec<String> = fs::read_dir(root().join("crates"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     there.sort();
     let mut known = ROOMS.map(str::to_owned);
     known.sort();

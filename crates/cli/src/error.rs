@@ -53,12 +53,6 @@ impl From<slipgrid_formats::written_material::UnwritableMaterial> for CliError {
     }
 }
 
-impl From<serde_json::Error> for CliError {
-    fn from(error: serde_json::Error) -> Self {
-        Self::Other(format!("the result has no JSON form: {error}"))
-    }
-}
-
 impl From<slipgrid_formats::confirmed_scene::UnwritableScene> for CliError {
     fn from(error: slipgrid_formats::confirmed_scene::UnwritableScene) -> Self {
         Self::Other(error.to_string())

@@ -86,3 +86,24 @@ pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
     TradeOffGoal, TradeOffsWanted, loads,
 };
+
+/// What a [`DesignReport`] is made of: the records of result.json.
+pub mod records {
+    pub use crate::chance_report::{ChanceReport, PartReport};
+    pub use crate::conditions_report::{ConditionReport, ConditionValue, ConditionsReport, ConflictReport};
+    pub use crate::discrepancy_correction::{DiscrepancyReport, FactorReport, MisfitReading, Reading};
+    pub use crate::flat_is_best::FlatReport;
+    pub use crate::infeasibility::{ExplanationReport, NearestReport, ReliefReport};
+    pub use crate::lattice_table::{NodeReport, TableReport};
+    pub use crate::reachable_range::ReachableReport;
+    pub use crate::robustness_report::{
+        CorrectedReport, Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport,
+        ScatterReport, SpreadReport,
+    };
+    pub use crate::selection::SelectionReport;
+    pub use crate::sensitivity::{Dimensions, SensitivityReport, SlopesReport};
+    pub use crate::target_report::{GoalReport, TargetReport, Tolerance};
+    pub use crate::timings::{ImprovementReport, Timings};
+    pub use crate::trade_offs::{ListedDesign, TradeOffsReport};
+    pub use crate::trial_domain::DomainReport;
+}

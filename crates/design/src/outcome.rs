@@ -26,7 +26,7 @@ use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
 use slipgrid_results::{fixed, with_error};
 
 /// result.json of `optimize`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct DesignReport {
     /// `slipgrid`.
     pub program: &'static str,
@@ -148,7 +148,7 @@ pub struct StoredDesign {
 }
 
 /// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MisfitReport {
     /// Of the search's model.
     pub predicted: f64,

@@ -8,7 +8,7 @@ use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct TargetReport {
     /// `ratio` or `mu_dynamic`.
     pub quantity: &'static str,

@@ -20,7 +20,6 @@ pub mod html;
 pub mod laser_files;
 pub mod lattice;
 mod outputs;
-pub mod pages;
 pub mod pictures;
 pub mod surface;
 pub mod target;

@@ -25,7 +25,7 @@ const NORMAL_95: f64 = 1.959_964;
 pub const NO_SLOPES: &str = "what the material's errors make of friction: its neighbours cannot be computed";
 
 /// Errors of the numbers of one scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorsReport {
     /// What the errors combine, in words.
     pub meaning: String,
@@ -62,7 +62,7 @@ pub struct PressureErrors {
 }
 
 /// A value with one standard deviation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorReport {
     /// The value; null where the run gave none.
     pub value: Option<f64>,

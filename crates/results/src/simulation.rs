@@ -85,7 +85,7 @@ impl From<&Provenance> for MaterialReport {
 }
 
 /// A texture.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PatternReport {
     /// Width of a cavity along the sliding direction.
     pub width_um: f64,
@@ -153,7 +153,7 @@ impl PatternReport {
 }
 
 /// Results at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct LoadReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,

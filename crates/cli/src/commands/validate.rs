@@ -63,7 +63,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         outputs.add("timings.json", timings);
         outputs.add("ratios.csv", validation::csv(&report));
         outputs.add("ratios.svg", validation::picture(&report)?);
-        let page = validation::page(&serde_json::to_value(&report)?, &outputs);
+        let page = validation::page(&report, &outputs);
         outputs.add("report.html", page);
         write(&outputs, folder)?;
         console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));

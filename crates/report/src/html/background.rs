@@ -1,20 +1,22 @@
 //! What a design's numbers come from: the search's improvements and the material's coefficients.
 
-use serde_json::Value;
+use slipgrid_design::records::ImprovementReport;
+use slipgrid_material::AreaLaw;
+use slipgrid_springblock::Load;
+use slipgrid_units::PRESSURE_MPA;
 
-use super::page::{Page, each, number, plain};
-use slipgrid_results::fixed;
+use super::page::{Page, number, percent, plain, with_error, yes_or_no};
 
-/// Improvements of the best design, where the result holds them.
-pub(super) fn history(page: &mut Page, result: &Value) {
-    let rows: Vec<Vec<String>> = each(result, "history")
+/// Improvements of the best design.
+pub(super) fn history(page: &mut Page, history: &[ImprovementReport]) {
+    let rows: Vec<Vec<String>> = history
         .iter()
         .map(|entry| {
             vec![
-                plain(&entry["round"]),
-                plain(&entry["evaluation"]),
-                number(&entry["misfit"], 3),
-                plain(&entry["feasible"]),
+                entry.round.to_string(),
+                entry.evaluation.to_string(),
+                number(entry.misfit, 3),
+                yes_or_no(entry.feasible),
             ]
         })
         .collect();
@@ -26,42 +28,39 @@ pub(super) fn history(page: &mut Page, result: &Value) {
     );
 }
 
-/// Local coefficients and area law of `scene`, the text of a scene file.
-pub(super) fn coefficients(page: &mut Page, scene: &str) {
-    let Ok(scene) = scene.parse::<toml::Table>() else { return };
-    let Some(material) = scene.get("material").and_then(toml::Value::as_table) else { return };
-    let numbers = |table: &str, key: &str| -> Vec<f64> {
-        match material.get(table).and_then(|table| table.get(key)) {
-            Some(toml::Value::Array(values)) => values.iter().filter_map(toml::Value::as_float).collect(),
-            Some(value) => value.as_float().into_iter().collect(),
-            None => Vec::new(),
-        }
+/// Local coefficients at `loads`, in the order of their pressures; one row where all share them.
+pub(super) fn coefficients(page: &mut Page, loads: &[Load]) {
+    let row = |pressure: String, load: &Load| {
+        vec![pressure, number(load.friction.static_mean(), 4), number(load.friction.dynamic_mean(), 4)]
     };
-    let friction = ["pressure_mpa", "static_mean", "dynamic_mean"].map(|key| numbers("friction", key));
-    let rows: Vec<Vec<String>> = (0..friction[2].len())
-        .map(|row| {
-            let pressure = friction[0].get(row).map_or_else(|| "all".to_owned(), f64::to_string);
-            vec![pressure, fixed(friction[1].get(row).copied(), 4), fixed(friction[2].get(row).copied(), 4)]
-        })
-        .collect();
-    let scatter = numbers("friction", "relative_std").first().map(|std| 100.0 * std);
+    let mut loads: Vec<&Load> = loads.iter().collect();
+    loads.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
+    let Some(first) = loads.first() else { return };
+    let rows: Vec<Vec<String>> = if loads.iter().all(|load| load.friction == first.friction) {
+        vec![row("all".to_owned(), first)]
+    } else {
+        loads.iter().map(|load| row(plain(PRESSURE_MPA.from_si(load.pressure_pa)), load)).collect()
+    };
     page.table(
         &format!(
             "Means of the local friction coefficients, dimensionless; each block draws its own with a relative standard deviation of {} %.",
-            fixed(scatter, 1)
+            percent(first.friction.relative_std(), 1)
         ),
         &["P in MPa", "static", "dynamic"],
         &rows,
     );
-    let law = ["pressure_mpa", "factor", "factor_std"].map(|key| numbers("area_law", key));
-    let rows: Vec<Vec<String>> = law[0]
+}
+
+/// The factors of the area law.
+pub(super) fn area_law(page: &mut Page, law: &AreaLaw) {
+    let rows: Vec<Vec<String>> = law
+        .pressures_pa()
         .iter()
-        .zip(&law[1])
+        .zip(law.factors())
         .enumerate()
-        .map(|(row, (pressure, factor))| {
-            let factor = fixed(Some(*factor), 4);
-            let std = law[2].get(row).map_or_else(String::new, |std| format!(" ± {}", fixed(Some(*std), 4)));
-            vec![pressure.to_string(), factor + &std]
+        .map(|(row, (pressure_pa, factor))| {
+            let std = law.factor_std().and_then(|all| all.get(row).copied());
+            vec![plain(PRESSURE_MPA.from_si(*pressure_pa)), with_error(*factor, std, 4)]
         })
         .collect();
     page.table(

@@ -2,11 +2,11 @@
 //!
 //! | function | page |
 //! |---|---|
-//! | [`design`] | what `optimize` found, from its result.json and pictures |
+//! | [`design`] | what `optimize` found, from its record and pictures |
 //! | [`page`], [`section`] | the parts of any page |
 //!
-//! A page takes what the result holds and leaves out what it does not. It says neither time nor threads:
-//! the same result gives the same bytes.
+//! A page is drawn from a record by its type, shows what the record holds and leaves out what is `None`. It says neither
+//! time nor threads: the same result gives the same bytes.
 
 mod background;
 mod conditions;
@@ -17,5 +17,7 @@ mod uncertainty;
 
 pub use design::design;
 
+#[cfg(test)]
+mod fixture;
 #[cfg(test)]
 mod tests;

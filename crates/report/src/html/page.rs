@@ -1,19 +1,28 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
-use std::fmt::Write as _;
-
-use serde_json::Value;
-
-use slipgrid_results::fixed;
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
+use slipgrid_results::{ErrorReport, fixed};
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("sort.js");
+
+/// The end of a line, after every element that has one of its own.
+const NL: PreEscaped<&str> = PreEscaped("\n");
 
 /// Bytes of a picture above which a page only names it: browsers draw tens of thousands of shapes slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
 /// Characters of a number with its error and unit; longer cells are sentences.
 const LONGEST_NUMBER: usize = 24;
+
+/// Text without control characters other than line ends, escaped as it is written.
+struct Text<'a>(&'a str);
+
+impl Render for Text<'_> {
+    fn render_to(&self, buffer: &mut String) {
+        self.0.replace(|c: char| c.is_control() && c != '\n', "").render_to(buffer);
+    }
+}
 
 /// A page under construction.
 pub struct Page {
@@ -30,36 +39,64 @@ impl Page {
 
     /// The whole page. `version` of the program that made it.
     pub fn finish(self, title: &str, version: &str) -> String {
-        let (title, version) = (escape(title), escape(version));
-        format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <meta name=\"generator\" content=\"slipgrid {version}\">\n<title>{title}</title>\n\
-             <style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n{}</main>\n\
-             <footer>Made by slipgrid {version}. Every number stands in the files beside this page.</footer>\n\
-             <script>\n{SCRIPT}</script>\n</body>\n</html>\n",
-            self.body
-        )
+        let (title, version) = (Text(title), Text(version));
+        let page = html! {
+            (DOCTYPE) (NL)
+            html lang="en" { (NL)
+                head { (NL)
+                    meta charset="utf-8"; (NL)
+                    meta name="viewport" content="width=device-width, initial-scale=1"; (NL)
+                    meta name="generator" content={ "slipgrid " (version) }; (NL)
+                    title { (title) } (NL)
+                    style { (NL) (PreEscaped(STYLE)) } (NL)
+                } (NL)
+                body { (NL)
+                    main { (NL) (PreEscaped(self.body)) } (NL)
+                    footer { "Made by slipgrid " (version) ". Every number stands in the files beside this page." } (NL)
+                    script { (NL) (PreEscaped(SCRIPT)) } (NL)
+                } (NL)
+            } (NL)
+        };
+        page.into_string()
     }
 
-    /// A heading, from level 1 on.
-    pub fn heading(&mut self, level: u8, text: &str) {
-        let _ = writeln!(self.body, "<h{level}>{}</h{level}>", escape(text));
+    /// Appends an element and a line's end.
+    fn add(&mut self, element: &Markup) {
+        self.body.push_str(&element.0);
+        self.body.push('\n');
     }
 
-    /// A paragraph of a class, or of none.
-    pub fn paragraph(&mut self, class: &str, text: &str) {
-        let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
-        let _ = writeln!(self.body, "<p{class}>{}</p>", escape(text));
+    /// The page's name, above everything.
+    pub fn title(&mut self, text: &str) {
+        self.add(&html! { h1 { (Text(text)) } });
+    }
+
+    /// A heading.
+    pub fn heading(&mut self, text: &str) {
+        self.add(&html! { h2 { (Text(text)) } });
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        self.add(&html! { p { (Text(text)) } });
+    }
+
+    /// A paragraph of a class of the style sheet.
+    pub fn marked(&mut self, class: &str, text: &str) {
+        self.add(&html! { p class=(class) { (Text(text)) } });
+    }
+
+    /// What a reader should know before using the numbers.
+    pub fn warning(&mut self, text: &str) {
+        self.marked("warning", text);
     }
 
     /// A share from 0 to 1 as a bar, which words beside it say too.
     pub fn bar(&mut self, share: f64) {
         let percent = 100.0 * share.clamp(0.0, 1.0);
-        let _ = writeln!(
-            self.body,
-            "<div class=\"bar\" aria-hidden=\"true\"><div style=\"width:{percent:.1}%\"></div></div>"
-        );
+        self.add(&html! {
+            div class="bar" aria-hidden="true" { div style=(format!("width:{percent:.1}%")) {} }
+        });
     }
 
     /// A list with bullets; nothing where there are no items.
@@ -67,11 +104,7 @@ impl Page {
         if items.is_empty() {
             return;
         }
-        self.body.push_str("<ul>\n");
-        for item in items {
-            let _ = writeln!(self.body, "<li>{}</li>", escape(item));
-        }
-        self.body.push_str("</ul>\n");
+        self.add(&html! { ul { (NL) @for item in items { li { (Text(item)) } (NL) } } });
     }
 
     /// A table whose columns sort by a click; nothing where it has no rows.
@@ -79,37 +112,37 @@ impl Page {
         if rows.is_empty() {
             return;
         }
-        self.body.push_str("<div class=\"scroll\"><table>\n");
-        if !caption.is_empty() {
-            let _ = writeln!(self.body, "<caption>{}</caption>", escape(caption));
-        }
         // Sentences read from the left, numbers line up at the right: a column is one or the other.
         let is_words = |column: usize| {
             rows.iter().filter_map(|row| row.get(column)).any(|cell| cell.chars().count() > LONGEST_NUMBER)
         };
-        let classes: Vec<&str> =
-            (0..header.len()).map(|column| if is_words(column) { " class=\"words\"" } else { "" }).collect();
-        self.body.push_str("<thead><tr>");
-        for (name, class) in header.iter().zip(&classes) {
-            let name = escape(name);
-            let _ = write!(self.body, "<th scope=\"col\"{class}><button type=\"button\">{name}</button></th>");
-        }
-        self.body.push_str("</tr></thead>\n<tbody>\n");
-        for row in rows {
-            self.body.push_str("<tr>");
-            for (column, cell) in row.iter().enumerate() {
-                let class = classes.get(column).copied().unwrap_or_default();
-                let _ = write!(self.body, "<td{class}>{}</td>", escape(cell));
+        let classes: Vec<Option<&str>> = (0..header.len()).map(|column| is_words(column).then_some("words")).collect();
+        let class = |column: usize| classes.get(column).copied().flatten();
+        self.add(&html! {
+            div class="scroll" {
+                table { (NL)
+                    @if !caption.is_empty() { caption { (Text(caption)) } (NL) }
+                    thead {
+                        tr {
+                            @for (column, name) in header.iter().enumerate() {
+                                th scope="col" class=[class(column)] { button type="button" { (Text(name)) } }
+                            }
+                        }
+                    } (NL)
+                    tbody { (NL)
+                        @for row in rows {
+                            tr { @for (column, cell) in row.iter().enumerate() { td class=[class(column)] { (Text(cell)) } } } (NL)
+                        }
+                    } (NL)
+                }
             }
-            self.body.push_str("</tr>\n");
-        }
-        self.body.push_str("</tbody>\n</table></div>\n");
+        });
     }
 
     /// A picture on a white card, in any colour scheme; `alt` says what it shows.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
-            self.paragraph("", &format!("{caption} The picture is too large for this page: it stands beside it."));
+            self.paragraph(&format!("{caption} The picture is too large for this page: it stands beside it."));
             return;
         }
         self.pictures += 1;
@@ -119,13 +152,10 @@ impl Page {
         let named = svg[start..]
             .replace(" id=\"", &format!(" id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
-            .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", escape(caption)), 1);
-        let caption = escape(caption);
-        let _ = writeln!(
-            self.body,
-            "<figure><div class=\"card\">{}</div><figcaption>{caption}</figcaption></figure>",
-            named.trim_end()
-        );
+            .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", Text(caption).render().0), 1);
+        self.add(&html! {
+            figure { div class="card" { (PreEscaped(named.trim_end())) } figcaption { (Text(caption)) } }
+        });
     }
 
     /// Pictures side by side where there is room.
@@ -139,69 +169,50 @@ impl Page {
 
     /// A file's text, folded away.
     pub fn folded(&mut self, name: &str, text: &str) {
-        let _ = writeln!(
-            self.body,
-            "<details><summary>{}</summary><pre>{}</pre></details>",
-            escape(name),
-            escape(text.trim_end())
-        );
+        self.add(&html! { details { summary { (Text(name)) } pre { (Text(text.trim_end())) } } });
     }
 }
 
-/// `text` as HTML; control characters other than line ends are left out.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars().filter(|c| !c.is_control() || *c == '\n') {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
-/// The text at `key`, empty where there is none.
-pub fn text<'a>(value: &'a Value, key: &str) -> &'a str {
-    value[key].as_str().unwrap_or("")
+/// A number that is one: infinities, and what is no number, say nothing.
+pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
+    value.into().filter(|value| value.is_finite())
 }
 
 /// A number with its decimals, or a dash.
-pub fn number(value: &Value, digits: usize) -> String {
-    fixed(value.as_f64(), digits)
+pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
+    fixed(value.into(), digits)
 }
 
-/// A number as it is written in the result, or a dash.
-pub fn plain(value: &Value) -> String {
-    match value {
-        Value::Null => "-".to_owned(),
-        Value::String(text) => text.clone(),
-        Value::Bool(true) => "yes".to_owned(),
-        Value::Bool(false) => "no".to_owned(),
-        // 50, not 50.0
-        Value::Number(number) if number.is_f64() => {
-            number.as_f64().map_or_else(String::new, |number| number.to_string())
-        }
-        other => other.to_string(),
+/// A number with all its digits and no more, or a dash: 50, not 50.0.
+pub fn plain(value: impl Into<Option<f64>>) -> String {
+    known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
+}
+
+/// A share from 0 to 1 in per cent, or a dash.
+pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
+    number(share.into().map(|share| 100.0 * share), digits)
+}
+
+/// A number with its error, as far as both are known.
+pub fn with_error(value: impl Into<Option<f64>>, error: impl Into<Option<f64>>, digits: usize) -> String {
+    let value = known(value);
+    match known(error).filter(|_| value.is_some()) {
+        Some(error) => format!("{} ± {}", number(value, digits), number(error.abs(), digits)),
+        None => number(value, digits),
     }
 }
 
-/// A number with its error.
-pub fn with_error(value: &Value, error: &Value, digits: usize) -> String {
-    match error.as_f64() {
-        Some(error) if value.is_number() => format!("{} ± {}", number(value, digits), fixed(Some(error.abs()), digits)),
-        _ => number(value, digits),
-    }
+/// The value of `of` with its standard deviation, or a dash.
+pub fn estimate(of: Option<&ErrorReport>, digits: usize) -> String {
+    of.map_or_else(|| "-".to_owned(), |of| with_error(of.value, of.std, digits))
 }
 
-/// The elements of a list, none where it is none.
-pub fn each<'a>(value: &'a Value, key: &str) -> &'a [Value] {
-    value[key].as_array().map_or(&[], Vec::as_slice)
+/// Both ends of an interval, or a dash.
+pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
+    interval.map_or_else(|| "-".to_owned(), |[from, to]| format!("{} to {}", number(from, digits), number(to, digits)))
 }
 
-/// The texts of a list.
-pub fn texts(value: &Value, key: &str) -> Vec<String> {
-    each(value, key).iter().filter_map(|item| item.as_str().map(str::to_owned)).collect()
+/// Yes or no.
+pub fn yes_or_no(is_so: bool) -> String {
+    if is_so { "yes" } else { "no" }.to_owned()
 }

@@ -1,39 +1,47 @@
-//! How far a design's numbers move with its dimensions.
+//! How far a design's numbers are known, how they move with its dimensions, and what could be had for what.
 
-use serde_json::Value;
+use slipgrid_design::records::{
+    Dimensions, DiscrepancyReport, DomainReport, PressureParts, Reading, RobustnessReport, SensitivityReport,
+    SpreadReport, TradeOffsReport,
+};
+use slipgrid_results::ErrorsReport;
 
-use super::page::{Page, each, number, plain, text, texts, with_error};
+use super::design::{lengths, three_lengths};
+use super::page::{Page, ends, known, number, percent, plain, with_error};
 use crate::Outputs;
-use slipgrid_results::fixed;
 
-/// Slopes at the design, where the result holds them.
-pub(super) fn sensitivities(page: &mut Page, result: &Value) {
-    let found = &result["sensitivities"];
-    let rows: Vec<Vec<String>> = each(found, "by_pressure")
-        .iter()
-        .map(|row| {
-            let cell = |axis: &str| match (row["per_um"][axis].as_f64(), row["error_per_um"][axis].as_f64()) {
-                (Some(value), Some(error)) => {
-                    format!("{} ± {}", fixed(Some(1e4 * value), 2), fixed(Some(1e4 * error), 2))
-                }
-                _ => "-".to_owned(),
-            };
-            vec![plain(&row["pressure_mpa"]), cell("width"), cell("spacing"), cell("depth")]
-        })
-        .collect();
-    if rows.is_empty() {
+/// Slopes at the design.
+pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
+    if found.by_pressure.is_empty() {
         return;
     }
-    page.heading(2, "What a micrometre changes");
-    let step = |axis: &str| plain(&found["step_um"][axis]);
+    let slope = |value: Option<f64>, error: Option<f64>| match known(value).zip(known(error)) {
+        Some((value, error)) => format!("{} ± {}", number(1e4 * value, 2), number(1e4 * error, 2)),
+        None => "-".to_owned(),
+    };
+    let rows: Vec<Vec<String>> = found
+        .by_pressure
+        .iter()
+        .map(|row| {
+            let (value, error) = (row.per_um, row.error_per_um);
+            vec![
+                plain(row.pressure_mpa),
+                slope(value.width, error.width),
+                slope(value.spacing, error.spacing),
+                slope(value.depth, error.depth),
+            ]
+        })
+        .collect();
+    page.heading("What a micrometre changes");
+    let Dimensions { width, spacing, depth } = found.step_um;
     page.table(
         &format!(
             "Change of {} in units of 0.0001 where one dimension grows by 1 µm and the others stay, by the steady model: central \
              differences over {}, {} and {} µm each way. After ± the distance to differences over twice that.",
-            text(found, "quantity"),
-            step("width"),
-            step("spacing"),
-            step("depth"),
+            found.quantity,
+            plain(width),
+            plain(spacing),
+            plain(depth),
         ),
         &["P in MPa", "width", "spacing", "depth"],
         &rows,
@@ -41,30 +49,24 @@ pub(super) fn sensitivities(page: &mut Page, result: &Value) {
 }
 
 /// The parts of the errors beside the confirmed values.
-pub(super) fn errors(page: &mut Page, result: &Value) {
-    let found = &result["errors"];
-    let names = texts(found, "includes");
-    let rows: Vec<Vec<String>> = each(found, "by_pressure")
+pub(super) fn errors(page: &mut Page, found: &ErrorsReport) {
+    let rows: Vec<Vec<String>> = found
+        .by_pressure
         .iter()
-        .flat_map(|row| [("ratio", row), ("mu", row)])
-        .map(|(key, row)| {
-            let part = |name: &String| {
-                let parts = each(&row[key], "parts").iter();
-                let mut own = parts.filter(|part| text(part, "input") == name);
-                number(own.next().map_or(&Value::Null, |part| &part["std"]), 4)
+        .flat_map(|row| [("ratio", row.ratio.as_ref()), ("mu", Some(&row.mu))].map(|of| (row.pressure_mpa, of)))
+        .map(|(pressure_mpa, (name, of))| {
+            let part = |input: &String| {
+                let own = of.and_then(|of| of.parts.iter().find(|part| part.input == *input));
+                number(own.map(|part| part.std), 4)
             };
-            let ends = &row[key]["interval_95"];
-            let ends = if ends.is_array() {
-                format!("{} to {}", number(&ends[0], 4), number(&ends[1], 4))
-            } else {
-                "-".to_owned()
-            };
-            let first = [plain(&row["pressure_mpa"]), key.to_owned(), number(&row[key]["std"], 4), ends];
-            first.into_iter().chain(names.iter().map(part)).collect()
+            let std = number(of.and_then(|of| of.std), 4);
+            let interval = ends(of.and_then(|of| of.interval_95), 4);
+            let first = [plain(pressure_mpa), name.to_owned(), std, interval];
+            first.into_iter().chain(found.includes.iter().map(part)).collect()
         })
         .collect();
     let header: Vec<&str> =
-        ["P in MPa", "of", "±", "95 %"].into_iter().chain(names.iter().map(String::as_str)).collect();
+        ["P in MPa", "of", "±", "95 %"].into_iter().chain(found.includes.iter().map(String::as_str)).collect();
     page.table(
         "What the error of a confirmed value is made of: one standard deviation, and that of each part alone.",
         &header,
@@ -72,142 +74,119 @@ pub(super) fn errors(page: &mut Page, result: &Value) {
     );
 }
 
-/// Which patterns count as near those of the samples, and whether this one does; empty where that is not known.
-fn near(domain: &Value) -> String {
-    if !domain.is_object() {
-        return String::new();
-    }
-    let ends = |key: &str, factor: f64, digits| {
-        let at = |place: usize| {
-            number(&domain[key][place].as_f64().map_or(Value::Null, |end| (factor * end).into()), digits)
-        };
-        format!("{} to {}", at(0), at(1))
-    };
-    let far: Vec<&str> = each(domain, "far").iter().filter_map(Value::as_str).collect();
+/// Which patterns count as near those of the samples, and whether this one does.
+fn near(domain: &DomainReport) -> String {
     format!(
         "; near them are areal densities of {} % and depths of {} µm{}",
-        ends("areal_density", 100.0, 1),
-        ends("depth_um", 1.0, 1),
-        if far.is_empty() {
+        ends(Some(domain.areal_density.map(|share| 100.0 * share)), 1),
+        ends(Some(domain.depth_um), 1),
+        if domain.far.is_empty() {
             String::new()
         } else {
-            format!(", and this pattern is far from them in {}", far.join(" and "))
+            format!(", and this pattern is far from them in {}", domain.far.join(" and "))
         },
     )
 }
 
 /// Values by the physics alone and with the discrepancy, where patterned samples are known.
-pub(super) fn discrepancy(page: &mut Page, result: &Value) {
-    let found = &result["discrepancy"];
-    if !found.is_object() {
-        return;
-    }
-    let used = found["used"] == true;
+pub(super) fn discrepancy(page: &mut Page, found: &DiscrepancyReport) {
+    page.paragraph(&format!(
+        "{} The factor is the measured over the modelled ratio of patterned samples ({}; degrees of freedom: {}) and holds for patterns \
+         like theirs{}{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
+         the discrepancy.",
+        if found.used {
+            "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor."
+        } else {
+            "The search aimed with the physics alone; this is what the discrepancy would make of it."
+        },
+        found.pattern,
+        found.degrees_of_freedom,
+        if found.other_planform.is_some() { ", which this one is not: take it as a guess" } else { "" },
+        found.domain.as_ref().map_or_else(String::new, near),
+        number(found.misfit.physics, 2),
+        number(found.misfit.with_discrepancy, 2),
+    ));
     // The other reading stands in the table of the target.
-    let other = if used { "physics" } else { "with_discrepancy" };
-    page.paragraph(
-        "",
-        &format!(
-            "{} The factor is the measured over the modelled ratio of patterned samples ({}; degrees of freedom: {}) and holds for patterns \
-             like theirs{}{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
-             the discrepancy.",
-            if used {
-                "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor."
-            } else {
-                "The search aimed with the physics alone; this is what the discrepancy would make of it."
-            },
-            text(found, "pattern"),
-            plain(&found["degrees_of_freedom"]),
-            if found["other_planform"].is_string() { ", which this one is not: take it as a guess" } else { "" },
-            near(&found["domain"]),
-            number(&found["misfit"]["physics"], 2),
-            number(&found["misfit"]["with_discrepancy"], 2),
-        ),
-    );
-    let rows: Vec<Vec<String>> = each(found, "by_pressure")
+    let other = |of: &Reading| {
+        if found.used {
+            with_error(of.physics, of.physics_std, 4)
+        } else {
+            with_error(of.with_discrepancy, of.with_discrepancy_std, 4)
+        }
+    };
+    let rows: Vec<Vec<String>> = found
+        .by_pressure
         .iter()
         .map(|row| {
-            let error = row["factor"].as_f64().zip(row["relative_std"].as_f64()).map(|(factor, std)| factor * std);
-            let factor = with_error(&row["factor"], &error.map_or(Value::Null, Value::from), 3);
-            let mark = if row["outside_measured_range"] == true { " (outside the pressures measured)" } else { "" };
-            let readings = ["predicted", "confirmed", "mu"].into_iter().map(|key| {
-                let of = &row[key];
-                with_error(&of[other], &of[&format!("{other}_std")], 4)
-            });
-            [plain(&row["pressure_mpa"]), format!("{factor}{mark}")].into_iter().chain(readings).collect()
+            let factor = with_error(row.factor, row.factor * row.relative_std, 3);
+            let mark = if row.outside_measured_range { " (outside the pressures measured)" } else { "" };
+            vec![
+                plain(row.pressure_mpa),
+                format!("{factor}{mark}"),
+                other(&row.predicted),
+                other(&row.confirmed),
+                other(&row.mu),
+            ]
         })
         .collect();
     page.table(
         &format!(
             "The same values {}: {}.",
-            if used { "by the physics alone" } else { "times the factor" },
-            text(found, "quantity")
+            if found.used { "by the physics alone" } else { "times the factor" },
+            found.quantity
         ),
         &["P in MPa", "factor", "predicted", "confirmed", "mu"],
         &rows,
     );
 }
 
-/// What samples made after the design do, where the result says it.
-pub(super) fn robustness(page: &mut Page, result: &Value) {
-    let found = &result["robustness"];
-    if !found.is_object() {
-        return;
-    }
-    page.heading(2, "What samples will do");
-    let percent = |share: &Value, error: &Value| match (share.as_f64(), error.as_f64()) {
-        (Some(share), Some(error)) => format!("{:.1} ± {:.1} %", 100.0 * share, 100.0 * error),
-        _ => "-".to_owned(),
+/// What samples made after the design do.
+pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
+    page.heading("What samples will do");
+    let within = |share: Option<f64>, error: Option<f64>| match known(share).zip(known(error)) {
+        Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
+        None => "-".to_owned(),
     };
-    let how = match text(found, "method") {
+    let how = match found.method {
         "sampled" => "draws of the steady model about the confirming run",
         _ => "draws of the steady model to first order about the confirming run",
     };
-    let (samples, material, corrected) = (&found["samples"], &found["with_material"], &found["with_discrepancy"]);
-    let within = |of: &Value| percent(&of["probability"], &of["probability_stderr"]);
-    page.paragraph(
-        "",
-        &format!(
-            "Within the tolerance at all pressures: {} of samples of the material as calibrated, by {} {how} ({} could not be \
-             computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
-            within(samples),
-            plain(&samples["draws"]),
-            plain(&samples["failed"]),
-            plain(&samples["redrawn"]),
-        ),
-    );
-    if material.is_object() {
-        page.paragraph(
-            "",
-            &format!("{} with what is not known of the material as well, which all samples share.", within(material)),
-        );
+    let samples = &found.samples;
+    page.paragraph(&format!(
+        "Within the tolerance at all pressures: {} of samples of the material as calibrated, by {} {how} ({} could not be \
+         computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
+        within(samples.probability, samples.probability_stderr),
+        samples.draws,
+        samples.failed,
+        samples.redrawn,
+    ));
+    if let Some(material) = &found.with_material {
+        page.paragraph(&format!(
+            "{} with what is not known of the material as well, which all samples share.",
+            within(material.probability, material.probability_stderr)
+        ));
     }
-    if corrected.is_object() {
-        page.paragraph(
-            "",
-            &format!(
-                "{} if the model is also as far off as on the calibration's patterned samples, which holds for patterns like theirs.",
-                within(corrected),
-            ),
-        );
+    if let Some(corrected) = &found.with_discrepancy {
+        page.paragraph(&format!(
+            "{} if the model is also as far off as on the calibration's patterned samples, which holds for patterns like theirs.",
+            within(corrected.probability, corrected.probability_stderr),
+        ));
     }
-    let band = |spread: &Value| match spread["band_95"].as_array() {
-        Some(ends) if ends.len() == 2 => format!("{} to {}", number(&ends[0], 4), number(&ends[1], 4)),
-        _ => "-".to_owned(),
-    };
-    let shown = if material.is_object() { material } else { samples };
-    let rows: Vec<Vec<String>> = each(samples, "by_pressure")
+    let shown = found.with_material.as_ref().unwrap_or(samples);
+    let ratio = |spread: Option<&SpreadReport>| ends(spread.map(|spread| spread.ratio.band_95), 4);
+    let rows: Vec<Vec<String>> = samples
+        .by_pressure
         .iter()
         .enumerate()
         .map(|(row, at)| {
-            let all = &shown["by_pressure"][row];
+            let all = shown.by_pressure.get(row).map(|at| &at.spread);
             vec![
-                plain(&at["pressure_mpa"]),
-                band(&at["ratio"]),
-                band(&all["ratio"]),
-                band(&corrected["by_pressure"][row]["ratio"]),
-                number(&all["mu"]["mean"], 4),
-                band(&all["mu"]),
+                plain(at.pressure_mpa),
+                ratio(Some(&at.spread)),
+                ratio(all),
+                ratio(found.with_discrepancy.as_ref().and_then(|corrected| corrected.by_pressure.get(row))),
+                number(all.map(|spread| spread.mu.mean), 4),
+                ends(all.map(|spread| spread.mu.band_95), 4),
             ]
         })
         .collect();
@@ -216,65 +195,49 @@ pub(super) fn robustness(page: &mut Page, result: &Value) {
         &["P in MPa", "ratio: samples", "with material", "and model", "mu", "mu: with material"],
         &rows,
     );
-    parts(page, found);
-    let inputs: Vec<Vec<String>> = each(found, "inputs")
+    parts(page, &found.parts);
+    let inputs: Vec<Vec<String>> = found
+        .inputs
         .iter()
         .map(|input| {
-            let std: Vec<String> = each(input, "std").iter().map(|std| number(std, 2)).collect();
-            vec![
-                text(input, "name").to_owned(),
-                std.join(", "),
-                if text(input, "unit") == "um" { "µm".to_owned() } else { text(input, "unit").to_owned() },
-                text(input, "basis").to_owned(),
-            ]
+            let std: Vec<String> = input.std.iter().map(|std| number(*std, 2)).collect();
+            let unit = if input.unit == "um" { "µm" } else { input.unit };
+            vec![input.name.clone(), std.join(", "), unit.to_owned(), input.basis.clone()]
         })
         .collect();
     page.table("What scatters: standard deviations.", &["input", "std", "unit", "basis"], &inputs);
-    page.paragraph("", &format!("{}.", text(found, "meaning")));
-    let optimum = &found["optimum"];
-    if optimum.is_object() {
-        let nominal = &optimum["nominal"];
-        page.paragraph(
-            "",
-            &format!(
-                "Chosen for made samples: expected misfit {} tolerances (root mean square). The nearest design on paper, {} / {} / {} µm \
-                 (width, spacing, depth), has {}.",
-                number(&optimum["expected_rms"], 2),
-                plain(&nominal["width_um"]),
-                plain(&nominal["spacing_um"]),
-                plain(&nominal["depth_um"]),
-                number(&optimum["nominal_expected_rms"], 2),
-            ),
-        );
+    page.paragraph(&format!("{}.", found.meaning));
+    if let Some(optimum) = &found.optimum {
+        page.paragraph(&format!(
+            "Chosen for made samples: expected misfit {} tolerances (root mean square). The nearest design on paper, {} µm \
+             (width, spacing, depth), has {}.",
+            number(optimum.expected_rms, 2),
+            lengths(&optimum.nominal),
+            number(optimum.nominal_expected_rms, 2),
+        ));
     }
 }
 
 /// What each input alone would do.
-fn parts(page: &mut Page, found: &Value) {
-    let all = each(found, "parts");
+fn parts(page: &mut Page, all: &[PressureParts]) {
     let Some(first) = all.first() else { return };
-    let mut header = vec!["P in MPa".to_owned(), "all".to_owned()];
-    header.extend(each(first, "of").iter().map(|part| text(part, "input").to_owned()));
+    let header: Vec<&str> =
+        ["P in MPa", "all"].into_iter().chain(first.of.iter().map(|part| part.input.as_str())).collect();
     let rows: Vec<Vec<String>> = all
         .iter()
         .map(|row| {
-            let own = [plain(&row["pressure_mpa"]), number(&row["std"], 4)];
-            own.into_iter().chain(each(row, "of").iter().map(|part| number(&part["std"], 4))).collect()
+            let own = [plain(row.pressure_mpa), number(row.std, 4)];
+            own.into_iter().chain(row.of.iter().map(|part| number(part.std, 4))).collect()
         })
         .collect();
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
     page.table("Standard deviations of the target's quantity that each input alone would cause.", &header, &rows);
 }
 
-/// Designs that no other beats in every goal, where the result holds them.
-pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
-    let found = &result["trade_offs"];
-    if !found.is_object() {
-        return;
-    }
-    page.heading(2, "What can be had for what");
-    if let Some(reason) = found["none_because"].as_str() {
-        page.paragraph("", &format!("Nothing could be compared: {reason}."));
+/// Designs that no other beats in every goal.
+pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
+    page.heading("What can be had for what");
+    if let Some(reason) = &found.none_because {
+        page.paragraph(&format!("Nothing could be compared: {reason}."));
         return;
     }
     if let Some(svg) = outputs.text("trade-offs.svg") {
@@ -283,32 +246,25 @@ pub(super) fn trade_offs(page: &mut Page, result: &Value, outputs: &Outputs) {
             "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
         );
     }
-    let chosen = if found["chosen_is_on_front"] == true {
+    let chosen = if found.chosen_is_on_front {
         "The chosen design is one of them."
     } else {
         "The chosen design is not one of them: it was not chosen by these goals."
     };
-    page.paragraph(
-        "",
-        &format!(
-            "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
-            plain(&found["designs"]),
-            plain(&found["front"]),
-            plain(&found["left_out"]),
-            text(found, "model"),
-        ),
-    );
-    let words = texts(found, "words");
+    page.paragraph(&format!(
+        "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
+        found.designs, found.front, found.left_out, found.model,
+    ));
     let header: Vec<&str> =
-        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(words.iter().map(String::as_str)).collect();
-    let rows: Vec<Vec<String>> = each(found, "listed")
+        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(found.words.iter().copied()).collect();
+    let rows: Vec<Vec<String>> = found
+        .listed
         .iter()
         .map(|listed| {
-            let lengths = ["width_um", "spacing_um", "depth_um"].map(|key| plain(&listed["design"][key]));
-            lengths.into_iter().chain(each(listed, "goals").iter().map(|goal| number(goal, 2))).collect()
+            three_lengths(&listed.design).into_iter().chain(listed.goals.iter().map(|goal| number(*goal, 2))).collect()
         })
         .collect();
-    let caption = if found["on_target"] == true {
+    let caption = if found.on_target {
         "Designs of the front that meet the target, or some of them, from one end to the other; trade-offs.csv has the whole front."
     } else {
         "Some of the front, from one end to the other; trade-offs.csv has all."

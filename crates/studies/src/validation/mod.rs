@@ -1,6 +1,8 @@
 //! Measured ratios patterned/flat beside the model's.
 
 mod figures;
+#[cfg(test)]
+mod fixture;
 mod laws;
 mod measured_law;
 mod model;

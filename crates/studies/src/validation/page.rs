@@ -1,32 +1,28 @@
 //! The source's tables and figures beside the model's.
 
-use serde_json::Value;
 use slipgrid_export::NOT_MODELLED;
-
 use slipgrid_report::Outputs;
-use slipgrid_report::html::page::{Page, each, number, plain, text, texts, with_error};
+use slipgrid_report::html::page::{Page, number, percent, plain, with_error, yes_or_no};
 use slipgrid_report::html::section::section;
-use slipgrid_results::fixed;
 
-/// The page of a validation: from `result`, the object of result.json, and the pictures in `outputs`.
+use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
+use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
+
+/// The page of a validation: from its `report` and the pictures in `outputs`.
 #[must_use]
-pub fn validation(result: &Value, outputs: &Outputs) -> String {
+pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     let mut page = Page::new();
-    let title = format!("{}: measured and modelled", text(result, "name"));
-    page.heading(1, &title);
-    page.paragraph(
-        "",
-        &format!("Measurements: {}. Nothing was tuned to the patterned samples.", text(result, "source")),
-    );
-    if result["synthetic_surface"] == true {
-        page.paragraph(
-            "warning",
+    let title = format!("{}: measured and modelled", report.name);
+    page.title(&title);
+    page.paragraph(&format!("Measurements: {}. Nothing was tuned to the patterned samples.", report.source));
+    if report.synthetic_surface {
+        page.warning(
             "The altitude map behind the area law is synthetic, not measured: measured are the friction coefficients and the \
              pattern's dimensions alone. Read the spread between slopes of the surface as the model's uncertainty.",
         );
     }
-    summary(&mut page, result);
-    page.heading(2, "Ratio patterned over flat");
+    summary(&mut page, report);
+    page.heading("Ratio patterned over flat");
     picture(
         &mut page,
         outputs,
@@ -34,24 +30,28 @@ pub fn validation(result: &Value, outputs: &Outputs) -> String {
         "Measured with standard deviations; the modified law as grooves at the surface's slope and scaled, and as squares; \
          Amontons-Coulomb friction (dashed) has no effect",
     );
-    ratios(&mut page, result);
-    friction(&mut page, result);
-    published(&mut page, result);
-    areas(&mut page, result, outputs);
+    for planform in &PLANFORMS {
+        ratios(&mut page, report, planform);
+    }
+    solves(&mut page, report);
+    friction(&mut page, &report.results);
+    published(&mut page, &report.published);
+    areas(&mut page, &report.area_laws, outputs);
     interface(&mut page, outputs);
-    in_time(&mut page, result, outputs);
-    measured(&mut page, result);
-    page.heading(2, "The modelled pattern");
-    let length = |key: &str| result["pattern"][key].as_f64().unwrap_or(f64::NAN);
-    let svg = section(length("width_um"), length("spacing_um"), length("depth_um"));
+    if let Some(run) = &report.in_time {
+        in_time(&mut page, report, run, outputs);
+    }
+    measured(&mut page, &report.measured);
+    page.heading("The modelled pattern");
+    let svg = section(report.pattern.width_um, report.pattern.spacing_um, report.pattern.depth_um);
     if !svg.is_empty() {
         page.picture(&svg, "Vertical section through the centres of cavities, along their row");
     }
-    page.paragraph("", &format!("Depth of the measured cavities: {} µm.", plain(&result["measured_depth_um"])));
-    page.heading(2, "What was modelled, and why");
-    page.list(&texts(result, "model"));
-    page.paragraph("", &format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
-    page.finish(&title, text(result, "version"))
+    page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
+    page.heading("What was modelled, and why");
+    page.list(&report.model);
+    page.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+    page.finish(&title, report.version)
 }
 
 /// The picture `name`, where it was made.
@@ -61,29 +61,29 @@ fn picture(page: &mut Page, outputs: &Outputs, name: &str, caption: &str) {
     }
 }
 
-fn summary(page: &mut Page, result: &Value) {
-    page.heading(2, "What the comparison says");
-    page.list(&texts(result, "statements"));
-    let summary = &result["summary"];
-    let percent = |value: &Value| fixed(value.as_f64().map(|share| 100.0 * share), 1);
-    let explained = |value: &Value| match (value.as_f64(), summary["reduction_measured"].as_f64()) {
-        (Some(modelled), Some(measured)) if measured > 0.0 => fixed(Some(100.0 * modelled / measured), 0),
-        _ => "-".to_owned(),
+fn summary(page: &mut Page, report: &ValidationReport) {
+    page.heading("What the comparison says");
+    page.list(&report.statements);
+    let summary = &report.summary;
+    let measured = summary.reduction_measured;
+    let explained =
+        |reduction: Option<f64>| number(reduction.filter(|_| measured > 0.0).map(|of| 100.0 * of / measured), 0);
+    let with_std = |share: Option<f64>, std: Option<f64>| match std {
+        Some(std) => format!("{} ± {}", percent(share, 1), percent(std, 1)),
+        None => percent(share, 1),
     };
-    let with_std = |value: &Value, std: &Value| match std.as_f64() {
-        Some(std) => format!("{} ± {}", percent(value), fixed(Some(100.0 * std), 1)),
-        None => percent(value),
-    };
-    let measured = with_std(&summary["reduction_measured"], &summary["reduction_measured_std"]);
+    let all_measured = with_std(Some(measured), summary.reduction_measured_std);
     let mut rows = vec![
-        vec!["measured".to_owned(), measured, "100".to_owned()],
-        vec!["Amontons-Coulomb friction".to_owned(), amontons(result), "0".to_owned()],
+        vec!["measured".to_owned(), all_measured, "100".to_owned()],
+        vec!["Amontons-Coulomb friction".to_owned(), percent(amontons(&report.results), 1), "0".to_owned()],
     ];
-    for model in each(summary, "modelled") {
-        let factor = plain(&model["slope_factor"]);
-        for (what, key, std) in [("grooves", "groove", "groove_std"), ("squares in space", "square", "square_std")] {
-            let reduction = with_std(&model[key], &model[std]);
-            rows.push(vec![format!("{what}, slope x {factor}"), reduction, explained(&model[key])]);
+    for model in &summary.modelled {
+        let factor = plain(model.slope_factor);
+        for (what, reduction, std) in
+            [("grooves", model.groove, model.groove_std), ("squares in space", model.square, model.square_std)]
+        {
+            let what = format!("{what}, slope x {factor}");
+            rows.push(vec![what, with_std(reduction, std), explained(reduction)]);
         }
     }
     page.table(
@@ -94,55 +94,56 @@ fn summary(page: &mut Page, result: &Value) {
     );
 }
 
-/// Mean reduction without an area law, in per cent.
-fn amontons(result: &Value) -> String {
-    let found: Option<Vec<f64>> =
-        each(result, "results").iter().map(|row| Some(1.0 - row["ratio_amontons_coulomb"].as_f64()?)).collect();
-    let mean = found.filter(|found| !found.is_empty()).map(|found| found.iter().sum::<f64>() / found.len() as f64);
-    fixed(mean.map(|share| 100.0 * share), 1)
+/// Mean reduction without an area law.
+fn amontons(results: &[RatioReport]) -> Option<f64> {
+    let found: Option<Vec<f64>> = results.iter().map(|row| Some(1.0 - row.ratio_amontons_coulomb?)).collect();
+    found.filter(|found| !found.is_empty()).map(|found| found.iter().sum::<f64>() / found.len() as f64)
 }
 
-fn ratios(page: &mut Page, result: &Value) {
-    let note = text(result, "errors").replace("+-", "±");
-    for (planform, key) in [("grooves", "ratio_groove"), ("squares", "ratio_square")] {
-        planform_ratios(page, result, planform, key, &note);
-    }
-    solves(page, result);
+/// How cavities are modelled, and the ratio with its standard deviation.
+struct Planform {
+    name: &'static str,
+    cell: &'static str,
+    ratio: fn(&ModelledRatio) -> (Option<f64>, Option<f64>),
 }
+
+const PLANFORMS: [Planform; 2] = [
+    Planform { name: "grooves", cell: "in the plane", ratio: |model| (model.ratio_groove, model.ratio_groove_std) },
+    Planform { name: "squares", cell: "in space", ratio: |model| (model.ratio_square, model.ratio_square_std) },
+];
 
 /// Measured ratios beside those of one planform.
-fn planform_ratios(page: &mut Page, result: &Value, planform: &str, key: &str, note: &str) {
-    let none = &Value::Null;
-    let results = each(result, "results");
-    let of_first = |row: &Value| ["speed_mm_s", "humidity_pct"].iter().all(|key| row[*key] == results[0][*key]);
-    let is_one_condition = results.iter().all(of_first);
+fn ratios(page: &mut Page, report: &ValidationReport, planform: &Planform) {
+    let of = |row: &RatioReport| [row.measured.speed_mm_s, row.measured.humidity_pct];
+    let results = &report.results;
+    let is_one_condition = results.windows(2).all(|pair| of(&pair[0]) == of(&pair[1]));
     let mut header = vec!["force in N", "P in MPa"];
     if !is_one_condition {
         header.extend(["speed in mm/s", "humidity in %"]);
     }
     header.extend(["measured", "Amontons-Coulomb"]);
     let mut header: Vec<String> = header.into_iter().map(str::to_owned).collect();
-    let factors = each(result, "slope_factors");
-    header.extend(factors.iter().map(|factor| format!("slope x {}", plain(factor))));
-    let has_depth = results.iter().any(|row| row["modelled_at_measured_depth"].is_object());
+    header.extend(report.slope_factors.iter().map(|factor| format!("slope x {}", plain(*factor))));
+    let has_depth = results.iter().any(|row| row.modelled_at_measured_depth.is_some());
     if has_depth {
-        header.push(format!("{} µm deep", plain(&result["measured_depth_um"])));
+        header.push(format!("{} µm deep", plain(report.measured_depth_um)));
     }
-    let error = format!("{key}_std");
-    let cell = |model: &Value| with_error(&model[key], &model[&error], 3);
+    let cell = |model: Option<&ModelledRatio>| {
+        let (ratio, std) = model.map_or((None, None), planform.ratio);
+        with_error(ratio, std, 3)
+    };
     let rows: Vec<Vec<String>> = results
         .iter()
         .map(|row| {
-            let mut cells = condition(row);
+            let mut cells = condition(&row.measured);
             if is_one_condition {
                 cells.truncate(2);
             }
-            cells.push(with_error(&row["ratio"], &row["ratio_std"], 3));
-            cells.push(number(&row["ratio_amontons_coulomb"], 3));
-            let modelled = each(row, "modelled");
-            cells.extend((0..factors.len()).map(|n| cell(modelled.get(n).unwrap_or(none))));
+            cells.push(with_error(row.measured.ratio, row.measured.ratio_std, 3));
+            cells.push(number(row.ratio_amontons_coulomb, 3));
+            cells.extend((0..report.slope_factors.len()).map(|n| cell(row.modelled.get(n))));
             if has_depth {
-                cells.push(cell(&row["modelled_at_measured_depth"]));
+                cells.push(cell(row.modelled_at_measured_depth.as_ref()));
             }
             cells
         })
@@ -150,10 +151,12 @@ fn planform_ratios(page: &mut Page, result: &Value, planform: &str, key: &str, n
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     page.table(
         &format!(
-            "Ratios with {planform}, dimensionless. Measured: ± one standard deviation. Modelled: the steady cell {}, cavities {} µm \
-             deep where nothing else is said, at the slopes of the surface times a factor. {note}.",
-            if planform == "squares" { "in space" } else { "in the plane" },
-            plain(&result["pattern"]["depth_um"])
+            "Ratios with {}, dimensionless. Measured: ± one standard deviation. Modelled: the steady cell {}, cavities {} µm \
+             deep where nothing else is said, at the slopes of the surface times a factor. {}.",
+            planform.name,
+            planform.cell,
+            plain(report.pattern.depth_um),
+            report.errors.replace("+-", "±")
         ),
         &header,
         &rows,
@@ -161,31 +164,26 @@ fn planform_ratios(page: &mut Page, result: &Value, planform: &str, key: &str, n
 }
 
 /// Force, pressure, speed and humidity of a row.
-fn condition(row: &Value) -> Vec<String> {
-    vec![
-        plain(&row["force_n"]),
-        number(&row["pressure_mpa"], 3),
-        plain(&row["speed_mm_s"]),
-        plain(&row["humidity_pct"]),
-    ]
+fn condition(row: &MeasuredReport) -> Vec<String> {
+    vec![plain(row.force_n), number(row.pressure_mpa, 3), plain(row.speed_mm_s), plain(row.humidity_pct)]
 }
 
 /// Peak pressures and how the solves ended.
-fn solves(page: &mut Page, result: &Value) {
+fn solves(page: &mut Page, report: &ValidationReport) {
     let mut rows = Vec::new();
-    for measured in each(result, "results") {
-        let models = each(measured, "modelled").iter().map(|model| (&result["pattern"]["depth_um"], model));
-        let deep = &measured["modelled_at_measured_depth"];
-        for (depth_um, model) in models.chain(deep.is_object().then_some((&result["measured_depth_um"], deep))) {
-            let (grooves, squares) = (text(model, "status"), text(model, "status_square"));
+    for row in &report.results {
+        let models = row.modelled.iter().map(|model| (report.pattern.depth_um, model));
+        let deep = row.modelled_at_measured_depth.iter().map(|model| (report.measured_depth_um, model));
+        for (depth_um, model) in models.chain(deep) {
+            let (grooves, squares) = (model.status, model.status_square);
             rows.push(vec![
-                number(&measured["pressure_mpa"], 3),
+                number(row.measured.pressure_mpa, 3),
                 plain(depth_um),
-                plain(&model["slope_factor"]),
-                number(&model["ratio_square_estimate"], 3),
-                number(&model["peak_pressure_mpa"], 2),
-                number(&model["peak_pressure_square_mpa"], 2),
-                plain(&model["cavity_closed"]),
+                plain(model.slope_factor),
+                number(model.ratio_square_estimate, 3),
+                number(model.peak_pressure_mpa, 2),
+                number(model.peak_pressure_square_mpa, 2),
+                yes_or_no(model.cavity_closed),
                 if grooves == squares { grooves.to_owned() } else { format!("{grooves}, {squares}") },
             ]);
         }
@@ -208,24 +206,20 @@ fn solves(page: &mut Page, result: &Value) {
 }
 
 /// Friction coefficients themselves, as modelled on the surface as given.
-fn friction(page: &mut Page, result: &Value) {
-    let rows: Vec<Vec<String>> = each(result, "results")
+fn friction(page: &mut Page, results: &[RatioReport]) {
+    let rows: Vec<Vec<String>> = results
         .iter()
         .filter_map(|row| {
-            let model = each(row, "modelled").iter().find(|model| model["slope_factor"] == 1.0)?;
-            let flat = row["mu_flat"].as_f64()?;
-            let times = |key: &str, error: &str| {
-                let mu = model[key].as_f64().map_or(Value::Null, |ratio| Value::from(ratio * flat));
-                with_error(&mu, &model[error], 3)
-            };
-            let mut cells = condition(row);
+            let (model, own) = (row.at_slope(1.0)?, &row.measured);
+            let times = |ratio: Option<f64>, std| with_error(ratio.map(|ratio| ratio * own.mu_flat), std, 3);
+            let mut cells = condition(own);
             cells.extend([
-                with_error(&row["mu_flat"], &row["mu_flat_std"], 3),
-                number(&model["area_law_factor"], 3),
-                number(&model["dynamic_mean"], 3),
-                with_error(&row["mu_patterned"], &row["mu_patterned_std"], 3),
-                times("ratio_groove", "mu_groove_std"),
-                times("ratio_square", "mu_square_std"),
+                with_error(own.mu_flat, own.mu_flat_std, 3),
+                number(model.area_law_factor, 3),
+                number(model.dynamic_mean, 3),
+                with_error(own.mu_patterned, own.mu_patterned_std, 3),
+                times(model.ratio_groove, model.mu_groove_std),
+                times(model.ratio_square, model.mu_square_std),
             ]);
             Some(cells)
         })
@@ -249,27 +243,23 @@ fn friction(page: &mut Page, result: &Value) {
     );
 }
 
-fn published(page: &mut Page, result: &Value) {
-    let rows: Vec<Vec<String>> = each(result, "published")
-        .iter()
-        .map(|row| ["quantity", "source", "here"].map(|key| text(row, key).to_owned()).into())
-        .collect();
-    if rows.is_empty() {
+fn published(page: &mut Page, published: &[PublishedReport]) {
+    if published.is_empty() {
         return;
     }
-    page.heading(2, "What the paper says, and what is found here");
+    let rows: Vec<Vec<String>> =
+        published.iter().map(|row| vec![row.quantity.clone(), row.source.clone(), row.here.clone()]).collect();
+    page.heading("What the paper says, and what is found here");
     page.paragraph(
-        "",
         "The paper gives its simulated values in figures alone, and its altitude map not at all: what its text and tables \
          say is compared.",
     );
     page.table("", &["quantity", "paper", "here"], &rows);
 }
 
-fn areas(page: &mut Page, result: &Value, outputs: &Outputs) {
-    let tables = each(result, "area_laws");
+fn areas(page: &mut Page, tables: &[AreaTable], outputs: &Outputs) {
     let Some(first) = tables.first() else { return };
-    page.heading(2, "Real contact area and the factor f");
+    page.heading("Real contact area and the factor f");
     picture(
         page,
         outputs,
@@ -279,18 +269,17 @@ fn areas(page: &mut Page, result: &Value, outputs: &Outputs) {
     );
     let mut header = vec!["P in MPa".to_owned()];
     for table in tables {
-        let factor = plain(&table["slope_factor"]);
+        let factor = plain(table.slope_factor);
         header.extend([format!("area, slope x {factor}"), format!("f, slope x {factor}")]);
     }
-    let rows: Vec<Vec<String>> = each(first, "pressure_mpa")
+    let rows: Vec<Vec<String>> = first
+        .pressure_mpa
         .iter()
         .enumerate()
-        .map(|(row, pressure)| {
-            let mut cells = vec![plain(pressure)];
-            for table in tables {
-                cells.extend([number(&table["area_fraction"][row], 4), number(&table["factor"][row], 4)]);
-            }
-            cells
+        .map(|(row, pressure_mpa)| {
+            let both =
+                |table: &AreaTable| [&table.area_fraction, &table.factor].map(|of| number(of.get(row).copied(), 4));
+            std::iter::once(plain(*pressure_mpa)).chain(tables.iter().flat_map(both)).collect()
         })
         .collect();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
@@ -314,99 +303,165 @@ fn interface(page: &mut Page, outputs: &Outputs) {
     if captions.iter().all(|(name, _)| outputs.text(name).is_none()) {
         return;
     }
-    page.heading(2, "Pressure along the interface");
+    page.heading("Pressure along the interface");
     for (name, caption) in captions {
         picture(page, outputs, name, caption);
     }
 }
 
-fn in_time(page: &mut Page, result: &Value, outputs: &Outputs) {
-    let run = &result["in_time"];
-    if !run.is_object() {
-        return;
-    }
-    page.heading(2, "Friction in time");
+fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs: &Outputs) {
+    page.heading("Friction in time");
     picture(
         page,
         outputs,
         "friction.svg",
         "Flat and patterned sample as grooves, from rest, with the averaging window",
     );
-    let heavy = each(result, "results").iter().max_by(|a, b| {
-        let pressure = |row: &Value| row["pressure_mpa"].as_f64().unwrap_or(0.0);
-        pressure(a).total_cmp(&pressure(b))
-    });
-    let measured = each(result, "measured").iter().find(|row| {
-        heavy.is_some_and(|heavy| ["force_n", "speed_mm_s", "humidity_pct"].iter().all(|key| row[*key] == heavy[*key]))
-    });
-    let none = &Value::Null;
-    let of = |key: &str| measured.map_or(none, |row| &row[key]);
+    let heaviest = report.results.iter().map(|row| &row.measured);
+    let own = heaviest.max_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
+    let of = |value: fn(&MeasuredReport) -> (f64, f64)| {
+        let (value, std) = own.map(value).unzip();
+        with_error(value, std, 3)
+    };
     let rows = [
-        ("flat", "mu_flat", "mu_static_flat", "status_flat"),
-        ("patterned", "mu_patterned", "mu_static_patterned", "status_patterned"),
-    ]
-    .map(|(name, key, peak, status)| {
-        let error = format!("{key}_std");
-        let of_peak = format!("{peak}_std");
         vec![
-            name.to_owned(),
-            with_error(of(key), of(&error), 3),
-            with_error(&run[key], &run[&error], 4),
-            with_error(&run[peak], &run[&of_peak], 4),
-            plain(&run[status]),
-        ]
-    });
-    let ratio = vec![
-        "ratio".to_owned(),
-        with_error(of("ratio"), of("ratio_std"), 3),
-        with_error(&run["ratio"], &run["ratio_std"], 4),
-        "-".to_owned(),
-        "-".to_owned(),
+            "flat".to_owned(),
+            of(|row| (row.mu_flat, row.mu_flat_std)),
+            with_error(run.mu_flat, run.mu_flat_std, 4),
+            with_error(run.mu_static_flat, run.mu_static_flat_std, 4),
+            run.status_flat.to_owned(),
+        ],
+        vec![
+            "patterned".to_owned(),
+            of(|row| (row.mu_patterned, row.mu_patterned_std)),
+            with_error(run.mu_patterned, run.mu_patterned_std, 4),
+            with_error(run.mu_static_patterned, run.mu_static_patterned_std, 4),
+            run.status_patterned.to_owned(),
+        ],
+        vec![
+            "ratio".to_owned(),
+            of(|row| (row.ratio, row.ratio_std)),
+            with_error(run.ratio, run.ratio_std, 4),
+            "-".to_owned(),
+            "-".to_owned(),
+        ],
     ];
-    let rows: Vec<Vec<String>> = rows.into_iter().chain([ratio]).collect();
     page.table(
         "Dynamic friction, dimensionless. Measured: ± one standard deviation of three repeats; modelled: ± one of \
          time average, local coefficients drawn, measured flat friction and Young's modulus.",
         &["surface", "measured", "modelled", "static peak, modelled", "status"],
         &rows,
     );
-    page.paragraph(
-        "",
-        &format!(
-            "{} MPa, {} mm/s, {} µm of travel; local coefficients {} dynamic and {} static (0.30/0.27 times it, the published \
-             pair: no static friction was tabulated), scatter {} %. The flat sample lies a little above its measured friction \
-             because sliding in time is micro-stick-slip, which calibrate corrects for and this comparison does not; the \
-             ratio hardly notices.",
-            number(&run["pressure_mpa"], 3),
-            plain(&run["speed_mm_s"]),
-            plain(&run["sliding_um"]),
-            number(&run["dynamic_mean"], 4),
-            number(&run["static_mean"], 4),
-            fixed(run["relative_std"].as_f64().map(|share| 100.0 * share), 1),
-        ),
-    );
+    page.paragraph(&format!(
+        "{} MPa, {} mm/s, {} µm of travel; local coefficients {} dynamic and {} static (0.30/0.27 times it, the published \
+         pair: no static friction was tabulated), scatter {} %. The flat sample lies a little above its measured friction \
+         because sliding in time is micro-stick-slip, which calibrate corrects for and this comparison does not; the \
+         ratio hardly notices.",
+        number(run.pressure_mpa, 3),
+        plain(run.speed_mm_s),
+        plain(run.sliding_um),
+        number(run.dynamic_mean, 4),
+        number(run.static_mean, 4),
+        percent(run.relative_std, 1),
+    ));
 }
 
-fn measured(page: &mut Page, result: &Value) {
-    let rows: Vec<Vec<String>> = each(result, "measured")
+fn measured(page: &mut Page, measured: &[MeasuredReport]) {
+    if measured.is_empty() {
+        return;
+    }
+    let rows: Vec<Vec<String>> = measured
         .iter()
         .map(|row| {
             let mut cells = condition(row);
             cells.extend([
-                with_error(&row["mu_flat"], &row["mu_flat_std"], 3),
-                with_error(&row["mu_patterned"], &row["mu_patterned_std"], 3),
-                with_error(&row["ratio"], &row["ratio_std"], 3),
+                with_error(row.mu_flat, row.mu_flat_std, 3),
+                with_error(row.mu_patterned, row.mu_patterned_std, 3),
+                with_error(row.ratio, row.ratio_std, 3),
             ]);
             cells
         })
         .collect();
-    if rows.is_empty() {
-        return;
-    }
-    page.heading(2, "All that was measured");
+    page.heading("All that was measured");
     page.table(
         "Dynamic friction coefficients, dimensionless, ± one standard deviation; of the ratio propagated.",
         &["force in N", "P in MPa", "speed in mm/s", "humidity in %", "flat", "patterned", "ratio"],
         &rows,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixture::report;
+    use super::*;
+
+    const SVG: &str = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"9\" height=\"9\"></svg>";
+
+    fn assert_balanced(page: &str) {
+        for tag in ["html", "head", "body", "main", "h1", "h2", "p", "ul", "li", "div", "figure", "figcaption", "svg"]
+            .into_iter()
+            .chain(["table", "caption", "thead", "tbody", "tr", "th", "td", "button", "style", "script", "title"])
+        {
+            let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+            assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
+
+    #[test]
+    fn a_page_holds_measured_and_modelled_numbers_with_their_errors() {
+        let mut outputs = Outputs::default();
+        for name in ["ratios.svg", "area-law.svg", "interface.svg", "interface-squares.svg", "friction.svg"] {
+            outputs.add(name, SVG);
+        }
+        let page = validation(&report(), &outputs);
+        assert_balanced(&page);
+        for said in [
+            "<h1>a &lt;b&gt; &amp; &quot;c&quot;: measured and modelled</h1>",
+            "<td>squares in space, slope x 1</td>",
+            ">slope x 0.5</button>",
+            ">10 µm deep</button>",
+            "<td>0.875 ± 0.000</td>",
+            "<td>0.2550 ± 0.0030</td>",
+            "<td>0.250 ± 0.002</td>",
+            "<td>no_onset</td>",
+            "<td>0.0300</td>",
+            "± of modelled values: nothing.",
+            "scatter 5.0 %",
+            "Pressure along the interface",
+            "Depth of the measured cavities: 10 µm.",
+        ] {
+            assert!(page.contains(said), "{said}");
+        }
+        // All conditions are of one speed and humidity: the table of ratios does not repeat them.
+        assert!(page.contains(">P in MPa</button></th><th scope=\"col\"><button type=\"button\">measured</button>"));
+        let bare = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!bare.contains("http") && !bare.contains("src="));
+        assert_eq!(page, validation(&report(), &outputs));
+    }
+
+    #[test]
+    fn a_record_without_its_optional_parts_still_makes_a_page() {
+        let mut without = report();
+        without.synthetic_surface = false;
+        without.in_time = None;
+        without.summary.modelled.clear();
+        (without.statements, without.published, without.area_laws) = (Vec::new(), Vec::new(), Vec::new());
+        (without.measured, without.model) = (Vec::new(), Vec::new());
+        for row in &mut without.results {
+            row.modelled.clear();
+            (row.ratio_amontons_coulomb, row.modelled_at_measured_depth) = (None, None);
+        }
+        let mut empty = without.clone();
+        empty.results.clear();
+        empty.slope_factors.clear();
+        for report in [without, empty] {
+            let page = validation(&report, &Outputs::default());
+            assert_balanced(&page);
+            for absent in
+                ["Friction in time", "Real contact area", "What the paper says", "All that", "µm deep</b", "<li>"]
+            {
+                assert!(!page.contains(absent), "{absent}");
+            }
+        }
+    }
 }

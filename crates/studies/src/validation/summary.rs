@@ -106,51 +106,8 @@ fn standard_deviation(values: &[f64]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::ratios::MeasuredReport;
+    use super::super::fixture::row;
     use super::*;
-
-    fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
-        let modelled = |slope_factor, ratio_groove: Option<f64>| ModelledRatio {
-            slope_factor,
-            rms_slope: None,
-            area_law_factor: 1.0,
-            dynamic_mean: 0.3,
-            ratio_groove,
-            ratio_groove_std: None,
-            mu_groove_std: None,
-            ratio_square_std: None,
-            mu_square_std: None,
-            ratio_square: ratio_groove.map(|ratio| 1.0 - 0.125 * (1.0 - ratio)),
-            ratio_square_estimate: ratio_groove.map(|ratio| 1.0 - 0.25 * (1.0 - ratio)),
-            ratio_groove_thick_difference: None,
-            ratio_square_thick_difference: None,
-            peak_pressure_mpa: 1.0,
-            peak_pressure_square_mpa: 1.0,
-            tension_blocks: 0,
-            cavity_closed: false,
-            area_law_extrapolated: false,
-            status: "converged",
-            status_square: "converged",
-        };
-        RatioReport {
-            measured: MeasuredReport {
-                force_n: 50.0,
-                pressure_mpa: 0.6,
-                speed_mm_s: 2.0,
-                humidity_pct: 15.0,
-                mu_flat: 0.25,
-                mu_flat_std: 0.002,
-                mu_patterned: 0.2,
-                mu_patterned_std: 0.002,
-                ratio,
-                ratio_std: 0.0,
-            },
-            ratio_amontons_coulomb: Some(1.0),
-            measured_law: Vec::new(),
-            modelled: vec![modelled(0.5, None), modelled(1.0, groove)],
-            modelled_at_measured_depth: Some(modelled(1.0, Some(deep))),
-        }
-    }
 
     #[test]
     fn averages_known_exactly() {

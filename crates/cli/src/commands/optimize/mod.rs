@@ -9,7 +9,7 @@ use slipgrid_design::{DesignError, DesignOutcome};
 use slipgrid_formats::confirmed_scene::DesignScene;
 use slipgrid_formats::design::Design;
 use slipgrid_optimize::Status;
-use slipgrid_report::{DrawingInput, LaserFile, Outputs, csv, draw, lattice, pages, pictures, target, trade_offs};
+use slipgrid_report::{DrawingInput, LaserFile, Outputs, csv, draw, html, lattice, pictures, target, trade_offs};
 use slipgrid_results::{VERSION, json, json_and_timings};
 
 use crate::args::OptimizeArgs;
@@ -65,7 +65,9 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let [result, timings] = json_and_timings(report)?;
     outputs.add("result.json", result);
     outputs.add("timings.json", timings);
-    pages::design(report, &mut outputs)?;
+    let law = found.material.material.area_law.as_ref();
+    let page = html::design(report, law, &found.loads, &outputs);
+    outputs.add("report.html", page);
     output::write(&outputs, &folder)?;
     if args.json {
         console.out.write_all(json(report)?.as_bytes())?;
