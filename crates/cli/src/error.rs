@@ -29,35 +29,24 @@ pub enum CliError {
     Other(String),
 }
 
-impl From<slipgrid_results::NoJsonForm> for CliError {
-    fn from(error: slipgrid_results::NoJsonForm) -> Self {
-        Self::Other(error.to_string())
-    }
+/// Errors of which their words are all that is told.
+macro_rules! told {
+    ($($error:ty),+ $(,)?) => {$(
+        impl From<$error> for CliError {
+            fn from(error: $error) -> Self {
+                Self::Other(error.to_string())
+            }
+        }
+    )+};
 }
 
-impl From<slipgrid_report::ChartError> for CliError {
-    fn from(error: slipgrid_report::ChartError) -> Self {
-        Self::Other(error.to_string())
-    }
-}
-
-impl From<slipgrid_report::ReportError> for CliError {
-    fn from(error: slipgrid_report::ReportError) -> Self {
-        Self::Other(error.to_string())
-    }
-}
-
-impl From<slipgrid_formats::written_material::UnwritableMaterial> for CliError {
-    fn from(error: slipgrid_formats::written_material::UnwritableMaterial) -> Self {
-        Self::Other(error.to_string())
-    }
-}
-
-impl From<slipgrid_formats::confirmed_scene::UnwritableScene> for CliError {
-    fn from(error: slipgrid_formats::confirmed_scene::UnwritableScene) -> Self {
-        Self::Other(error.to_string())
-    }
-}
+told!(
+    slipgrid_results::NoJsonForm,
+    slipgrid_report::ChartError,
+    slipgrid_report::ReportError,
+    slipgrid_formats::written_material::UnwritableMaterial,
+    slipgrid_formats::confirmed_scene::UnwritableScene,
+);
 
 impl From<slipgrid_studies::StudyError> for CliError {
     fn from(error: slipgrid_studies::StudyError) -> Self {

@@ -1,4 +1,4 @@
-//! A bar on a terminal, and the clock of long runs.
+//! The monitor of the command line: a bar on a terminal, the clock of long runs, Ctrl-C.
 
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,134 +6,59 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use slipgrid_monitor::Monitor;
-
 use slipgrid_formats::diagnostic::printable_lines;
+use slipgrid_monitor::Monitor;
 
 use crate::{Console, interruption};
 
-/// Parts into which the work is counted.
+/// Parts into which the work of a stage is counted.
 const PARTS: f64 = 1e6;
 
-/// Progress of one stage of work, shown on stderr where that is a terminal.
-#[derive(Debug)]
-pub struct Progress {
+/// A job of several stages, the one under way shown on stderr where that is a terminal.
+pub struct Job<'a> {
     bar: ProgressBar,
     start: Instant,
-    /// Share done, as the bits of an f64.
+    /// Share of the stage that is done, as the bits of an f64.
     done: AtomicU64,
-    /// When the stage has to end.
-    until: Option<Instant>,
-}
-
-impl Progress {
-    /// Starts a stage called `what`; hidden if `quiet` or where stderr is no terminal.
-    #[must_use]
-    pub fn start(what: &str, quiet: bool) -> Self {
-        Self::until(what, quiet, None)
-    }
-
-    /// The same of a stage that has to end at `until`.
-    #[must_use]
-    pub fn until(what: &str, quiet: bool, until: Option<Instant>) -> Self {
-        if !what.is_empty() {
-            interruption::enter(what);
-        }
-        let hidden = quiet || !std::io::stderr().is_terminal();
-        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let bar = ProgressBar::with_draw_target(Some(PARTS as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} % {elapsed} (left {eta})") {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.set_message(what.to_owned());
-        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), until }
-    }
-
-    /// Whether the stage has no time left.
-    #[must_use]
-    pub fn is_out_of_time(&self) -> bool {
-        self.until.is_some_and(|until| Instant::now() >= until)
-    }
-
-    /// Whether the stage is to stop: Ctrl-C was pressed, or its time is over.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        interruption::asked() || self.is_out_of_time()
-    }
-
-    /// Seconds since the start.
-    #[must_use]
-    pub fn elapsed_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
-    }
-
-    /// Names what is being done.
-    pub fn say(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-    }
-
-    /// Sets the share done, 0 to 1.
-    pub fn set(&self, share: f64) {
-        self.bar.set_position((share.clamp(0.0, 1.0) * PARTS) as u64);
-    }
-
-    /// Removes the bar and returns the seconds the stage took.
-    pub fn finish(self) -> f64 {
-        self.bar.finish_and_clear();
-        self.elapsed_s()
-    }
-}
-
-impl Monitor for Progress {
-    fn seconds(&self) -> f64 {
-        self.elapsed_s()
-    }
-
-    fn advance(&self, share: f64) {
-        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
-        let before = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
-        let (Ok(bits) | Err(bits)) = before;
-        self.set(f64::from_bits(bits) + share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.is_over()
-    }
-}
-
-/// A job of several stages: its monitor on the command line, with one bar for the stage under way.
-pub struct Job<'a> {
-    progress: Progress,
     notes: Option<Mutex<&'a mut (dyn Write + Send)>>,
 }
 
 impl<'a> Job<'a> {
     /// Starts the clock of a job that reports to `console`.
-    pub fn new<'b: 'a>(console: &'a mut Console<'b>) -> Self {
-        let quiet = console.quiet;
+    pub fn new(console: &'a mut Console<'_>) -> Self {
+        let hidden = console.quiet || !std::io::stderr().is_terminal();
+        let target = if hidden { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(PARTS as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:14} [{bar:40}] {percent:>3} % {elapsed} (left {eta})") {
+            bar.set_style(style.progress_chars("=> "));
+        }
         let err: &'a mut (dyn Write + Send) = console.err;
-        Self { progress: Progress::start("", quiet), notes: (!quiet).then(|| Mutex::new(err)) }
+        let notes = (!console.quiet).then(|| Mutex::new(err));
+        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), notes }
     }
 }
 
 impl Monitor for Job<'_> {
     fn stage(&self, name: &str) {
         interruption::enter(name);
-        self.progress.done.store(0.0_f64.to_bits(), Ordering::Relaxed);
-        self.progress.bar.reset();
-        self.progress.say(name);
+        self.done.store(0.0_f64.to_bits(), Ordering::Relaxed);
+        self.bar.reset();
+        self.bar.set_message(name.to_owned());
     }
 
     fn detail(&self, text: &str) {
-        self.progress.say(text);
+        self.bar.set_message(text.to_owned());
     }
 
     fn stage_ended(&self) {
-        self.progress.bar.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 
     fn advance(&self, share: f64) {
-        self.progress.advance(share);
+        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
+        let before = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
+        let (Ok(bits) | Err(bits)) = before;
+        self.bar.set_position(((f64::from_bits(bits) + share).clamp(0.0, 1.0) * PARTS) as u64);
     }
 
     fn cancelled(&self) -> bool {
@@ -141,7 +66,7 @@ impl Monitor for Job<'_> {
     }
 
     fn seconds(&self) -> f64 {
-        self.progress.elapsed_s()
+        self.start.elapsed().as_secs_f64()
     }
 
     fn note(&self, text: &str) {
@@ -159,13 +84,14 @@ mod tests {
 
     #[test]
     fn shares_from_many_threads_add_up() {
-        let progress = Progress::start("test", true);
+        let (mut out, mut err) = (Vec::new(), Vec::new());
+        let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 1 };
+        let job = Job::new(&mut console);
         std::thread::scope(|scope| {
             for _ in 0..4 {
-                scope.spawn(|| (0..1000).for_each(|_| progress.advance(1.0 / 4000.0)));
+                scope.spawn(|| (0..1000).for_each(|_| job.advance(1.0 / 4000.0)));
             }
         });
-        assert!((f64::from_bits(progress.done.load(Ordering::Relaxed)) - 1.0).abs() < 1e-9);
-        assert!(progress.finish() >= 0.0);
+        assert!((f64::from_bits(job.done.load(Ordering::Relaxed)) - 1.0).abs() < 1e-9);
     }
 }

@@ -11,11 +11,12 @@ use slipgrid_topography::{Crop, Decimation, Form, LengthUnit, Missing, ReadOptio
 use crate::args::{AreaLawArgs, FormName, MapArgs, MissingName};
 use crate::interruption::heed;
 use crate::output::{Place, check_folder};
-use crate::progress::{Job, Progress};
+use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{law_warnings, read_period, refuse_law};
 use slipgrid_formats::surface::MapOptions;
+use slipgrid_monitor::Monitor;
 use slipgrid_report::Outputs;
 use slipgrid_report::area_law::{
     AreaLawCurve, AreaLawReport, FACTOR_STATEMENT, model, picture, resolution_report, table, table_csv, window_report,
@@ -107,15 +108,16 @@ fn of_map(
             100.0 / (2.0 * (windows.count as f64 - 1.0)).sqrt(),
         ));
     }
-    let progress = Progress::start("resolutions", console.quiet);
+    let job = Job::new(console);
+    job.stage("resolutions");
     let mut resolutions = Vec::new();
     for &factor in args.resolutions.as_deref().unwrap_or_default() {
-        let blunt = resolution(&surface.map, factor, &request.law(), &progress)
+        let blunt = resolution(&surface.map, factor, &request.law(), &job)
             .map_err(|error| Diagnostic::flag("--resolutions", factor.to_string(), error.to_string()))?;
         heed()?;
         resolutions.push(resolution_report(&blunt, request.first()));
     }
-    progress.finish();
+    job.stage_ended();
 
     let curve = &found.curve;
     let mut report = AreaLawReport {

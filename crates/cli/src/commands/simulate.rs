@@ -1,11 +1,13 @@
 //! `simulate`: friction of a given surface at given loads.
 
 use super::announcement::announce;
+use slipgrid_monitor::Stage;
+
 use crate::args::SimulateArgs;
 use crate::input::disk;
-use crate::interruption::heed;
+use crate::interruption::{enter, heed};
 use crate::output::{Place, check_folder};
-use crate::progress::Progress;
+use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_design::correct;
 use slipgrid_design::of_scene;
@@ -33,20 +35,21 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         console.note(&format!("warning: {told}"));
     }
     announce(&input.scene, console);
-    let progress = Progress::start(input.scene.run.fidelity.name(), console.quiet);
-    let solved = simulate_on(&input.scene, input.specimen.as_ref(), &progress);
-    let wall_s = progress.finish();
+    let (solved, wall_s) = {
+        let job = Job::new(console);
+        let stage = Stage::new(&job, input.scene.run.fidelity.name(), None);
+        (simulate_on(&input.scene, input.specimen.as_ref(), &stage), stage.finish())
+    };
     heed()?;
     let mut simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
     let pressures_pa: Vec<f64> = input.scene.loads.iter().map(|load| load.pressure_pa).collect();
     let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
     correct(&mut simulation, &input.scene, excess.as_deref());
-    let progress = Progress::start("errors", console.quiet);
+    enter("errors");
     let (scene, outside) = (&input.scene, &input.friction_extrapolated);
     let errors = of_scene(scene, &input.uncertainty, input.condition.as_ref(), &simulation)?;
     let provenance = &input.material.provenance;
     let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, console.threads);
-    progress.finish();
     heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
