@@ -16,9 +16,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, FftNum, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use slipgrid_fft::{Complex, ComplexToReal, Fft, FftNum, Precision, RealToComplex};
 
 /// Rows transformed between two transpositions: their complex numbers in a column fill two cache lines.
 const BLOCK_ROWS: usize = 8;
@@ -63,20 +61,19 @@ pub struct Multiplier<T = f64> {
     factor: Vec<T>,
 }
 
-impl<T: FftNum> Fourier<T> {
+impl<T: Precision> Fourier<T> {
     /// Transforms for maps of `rows` x `cols`, both at least 1.
     #[must_use]
     pub fn new(rows: usize, cols: usize) -> Self {
         let (rows, cols) = (rows.max(1), cols.max(1));
-        let mut real = RealFftPlanner::new();
-        let mut complex = FftPlanner::new();
+        let (real, complex) = (T::real_plans(cols), T::complex_plans(rows));
         Self {
             rows,
             cols,
-            row_forward: real.plan_fft_forward(cols),
-            row_inverse: real.plan_fft_inverse(cols),
-            column_forward: complex.plan_fft_forward(rows),
-            column_inverse: complex.plan_fft_inverse(rows),
+            row_forward: real.forward,
+            row_inverse: real.inverse,
+            column_forward: complex.forward,
+            column_inverse: complex.inverse,
         }
     }
 

@@ -20,9 +20,7 @@
 use std::sync::Arc;
 
 use multiversion::multiversion;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use slipgrid_fft::{Complex, ComplexToReal, Fft, Precision, RealToComplex};
 
 use super::springs::{LEVEL, springs};
 
@@ -79,8 +77,7 @@ impl FlatLayer {
     pub fn new(columns: [usize; 2], spacing: [f64; 2], rows: usize, explicit: usize) -> Self {
         let [nx, ny] = columns;
         let half = nx / 2 + 1;
-        let mut real_planner = RealFftPlanner::new();
-        let mut planner = FftPlanner::new();
+        let (real, complex) = (f64::real_plans(nx), f64::complex_plans(ny));
         let count = half * ny;
         let mut layer = Self {
             columns,
@@ -88,10 +85,10 @@ impl FlatLayer {
             inverses: vec![[0.0; 6]; (explicit - 1) * count],
             lowest: Vec::with_capacity(count),
             couplings: Vec::with_capacity(count),
-            forward_x: real_planner.plan_fft_forward(nx),
-            inverse_x: real_planner.plan_fft_inverse(nx),
-            forward_y: planner.plan_fft_forward(ny),
-            inverse_y: planner.plan_fft_inverse(ny),
+            forward_x: real.forward,
+            inverse_x: real.inverse,
+            forward_y: complex.forward,
+            inverse_y: complex.inverse,
         };
         for number in 0..count {
             let turn = std::f64::consts::TAU;
