@@ -52,7 +52,7 @@ pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
 /// A report on two conditions with everything that a page can show.
 pub fn report() -> ValidationReport {
     let mut results = vec![row(0.75, Some(0.9), 0.85), row(0.875, Some(0.95), 0.9)];
-    results[1].measured.pressure_mpa = 2.5;
+    (results[1].measured.force_n, results[1].measured.pressure_mpa) = (200.0, 2.5);
     let slope_factors = vec![0.5, 1.0];
     ValidationReport {
         program: "slipgrid",

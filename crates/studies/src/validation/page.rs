@@ -417,7 +417,7 @@ mod tests {
         assert_balanced(&page);
         for said in [
             "<h1>a &lt;b&gt; &amp; &quot;c&quot;: measured and modelled</h1>",
-            "<td>squares in space, slope x 1</td>",
+            ">squares in space, slope x 1</td>",
             ">slope x 0.5</button>",
             ">10 µm deep</button>",
             "<td>0.875 ± 0.000</td>",
