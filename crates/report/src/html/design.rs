@@ -19,7 +19,7 @@ const MISSED: &str = "verdict missed";
 /// pictures and files in `outputs`.
 #[must_use]
 pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load], outputs: &Outputs) -> String {
-    let mut page = Page::new();
+    let mut page = Page::default();
     page.title(&report.name);
     verdict(&mut page, report);
     dimensions(&mut page, report);

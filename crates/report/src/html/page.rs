@@ -24,19 +24,14 @@ impl Render for Text<'_> {
     }
 }
 
-/// A page under construction.
+/// A page under construction; by default with nothing on it.
+#[derive(Clone, Debug, Default)]
 pub struct Page {
     body: String,
     pictures: usize,
 }
 
 impl Page {
-    /// A page with nothing on it.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { body: String::new(), pictures: 0 }
-    }
-
     /// The whole page. `version` of the program that made it.
     pub fn finish(self, title: &str, version: &str) -> String {
         let (title, version) = (Text(title), Text(version));

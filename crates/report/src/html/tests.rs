@@ -147,7 +147,7 @@ fn a_record_without_its_optional_parts_still_makes_a_page() {
 
 #[test]
 fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
-    let mut page = page::Page::new();
+    let mut page = page::Page::default();
     let hostile = "<b>&\"\u{7}\n\tc";
     page.title(hostile);
     page.heading(hostile);

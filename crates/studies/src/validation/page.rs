@@ -11,7 +11,7 @@ use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
 /// The page of a validation: from its `report` and the pictures in `outputs`.
 #[must_use]
 pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
-    let mut page = Page::new();
+    let mut page = Page::default();
     let title = format!("{}: measured and modelled", report.name);
     page.title(&title);
     page.paragraph(&format!("Measurements: {}. Nothing was tuned to the patterned samples.", report.source));
