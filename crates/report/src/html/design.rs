@@ -117,15 +117,14 @@ fn chance_parts(page: &mut Page, chance: &ChanceReport) {
             percent(chance.with_discrepancy, 1)
         ));
     }
-    let rows: Vec<Vec<String>> = chance
-        .parts
-        .iter()
-        .map(|part| vec![part.input.clone(), part.known_to.clone(), percent(part.chance_without, 1)])
-        .collect();
-    page.table(
+    page.records(
         "What limits the chance: what it would be in % were one of these known, or made, exactly.",
-        &["what", "how well it is known", "chance in %"],
-        &rows,
+        &chance.parts,
+        &[
+            ("what", |part| part.input.clone()),
+            ("how well it is known", |part| part.known_to.clone()),
+            ("chance in %", |part| percent(part.chance_without, 1)),
+        ],
     );
 }
 
@@ -322,31 +321,24 @@ fn search(page: &mut Page, report: &DesignReport) {
         report.failed_trials,
         report.seed
     ));
-    let reachable: Vec<Vec<String>> = report
-        .reachable
-        .iter()
-        .map(|range| {
-            vec![
-                plain(range.pressure_mpa),
-                with_error(range.lowest, range.lowest_std, 4),
-                with_error(range.highest, range.highest_std, 4),
-            ]
-        })
-        .collect();
-    page.table(
+    page.records(
         "Lowest and highest value among the designs tried that respect every constraint.",
-        &["P in MPa", "lowest", "highest"],
-        &reachable,
+        &report.reachable,
+        &[
+            ("P in MPa", |range| plain(range.pressure_mpa)),
+            ("lowest", |range| with_error(range.lowest, range.lowest_std, 4)),
+            ("highest", |range| with_error(range.highest, range.highest_std, 4)),
+        ],
     );
-    let alternatives: Vec<Vec<String>> = report
-        .alternatives
-        .iter()
-        .map(|other| three_lengths(other).into_iter().chain([percent(other.areal_density, 2)]).collect())
-        .collect();
-    page.table(
+    page.records(
         "Other designs that meet the target by the search's model.",
-        &["width in µm", "spacing in µm", "depth in µm", "share in %"],
-        &alternatives,
+        &report.alternatives,
+        &[
+            ("width in µm", |other| plain(other.width_um)),
+            ("spacing in µm", |other| plain(other.spacing_um)),
+            ("depth in µm", |other| plain(other.depth_um)),
+            ("share in %", |other| percent(other.areal_density, 2)),
+        ],
     );
     if let Some(found) = &report.table {
         table(page, found);
@@ -357,26 +349,24 @@ fn search(page: &mut Page, report: &DesignReport) {
 /// Which limits and bounds keep designs from the target, where it is out of reach.
 fn why(page: &mut Page, explanation: &ExplanationReport) {
     page.heading("Why the target is out of reach");
-    let rows: Vec<Vec<String>> = explanation
-        .binding
-        .iter()
-        .map(|relief| {
-            let (relaxed, target) = if relief.suffices {
-                (plain(relief.relaxed), "met".to_owned())
-            } else {
-                let missed = format!("missed by {} tolerances", number(relief.nearest.misfit, 2));
-                (number(relief.relaxed, 3), missed)
-            };
-            let unit = relief.unit.to_owned();
-            vec![relief.what.clone(), plain(relief.limit), relaxed, unit, target, lengths(&relief.nearest.design)]
-        })
-        .collect();
-    page.table(
+    page.records(
         "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
-        &["limit or bound", "now", "relaxed to", "unit", "target", "design (width / spacing / depth in µm)"],
-        &rows,
+        &explanation.binding,
+        &[
+            ("limit or bound", |relief| relief.what.clone()),
+            ("now", |relief| plain(relief.limit)),
+            ("relaxed to", |relief| if relief.suffices { plain(relief.relaxed) } else { number(relief.relaxed, 3) }),
+            ("unit", |relief| relief.unit.to_owned()),
+            ("target", |relief| {
+                if relief.suffices {
+                    return "met".to_owned();
+                }
+                format!("missed by {} tolerances", number(relief.nearest.misfit, 2))
+            }),
+            ("design (width / spacing / depth in µm)", |relief| lengths(&relief.nearest.design)),
+        ],
     );
-    if rows.is_empty() {
+    if explanation.binding.is_empty() {
         page.paragraph("No single limit or bound is the reason: relaxing each alone brings no design nearer.");
     }
     if let Some(together) = &explanation.together {

@@ -134,6 +134,13 @@ impl Page {
         });
     }
 
+    /// The same with one row a record; each column has its name and what stands in it.
+    pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[(&str, fn(&T) -> String)]) {
+        let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
+        self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
+    }
+
     /// A picture on a white card, in any colour scheme; `alt` says what it shows.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {

@@ -10,31 +10,22 @@ use super::design::{lengths, three_lengths};
 use super::page::{Page, ends, known, number, percent, plain, with_error};
 use crate::Outputs;
 
+/// A slope in units of 0.0001 per micrometre with its error, where both are known.
+fn slope(value: Option<f64>, error: Option<f64>) -> String {
+    match known(value).zip(known(error)) {
+        Some((value, error)) => format!("{} ± {}", number(1e4 * value, 2), number(1e4 * error, 2)),
+        None => "-".to_owned(),
+    }
+}
+
 /// Slopes at the design.
 pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
     if found.by_pressure.is_empty() {
         return;
     }
-    let slope = |value: Option<f64>, error: Option<f64>| match known(value).zip(known(error)) {
-        Some((value, error)) => format!("{} ± {}", number(1e4 * value, 2), number(1e4 * error, 2)),
-        None => "-".to_owned(),
-    };
-    let rows: Vec<Vec<String>> = found
-        .by_pressure
-        .iter()
-        .map(|row| {
-            let (value, error) = (row.per_um, row.error_per_um);
-            vec![
-                plain(row.pressure_mpa),
-                slope(value.width, error.width),
-                slope(value.spacing, error.spacing),
-                slope(value.depth, error.depth),
-            ]
-        })
-        .collect();
     page.heading("What a micrometre changes");
     let Dimensions { width, spacing, depth } = found.step_um;
-    page.table(
+    page.records(
         &format!(
             "Change of {} in units of 0.0001 where one dimension grows by 1 µm and the others stay, by the steady model: central \
              differences over {}, {} and {} µm each way. After ± the distance to differences over twice that.",
@@ -43,8 +34,13 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
             plain(spacing),
             plain(depth),
         ),
-        &["P in MPa", "width", "spacing", "depth"],
-        &rows,
+        &found.by_pressure,
+        &[
+            ("P in MPa", |row| plain(row.pressure_mpa)),
+            ("width", |row| slope(row.per_um.width, row.error_per_um.width)),
+            ("spacing", |row| slope(row.per_um.spacing, row.error_per_um.spacing)),
+            ("depth", |row| slope(row.per_um.depth, row.error_per_um.depth)),
+        ],
     );
 }
 
@@ -196,16 +192,16 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         &rows,
     );
     parts(page, &found.parts);
-    let inputs: Vec<Vec<String>> = found
-        .inputs
-        .iter()
-        .map(|input| {
-            let std: Vec<String> = input.std.iter().map(|std| number(*std, 2)).collect();
-            let unit = if input.unit == "um" { "µm" } else { input.unit };
-            vec![input.name.clone(), std.join(", "), unit.to_owned(), input.basis.clone()]
-        })
-        .collect();
-    page.table("What scatters: standard deviations.", &["input", "std", "unit", "basis"], &inputs);
+    page.records(
+        "What scatters: standard deviations.",
+        &found.inputs,
+        &[
+            ("input", |input| input.name.clone()),
+            ("std", |input| input.std.iter().map(|std| number(*std, 2)).collect::<Vec<_>>().join(", ")),
+            ("unit", |input| if input.unit == "um" { "µm" } else { input.unit }.to_owned()),
+            ("basis", |input| input.basis.clone()),
+        ],
+    );
     page.paragraph(&format!("{}.", found.meaning));
     if let Some(optimum) = &found.optimum {
         page.paragraph(&format!(

@@ -174,77 +174,57 @@ const fn speed_and_humidity(row: &MeasuredReport) -> [f64; 2] {
 }
 
 /// Peak pressures and how the solves ended.
-fn solves(page: &mut Page, report: &ValidationReport) {
-    let mut rows = Vec::new();
-    for row in &report.results {
+fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
+    let solved = |row: &'a RatioReport| {
         let models = row.modelled.iter().map(|model| (report.pattern.depth_um, model));
         let deep = row.modelled_at_measured_depth.iter().map(|model| (report.measured_depth_um, model));
-        for (depth_um, model) in models.chain(deep) {
-            let (grooves, squares) = (model.status, model.status_square);
-            rows.push(vec![
-                number(row.measured.pressure_mpa, 3),
-                plain(depth_um),
-                plain(model.slope_factor),
-                number(model.ratio_square_estimate, 3),
-                number(model.peak_pressure_mpa, 2),
-                number(model.peak_pressure_square_mpa, 2),
-                yes_or_no(model.cavity_closed),
-                if grooves == squares { grooves.to_owned() } else { format!("{grooves}, {squares}") },
-            ]);
-        }
-    }
-    page.table(
+        models.chain(deep).map(|(depth_um, model)| (&row.measured, depth_um, model))
+    };
+    let solved: Vec<_> = report.results.iter().flat_map(solved).collect();
+    page.records(
         "Behind these ratios. Strip estimate: squares taken from grooves, for comparison. Peak pressures are those of blocks of \
          10 µm and grow as blocks shrink.",
+        &solved,
         &[
-            "P in MPa",
-            "depth in µm",
-            "slope factor",
-            "strip estimate",
-            "peak, grooves, in MPa",
-            "peak, squares, in MPa",
-            "cavity closes",
-            "status",
+            ("P in MPa", |(own, ..)| number(own.pressure_mpa, 3)),
+            ("depth in µm", |(_, depth_um, _)| plain(*depth_um)),
+            ("slope factor", |(.., model)| plain(model.slope_factor)),
+            ("strip estimate", |(.., model)| number(model.ratio_square_estimate, 3)),
+            ("peak, grooves, in MPa", |(.., model)| number(model.peak_pressure_mpa, 2)),
+            ("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2)),
+            ("cavity closes", |(.., model)| yes_or_no(model.cavity_closed)),
+            ("status", |(.., model)| match (model.status, model.status_square) {
+                (grooves, squares) if grooves == squares => grooves.to_owned(),
+                (grooves, squares) => format!("{grooves}, {squares}"),
+            }),
         ],
-        &rows,
     );
 }
 
 /// Friction coefficients themselves, as modelled on the surface as given.
 fn friction(page: &mut Page, results: &[RatioReport]) {
-    let rows: Vec<Vec<String>> = results
-        .iter()
-        .filter_map(|row| {
-            let (model, own) = (row.at_slope(1.0)?, &row.measured);
-            let times = |ratio: Option<f64>, std| with_error(ratio.map(|ratio| ratio * own.mu_flat), std, 3);
-            let mut cells = condition(own);
-            cells.extend([
-                with_error(own.mu_flat, own.mu_flat_std, 3),
-                number(model.area_law_factor, 3),
-                number(model.dynamic_mean, 3),
-                with_error(own.mu_patterned, own.mu_patterned_std, 3),
-                times(model.ratio_groove, model.mu_groove_std),
-                times(model.ratio_square, model.mu_square_std),
-            ]);
-            Some(cells)
-        })
-        .collect();
-    page.table(
+    let given: Vec<(&MeasuredReport, &ModelledRatio)> =
+        results.iter().filter_map(|row| Some((&row.measured, row.at_slope(1.0)?))).collect();
+    page.records(
         "Dynamic friction coefficients, dimensionless, ± as above. The local coefficient is the measured flat one over f: the model's flat \
          surface slides as the measured one does.",
+        &given,
         &[
-            "force in N",
-            "P in MPa",
-            "speed in mm/s",
-            "humidity in %",
-            "flat, measured",
-            "f(P)",
-            "local coefficient",
-            "patterned, measured",
-            "grooves, modelled",
-            "squares, modelled",
+            ("force in N", |(own, _)| plain(own.force_n)),
+            ("P in MPa", |(own, _)| number(own.pressure_mpa, 3)),
+            ("speed in mm/s", |(own, _)| plain(own.speed_mm_s)),
+            ("humidity in %", |(own, _)| plain(own.humidity_pct)),
+            ("flat, measured", |(own, _)| with_error(own.mu_flat, own.mu_flat_std, 3)),
+            ("f(P)", |(_, model)| number(model.area_law_factor, 3)),
+            ("local coefficient", |(_, model)| number(model.dynamic_mean, 3)),
+            ("patterned, measured", |(own, _)| with_error(own.mu_patterned, own.mu_patterned_std, 3)),
+            ("grooves, modelled", |(own, model)| {
+                with_error(model.ratio_groove.map(|ratio| ratio * own.mu_flat), model.mu_groove_std, 3)
+            }),
+            ("squares, modelled", |(own, model)| {
+                with_error(model.ratio_square.map(|ratio| ratio * own.mu_flat), model.mu_square_std, 3)
+            }),
         ],
-        &rows,
     );
 }
 
@@ -252,14 +232,20 @@ fn published(page: &mut Page, published: &[PublishedReport]) {
     if published.is_empty() {
         return;
     }
-    let rows: Vec<Vec<String>> =
-        published.iter().map(|row| vec![row.quantity.clone(), row.source.clone(), row.here.clone()]).collect();
     page.heading("What the paper says, and what is found here");
     page.paragraph(
         "The paper gives its simulated values in figures alone, and its altitude map not at all: what its text and tables \
          say is compared.",
     );
-    page.table("", &["quantity", "paper", "here"], &rows);
+    page.records(
+        "",
+        published,
+        &[
+            ("quantity", |row| row.quantity.clone()),
+            ("paper", |row| row.source.clone()),
+            ("here", |row| row.here.clone()),
+        ],
+    );
 }
 
 fn areas(page: &mut Page, tables: &[AreaTable], outputs: &Outputs) {
@@ -378,23 +364,19 @@ fn measured(page: &mut Page, measured: &[MeasuredReport]) {
     if measured.is_empty() {
         return;
     }
-    let rows: Vec<Vec<String>> = measured
-        .iter()
-        .map(|row| {
-            let mut cells = condition(row);
-            cells.extend([
-                with_error(row.mu_flat, row.mu_flat_std, 3),
-                with_error(row.mu_patterned, row.mu_patterned_std, 3),
-                with_error(row.ratio, row.ratio_std, 3),
-            ]);
-            cells
-        })
-        .collect();
     page.heading("All that was measured");
-    page.table(
+    page.records(
         "Dynamic friction coefficients, dimensionless, ± one standard deviation; of the ratio propagated.",
-        &["force in N", "P in MPa", "speed in mm/s", "humidity in %", "flat", "patterned", "ratio"],
-        &rows,
+        measured,
+        &[
+            ("force in N", |row| plain(row.force_n)),
+            ("P in MPa", |row| number(row.pressure_mpa, 3)),
+            ("speed in mm/s", |row| plain(row.speed_mm_s)),
+            ("humidity in %", |row| plain(row.humidity_pct)),
+            ("flat", |row| with_error(row.mu_flat, row.mu_flat_std, 3)),
+            ("patterned", |row| with_error(row.mu_patterned, row.mu_patterned_std, 3)),
+            ("ratio", |row| with_error(row.ratio, row.ratio_std, 3)),
+        ],
     );
 }
 
