@@ -437,7 +437,28 @@ const EXPLAINED: [(Status, &str); 4] = [
     (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
 ];
 
+/// How a load is seen to leave what the model knows, and what of it.
+type Doubt = (fn(&LoadReport) -> bool, &'static str);
+
+/// Where the numbers of a load are out of the model's reach.
+const DOUBTS: [Doubt; 3] = [
+    (|load| load.cavity_closed, "cavities close: their ceiling reaches the counterface, which the model lets through"),
+    (
+        |load| load.area_law_extrapolated,
+        "local pressures exceed the area law's last: the area is taken as constant there",
+    ),
+    (
+        |load| load.friction_extrapolated,
+        "outside the measured range: the nearest measurement's coefficients were taken",
+    ),
+];
+
 impl LoadReport {
+    /// Where the numbers are out of the model's reach, in words.
+    pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
+        DOUBTS.into_iter().filter(|(is_so, _)| is_so(self)).map(|(_, words)| words)
+    }
+
     /// Whether the surface, or the flat one beside it, ended so.
     fn has_status(&self, status: Status) -> bool {
         self.status == status.name() || self.status_flat == Some(status.name())
@@ -447,31 +468,18 @@ impl LoadReport {
 /// What a reader should know before using the numbers.
 #[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
-    type Test = fn(&LoadReport) -> bool;
     let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {
         let named: Vec<String> =
             results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
         (!named.is_empty()).then(|| format!("at {} MPa {text}", named.join(", ")))
     };
     let explained = EXPLAINED.into_iter().filter_map(|(status, text)| at(&|load| load.has_status(status), text));
-    let others: [(Test, &str); 5] = [
-        (
-            |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
-            "the run has no result that can be trusted: see its status",
-        ),
-        (
-            |load| load.cavity_closed,
-            "cavities close: their ceiling reaches the counterface, which the model lets through",
-        ),
-        (
-            |load| load.area_law_extrapolated,
-            "local pressures exceed the area law's last: the area is taken as constant there",
-        ),
-        (
-            |load| load.friction_extrapolated,
-            "outside the measured range: the nearest measurement's coefficients were taken",
-        ),
-        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction"),
-    ];
-    explained.chain(others.into_iter().filter_map(|(test, text)| at(&test, text))).collect()
+    let failed: Doubt = (
+        |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
+        "the run has no result that can be trusted: see its status",
+    );
+    let tension: Doubt =
+        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction");
+    let others = std::iter::once(failed).chain(DOUBTS).chain([tension]);
+    explained.chain(others.filter_map(|(test, text)| at(&test, text))).collect()
 }

@@ -2,13 +2,12 @@
 
 use slipgrid_design::DesignReport;
 use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
-use slipgrid_export::{Exposure, Laser, NOT_MODELLED};
+use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::{LoadReport, PatternReport};
+use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
 
 use super::page::{Page, estimate, known, number, percent, plain, with_error};
-use super::section::section;
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -33,7 +32,9 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     if let Some(found) = &report.sensitivities {
         uncertainty::sensitivities(&mut page, found);
     }
-    pattern(&mut page, &report.design, outputs);
+    page.heading("The pattern to scale");
+    page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
+    page.section(&report.design);
     let interface = if report.dimensions == 3 {
         "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
     } else {
@@ -49,9 +50,7 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     }
     search(&mut page, report);
     material(&mut page, report, outputs, (area_law, loads));
-    page.heading("What was modelled, and why");
-    page.list(&report.model);
-    page.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+    page.model(&report.model);
     laser(&mut page, &report.laser, outputs);
     page.finish(&report.name, report.version)
 }
@@ -160,14 +159,12 @@ fn dimensions(page: &mut Page, report: &DesignReport) {
 
 fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     page.heading("Target, prediction, confirmation");
-    if let Some(svg) = outputs.text("target.svg") {
-        page.picture(&svg, if report.conditions.is_some() {
-            "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
-             highest value over all conditions"
-        } else {
-            "Target band, predicted, confirmed and flat values against pressure"
-        });
-    }
+    page.picture_of(outputs, "target.svg", if report.conditions.is_some() {
+        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
+         highest value over all conditions"
+    } else {
+        "Target band, predicted, confirmed and flat values against pressure"
+    });
     let wanted = &report.target;
     let rows: Vec<Vec<String>> = wanted
         .pressure_mpa
@@ -220,7 +217,9 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         number(report.misfit.confirmed, 2)
     ));
     for load in &report.confirmed {
-        doubts(page, load);
+        for doubt in load.doubts() {
+            page.warning(&format!("At {} MPa {doubt}.", plain(load.pressure_mpa)));
+        }
     }
 }
 
@@ -235,18 +234,6 @@ fn goal(page: &mut Page, goal: &GoalReport) {
         number(goal.range_predicted, 4),
         number(goal.range_confirmed, 4)
     ));
-}
-
-/// What a reader should know of one load before using its numbers.
-fn doubts(page: &mut Page, load: &LoadReport) {
-    let all = [
-        (load.cavity_closed, "cavities close: their ceiling reaches the counterface, which the model lets through"),
-        (load.area_law_extrapolated, "local pressures exceed the area law's last: the area is taken as constant there"),
-        (load.friction_extrapolated, "outside the measured range: the nearest measurement's coefficients were taken"),
-    ];
-    for (_, words) in all.into_iter().filter(|(is_so, _)| *is_so) {
-        page.warning(&format!("At {} MPa {words}.", plain(load.pressure_mpa)));
-    }
 }
 
 /// Header and rows without the columns that say nothing at any pressure; the last, the status, in words where it
@@ -277,17 +264,6 @@ fn accepted(wanted: &TargetReport, row: usize) -> String {
         (Some(lowest), None) => format!("at least {}", number(lowest, 4)),
         (None, Some(highest)) => format!("at most {}", number(highest, 4)),
         (None, None) => "-".to_owned(),
-    }
-}
-
-fn pattern(page: &mut Page, design: &PatternReport, outputs: &Outputs) {
-    page.heading("The pattern to scale");
-    if let Some(svg) = outputs.text("pattern.svg") {
-        page.picture(&svg, "The specimen seen from above, with two periods enlarged");
-    }
-    let svg = section(design.width_um, design.spacing_um, design.depth_um);
-    if !svg.is_empty() {
-        page.picture(&svg, "Vertical section through the centres of cavities, along their row");
     }
 }
 

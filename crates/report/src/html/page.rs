@@ -1,7 +1,11 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_results::{ErrorReport, fixed};
+use slipgrid_export::NOT_MODELLED;
+use slipgrid_results::{ErrorReport, PatternReport, fixed};
+
+use super::section::section;
+use crate::Outputs;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("sort.js");
@@ -158,6 +162,28 @@ impl Page {
         self.add(&html! {
             figure { div class="card" { (PreEscaped(named.trim_end())) } figcaption { (Text(caption)) } }
         });
+    }
+
+    /// The picture `name` of `outputs`, where it was made.
+    pub fn picture_of(&mut self, outputs: &Outputs, name: &str, caption: &str) {
+        if let Some(svg) = outputs.text(name) {
+            self.picture(&svg, caption);
+        }
+    }
+
+    /// Two periods of a pattern in vertical section; nothing where a length is not positive.
+    pub fn section(&mut self, pattern: &PatternReport) {
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um);
+        if !svg.is_empty() {
+            self.picture(&svg, "Vertical section through the centres of cavities, along their row");
+        }
+    }
+
+    /// What was modelled, and what never is.
+    pub fn model(&mut self, statements: &[String]) {
+        self.heading("What was modelled, and why");
+        self.list(statements);
+        self.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
     }
 
     /// Pictures side by side where there is room.

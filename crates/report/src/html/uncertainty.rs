@@ -236,12 +236,11 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         page.paragraph(&format!("Nothing could be compared: {reason}."));
         return;
     }
-    if let Some(svg) = outputs.text("trade-offs.svg") {
-        page.picture(
-            &svg,
-            "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
-        );
-    }
+    page.picture_of(
+        outputs,
+        "trade-offs.svg",
+        "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
+    );
     let chosen = if found.chosen_is_on_front {
         "The chosen design is one of them."
     } else {

@@ -1,9 +1,7 @@
 //! The source's tables and figures beside the model's.
 
-use slipgrid_export::NOT_MODELLED;
 use slipgrid_report::Outputs;
 use slipgrid_report::html::page::{Page, number, percent, plain, with_error, yes_or_no};
-use slipgrid_report::html::section::section;
 
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
@@ -23,8 +21,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     summary(&mut page, report);
     page.heading("Ratio patterned over flat");
-    picture(
-        &mut page,
+    page.picture_of(
         outputs,
         "ratios.svg",
         "Measured with standard deviations; the modified law as grooves at the surface's slope and scaled, and as squares; \
@@ -43,22 +40,10 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     measured(&mut page, &report.measured);
     page.heading("The modelled pattern");
-    let svg = section(report.pattern.width_um, report.pattern.spacing_um, report.pattern.depth_um);
-    if !svg.is_empty() {
-        page.picture(&svg, "Vertical section through the centres of cavities, along their row");
-    }
+    page.section(&report.pattern);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
-    page.heading("What was modelled, and why");
-    page.list(&report.model);
-    page.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+    page.model(&report.model);
     page.finish(&title, report.version)
-}
-
-/// The picture `name`, where it was made.
-fn picture(page: &mut Page, outputs: &Outputs, name: &str, caption: &str) {
-    if let Some(svg) = outputs.text(name) {
-        page.picture(&svg, caption);
-    }
 }
 
 fn summary(page: &mut Page, report: &ValidationReport) {
@@ -251,8 +236,7 @@ fn published(page: &mut Page, published: &[PublishedReport]) {
 fn areas(page: &mut Page, tables: &[AreaTable], outputs: &Outputs) {
     let Some(first) = tables.first() else { return };
     page.heading("Real contact area and the factor f");
-    picture(
-        page,
+    page.picture_of(
         outputs,
         "area-law.svg",
         "Real contact area and the factor f against nominal pressure, up to what edges of cavities see; dashed: area in \
@@ -296,14 +280,13 @@ fn interface(page: &mut Page, outputs: &Outputs) {
     }
     page.heading("Pressure along the interface");
     for (name, caption) in captions {
-        picture(page, outputs, name, caption);
+        page.picture_of(outputs, name, caption);
     }
 }
 
 fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs: &Outputs) {
     page.heading("Friction in time");
-    picture(
-        page,
+    page.picture_of(
         outputs,
         "friction.svg",
         "Flat and patterned sample as grooves, from rest, with the averaging window",
