@@ -28,6 +28,9 @@ impl Render for Text<'_> {
     }
 }
 
+/// A column of a table of records: its name, and what stands in it of a record.
+pub type Column<T> = (&'static str, fn(&T) -> String);
+
 /// A page under construction; by default with nothing on it.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
@@ -139,7 +142,7 @@ impl Page {
     }
 
     /// The same with one row a record; each column has its name and what stands in it.
-    pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[(&str, fn(&T) -> String)]) {
+    pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[Column<T>]) {
         let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
         let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
         self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
