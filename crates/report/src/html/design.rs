@@ -52,7 +52,7 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     material(&mut page, report, outputs, (area_law, loads));
     page.model(&report.model);
     laser(&mut page, &report.laser, outputs);
-    page.finish(&report.name, report.version)
+    page.finish(&report.name, &report.version)
 }
 
 fn verdict(page: &mut Page, report: &DesignReport) {
@@ -65,7 +65,7 @@ fn verdict(page: &mut Page, report: &DesignReport) {
         page.marked(MISSED, &format!("No pattern: {words}. What follows is the pattern that lowers it least."));
         return;
     }
-    let (class, words) = match report.status {
+    let (class, words) = match report.status.as_ref() {
         "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits"),
         "met" => ("verdict", "Target met by the model"),
         "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below"),
@@ -182,7 +182,7 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
                 estimate(at.and_then(|at| at.mu_flat.as_ref()), 4),
                 estimate(at.and_then(|at| at.mu_static.as_ref()), 4),
                 number(predicted.map(|load| load.peak_pressure_mpa), 2),
-                report.confirmed.get(row).map_or("-", |load| load.status).to_owned(),
+                report.confirmed.get(row).map_or("-", |load| &load.status).to_owned(),
             ]
         })
         .collect();
@@ -227,7 +227,7 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
 fn goal(page: &mut Page, goal: &GoalReport) {
     page.paragraph(&format!(
         "Goal: the {} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
-        if goal.goal == "even" { "least" } else { goal.goal },
+        if goal.goal == "even" { "least" } else { &goal.goal },
         goal.of,
         with_error(goal.predicted, goal.predicted_std, 5),
         with_error(goal.confirmed, goal.confirmed_std, 5),
@@ -332,7 +332,7 @@ fn why(page: &mut Page, explanation: &ExplanationReport) {
             ("limit or bound", |relief| relief.what.clone()),
             ("now", |relief| plain(relief.limit)),
             ("relaxed to", |relief| if relief.suffices { plain(relief.relaxed) } else { number(relief.relaxed, 3) }),
-            ("unit", |relief| relief.unit.to_owned()),
+            ("unit", |relief| relief.unit.to_string()),
             ("target", |relief| {
                 if relief.suffices {
                     return "met".to_owned();

@@ -143,7 +143,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
         None => "-".to_owned(),
     };
-    let how = match found.method {
+    let how = match found.method.as_ref() {
         "sampled" => "draws of the steady model about the confirming run",
         _ => "draws of the steady model to first order about the confirming run",
     };
@@ -198,7 +198,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         &[
             ("input", |input| input.name.clone()),
             ("std", |input| input.std.iter().map(|std| number(*std, 2)).collect::<Vec<_>>().join(", ")),
-            ("unit", |input| if input.unit == "um" { "µm" } else { input.unit }.to_owned()),
+            ("unit", |input| if input.unit == "um" { "µm" } else { &input.unit }.to_owned()),
             ("basis", |input| input.basis.clone()),
         ],
     );
@@ -250,8 +250,10 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
         found.designs, found.front, found.left_out, found.model,
     ));
-    let header: Vec<&str> =
-        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(found.words.iter().copied()).collect();
+    let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]
+        .into_iter()
+        .chain(found.words.iter().map(AsRef::as_ref))
+        .collect();
     let rows: Vec<Vec<String>> = found
         .listed
         .iter()
