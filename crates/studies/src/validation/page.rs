@@ -43,7 +43,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     page.section(&report.pattern);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
     page.model(&report.model);
-    page.finish(&title, report.version)
+    page.finish(&title, &report.version)
 }
 
 fn summary(page: &mut Page, report: &ValidationReport) {
@@ -178,8 +178,8 @@ fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
             ("peak, grooves, in MPa", |(.., model)| number(model.peak_pressure_mpa, 2)),
             ("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2)),
             ("cavity closes", |(.., model)| yes_or_no(model.cavity_closed)),
-            ("status", |(.., model)| match (model.status, model.status_square) {
-                (grooves, squares) if grooves == squares => grooves.to_owned(),
+            ("status", |(.., model)| match (&model.status, &model.status_square) {
+                (grooves, squares) if grooves == squares => grooves.to_string(),
                 (grooves, squares) => format!("{grooves}, {squares}"),
             }),
         ],
@@ -306,14 +306,14 @@ fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs
             of(|row| (row.mu_flat, row.mu_flat_std)),
             with_error(run.mu_flat, run.mu_flat_std, 4),
             with_error(run.mu_static_flat, run.mu_static_flat_std, 4),
-            run.status_flat.to_owned(),
+            run.status_flat.to_string(),
         ],
         vec![
             "patterned".to_owned(),
             of(|row| (row.mu_patterned, row.mu_patterned_std)),
             with_error(run.mu_patterned, run.mu_patterned_std, 4),
             with_error(run.mu_static_patterned, run.mu_static_patterned_std, 4),
-            run.status_patterned.to_owned(),
+            run.status_patterned.to_string(),
         ],
         vec![
             "ratio".to_owned(),
@@ -421,6 +421,12 @@ mod tests {
         let page = validation(&report, &Outputs::default());
         assert!(page.contains("<td>flat</td><td>0.250 ± 0.002</td><td>0.2550 ± 0.0030</td>"), "{page}");
         assert!(page.contains(">humidity in %</button>"));
+    }
+
+    #[test]
+    fn a_report_is_read_back_as_it_was_written() {
+        let stored = slipgrid_results::json(&report()).unwrap();
+        assert_eq!(serde_json::from_str::<ValidationReport>(&stored).unwrap(), report());
     }
 
     #[test]
