@@ -1,6 +1,6 @@
 //! The chance that a cut sample is on target, as JSON and in words.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Linearization, ModelFailure};
 use slipgrid_springblock::Simulation;
 
@@ -24,7 +24,7 @@ const NUMERICAL: &str = "numerical error";
 const MODEL: &str = "how far the model itself is off";
 
 /// The chance that a cut sample is on target, at all pressures and conditions at once.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChanceReport {
     /// Share of draws; null where nothing is known that could be drawn.
     pub value: Option<f64>,
@@ -48,7 +48,7 @@ pub struct ChanceReport {
 }
 
 /// Something that is not known exactly.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartReport {
     /// What.
     pub input: String,

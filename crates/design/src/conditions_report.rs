@@ -1,6 +1,8 @@
 //! What a design does at every condition, as JSON and as text.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::Quantity;
 use slipgrid_springblock::Scene;
 
@@ -16,10 +18,10 @@ use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// What the design does at every condition.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConditionsReport {
     /// How the values were obtained.
-    pub meaning: &'static str,
+    pub meaning: Cow<'static, str>,
     /// One per condition, the one designed for first.
     pub at: Vec<ConditionReport>,
     /// Place of the one with the largest misfit; null where nothing is demanded.
@@ -32,7 +34,7 @@ pub struct ConditionsReport {
 }
 
 /// What the design does at one of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConditionReport {
     /// Sliding speed.
     pub speed_mm_s: f64,
@@ -51,7 +53,7 @@ pub struct ConditionReport {
 }
 
 /// Values at one pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConditionValue {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -76,7 +78,7 @@ pub struct ConditionValue {
 }
 
 /// Two conditions at which values differ by more than the target allows, whatever the pattern.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConflictReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -192,7 +194,7 @@ impl MultiFidelityLoop<'_> {
         }
         let held = misfits.iter().all(|misfit| *misfit <= 1.0);
         Ok(Some(ConditionsReport {
-            meaning: MEANING,
+            meaning: MEANING.into(),
             at,
             worst: design.target.has_demands().then(|| greatest(misfits.iter().copied())),
             held,

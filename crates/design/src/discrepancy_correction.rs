@@ -1,7 +1,9 @@
 //! Aiming with the model's error on patterned samples: values compared with the target are those of the physics times
 //! the discrepancy's factor, where a design asks for that. What the other reading says stands beside it.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::DiscrepancyAt;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Load;
@@ -16,16 +18,16 @@ use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Modelled values with and without the discrepancy of the calibration's patterned samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DiscrepancyReport {
     /// The search aimed with it: everything compared with the target is times `factor`.
     pub used: bool,
     /// `ratio` or `mu_dynamic`: the target's quantity.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// The patterned samples behind it.
     pub pattern: String,
     /// The design's planform, where that of the patterned samples was another.
-    pub other_planform: Option<&'static str>,
+    pub other_planform: Option<Cow<'static, str>>,
     /// The patterns that it is used for, beside the design; null where the material does not say what the samples were.
     pub domain: Option<DomainReport>,
     /// Measured ratios less coefficients.
@@ -37,7 +39,7 @@ pub struct DiscrepancyReport {
 }
 
 /// The discrepancy at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FactorReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -56,7 +58,7 @@ pub struct FactorReport {
 }
 
 /// One value read twice, each with its standard deviation; null where there is none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// By the physics alone.
     pub physics: Option<f64>,
@@ -69,7 +71,7 @@ pub struct Reading {
 }
 
 /// A misfit read twice; null where there is none.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MisfitReading {
     /// By the physics alone.
     pub physics: Option<f64>,
@@ -148,8 +150,8 @@ impl DiscrepancyReport {
         let planform = design.space.texture().planform().name();
         Some(Self {
             used: design.discrepancy,
-            quantity,
-            other_planform: (!pattern.starts_with(planform)).then_some(planform),
+            quantity: quantity.into(),
+            other_planform: (!pattern.starts_with(planform)).then(|| planform.into()),
             pattern,
             domain: material.discrepancy_domain.as_ref().map(|domain| DomainReport::new(domain, best)),
             degrees_of_freedom: found.degrees_of_freedom,
@@ -184,7 +186,7 @@ impl DiscrepancyReport {
             "Discrepancy: measured over modelled ratios of patterned samples ({}; degrees of freedom: {}). It holds for patterns like theirs{}{outside}{domain}",
             self.pattern,
             self.degrees_of_freedom,
-            self.other_planform.map_or_else(String::new, |planform| format!(
+            self.other_planform.as_ref().map_or_else(String::new, |planform| format!(
                 ", which this one ({planform}) is not: take it as a guess"
             )),
         )

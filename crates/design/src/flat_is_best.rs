@@ -1,6 +1,6 @@
 //! Targets that no pattern is needed for, or that none can meet, because the model only lowers friction.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Demand, Goal, Quantity, Status, Wanted};
 
 use crate::multi_fidelity::MultiFidelityLoop;
@@ -9,7 +9,7 @@ use slipgrid_results::fixed;
 use slipgrid_units::PRESSURE_MPA;
 
 /// What is to be said where the flat surface is better than any pattern.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FlatReport {
     /// In words, with the numbers.
     pub words: String,

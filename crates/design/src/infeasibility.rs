@@ -1,6 +1,8 @@
 //! Why a target is out of reach, in the words of the design file.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_monitor::Part;
 use slipgrid_optimize::{
     Bound, Candidate, DesignSpace, Dimension, Explanation, ForwardModel, Limit, Relief, Restriction, SearchError,
@@ -30,7 +32,7 @@ const LEAST_DEPTH_M: f64 = 1e-6;
 const DIGITS: i32 = 3;
 
 /// Why a target is out of reach.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ExplanationReport {
     /// Limits and bounds that bind: relaxing each alone brings a design nearer. Those that suffice first.
     pub binding: Vec<ReliefReport>,
@@ -46,12 +48,12 @@ pub struct ExplanationReport {
 }
 
 /// What relaxing one limit or bound gives.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReliefReport {
     /// The limit or bound, in words.
     pub what: String,
     /// Unit of the limits; may be empty.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// As it is.
     pub limit: f64,
     /// What suffices, rounded to the loose side; else what the design below has.
@@ -63,7 +65,7 @@ pub struct ReliefReport {
 }
 
 /// A design, and by how much it misses.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearestReport {
     /// The design.
     pub design: PatternReport,
@@ -176,7 +178,7 @@ fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
     let relaxed = relief.relaxed / unit_si;
     ReliefReport {
         what,
-        unit,
+        unit: unit.into(),
         limit: tidy(relief.limit / unit_si),
         relaxed: if relief.suffices { loosened(relaxed, is_least) } else { tidy(relaxed) },
         suffices: relief.suffices,

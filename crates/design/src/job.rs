@@ -120,7 +120,13 @@ pub fn run(
     let target: TargetReport = (&design.target).into();
     let watched =
         |at: &Pattern| if probing.cancelled() { Err(ModelFailure::Cancelled) } else { found.model.respond(at) };
-    let slopes = sensitivity::report(&watched, &pattern, design.layer.block_m, target.quantity, &target.pressure_mpa)?;
+    let slopes = sensitivity::report(
+        &watched,
+        &pattern,
+        design.layer.block_m,
+        design.target.quantity().name(),
+        &target.pressure_mpa,
+    )?;
     let (model, choice) = (&found.model, found.choice.as_ref());
     let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
     let spread = robustness::of_design(design, uncertainty, &about)?;
@@ -161,10 +167,10 @@ pub fn run(
     model.extend(time_statement(&cut_short));
     model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {
-        program: "slipgrid",
-        version: VERSION,
+        program: "slipgrid".into(),
+        version: VERSION.into(),
         name: design.name.clone(),
-        status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() },
+        status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() }.into(),
         flat,
         chance,
         selection: found.selection.as_ref().and_then(selection::Chosen::report),
@@ -174,8 +180,8 @@ pub fn run(
         passes: design.laser.passes(pattern.depth_m()),
         dimensions: if is_spatial { 3 } else { 2 },
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
-        fidelity: found.confirming.fidelity.name(),
-        extent: found.confirming.extent.name(),
+        fidelity: found.confirming.fidelity.name().into(),
+        extent: found.confirming.extent.name().into(),
         target,
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: value[..loads.len()].to_vec(),
@@ -196,7 +202,7 @@ pub fn run(
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
         out_of_time: found.out_of_time,
-        cut_short,
+        cut_short: cut_short.into_iter().map(Into::into).collect(),
         failed_trials: found.failed_trials,
         rounds: found.rounds,
         history: found.history.clone(),

@@ -1,7 +1,7 @@
 //! Every design of a lattice, so that nobody need believe the search: whole blocks wide and apart, whole bursts deep.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure};
 use slipgrid_pattern::Pattern;
 
@@ -24,7 +24,7 @@ const WHOLE: f64 = 1e-6;
 const BETTER: f64 = slipgrid_optimize::COMFORTABLE_RMS;
 
 /// A table, and what it says of the design found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TableReport {
     /// Designs of the table.
     pub designs: usize,
@@ -47,7 +47,7 @@ pub struct TableReport {
 }
 
 /// A design of the table.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NodeReport {
     /// The design.
     pub design: PatternReport,

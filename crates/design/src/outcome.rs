@@ -1,5 +1,7 @@
 //! What `optimize` found, as JSON and as text.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 use slipgrid_export::Laser;
 use slipgrid_optimize::Quantity;
@@ -26,16 +28,16 @@ use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
 use slipgrid_results::{fixed, with_error};
 
 /// result.json of `optimize`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DesignReport {
     /// `slipgrid`.
-    pub program: &'static str,
+    pub program: Cow<'static, str>,
     /// Its version.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// Name of the design.
     pub name: String,
     /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
-    pub status: &'static str,
+    pub status: Cow<'static, str>,
     /// The chance that a cut sample is on target; null where nothing is demanded.
     pub chance: Option<ChanceReport>,
     /// Why the flat surface is better than any pattern; null where one is.
@@ -55,9 +57,9 @@ pub struct DesignReport {
     /// The vertical plane took a section of a planform that needs three dimensions.
     pub section_model: bool,
     /// What confirmed the design.
-    pub fidelity: &'static str,
+    pub fidelity: Cow<'static, str>,
     /// On how much of the specimen.
-    pub extent: &'static str,
+    pub extent: Cow<'static, str>,
     /// What was asked for.
     pub target: TargetReport,
     /// The steady cell at the target's pressures.
@@ -102,8 +104,8 @@ pub struct DesignReport {
     /// Seconds, not evaluations, were spent.
     pub out_of_time: bool,
     /// Stages that the seconds allowed did not suffice for.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub cut_short: Vec<&'static str>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cut_short: Vec<Cow<'static, str>>,
     /// Designs that the model could not compute.
     pub failed_trials: usize,
     /// Searches made: each after the first corrected by the confirming run before it.
@@ -118,11 +120,14 @@ pub struct DesignReport {
     pub specimen: SpecimenReport,
     /// The laser.
     pub laser: Laser,
-    /// Seconds by stage.
+    /// Seconds by stage; with those in all and threads in timings.json.
+    #[serde(default)]
     pub timings_s: Timings,
     /// Seconds in all.
+    #[serde(default)]
     pub wall_s: f64,
     /// Threads that computed.
+    #[serde(default)]
     pub threads: usize,
     /// Seed of search and local coefficients.
     pub seed: u64,
@@ -148,7 +153,7 @@ pub struct StoredDesign {
 }
 
 /// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MisfitReport {
     /// Of the search's model.
     pub predicted: f64,
@@ -355,7 +360,7 @@ impl DesignReport {
                 flat.words
             );
         }
-        match self.status {
+        match self.status.as_ref() {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
             "met" => format!("met by the model{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),

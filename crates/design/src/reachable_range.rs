@@ -1,6 +1,6 @@
 //! What designs within bounds and limits reach.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::Slopes;
 use slipgrid_optimize::{Quantity, ReachableRange, Status};
 use slipgrid_pattern::Pattern;
@@ -14,7 +14,7 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// What designs within bounds and limits can do at one pressure.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReachableReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,

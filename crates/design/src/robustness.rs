@@ -155,8 +155,8 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
     let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
     let count = about.scene.loads.len();
     Ok(Some(RobustnessReport {
-        meaning: MEANING,
-        method: if is_linear { "linearized" } else { "sampled" },
+        meaning: MEANING.into(),
+        method: if is_linear { "linearized" } else { "sampled" }.into(),
         inputs: inputs(request, &about, &uncertainty),
         samples: scatter(request, &about, &samples),
         with_material: all.as_ref().map(|all| scatter(request, &about, all)),
@@ -383,7 +383,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             inputs.push(InputReport {
                 name: name.to_owned(),
                 std: vec![std_um],
-                unit: "um",
+                unit: "um".into(),
                 basis: "of a sample's mean, by the design file".to_owned(),
             });
         }
@@ -393,7 +393,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
         inputs.push(InputReport {
             name: "flat friction at each load".to_owned(),
             std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
-            unit: "%",
+            unit: "%".into(),
             basis: "standard errors of the fitted coefficients".to_owned(),
         });
     }
@@ -402,7 +402,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
         inputs.push(InputReport {
             name: about.scale_name().to_owned(),
             std: vec![percent(uncertainty.std(DIMENSIONS + place))],
-            unit: "%",
+            unit: "%".into(),
             basis: if is_fitted {
                 "fitted together with flat friction"
             } else {
@@ -415,7 +415,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
         inputs.push(InputReport {
             name: "factors of the area law".to_owned(),
             std: vec![1.0],
-            unit: "standard errors",
+            unit: "standard errors".into(),
             basis: "windows of the altitude map, all factors off to the same side".to_owned(),
         });
     }
@@ -423,7 +423,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
         inputs.push(InputReport {
             name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
             std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
-            unit: "%",
+            unit: "%".into(),
             basis: format!(
                 "{} degrees of freedom; {}",
                 found.degrees_of_freedom,

@@ -1,6 +1,8 @@
 //! The spread of a design's friction, as JSON and as text.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::Spread;
 
 use slipgrid_results::PartsReport;
@@ -17,12 +19,12 @@ pub const MEANING: &str = "Standard deviations of the dimensions are those of a 
 pub const ON_PATTERNED: &str = "model on patterned samples";
 
 /// What samples made after a design do.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobustnessReport {
     /// What the standard deviations are of.
-    pub meaning: &'static str,
+    pub meaning: Cow<'static, str>,
     /// `sampled`: the steady model at every draw; `linearized`: its first-order form.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// What scatters, independently but where something else is said.
     pub inputs: Vec<InputReport>,
     /// Tolerances alone: how samples of the material as calibrated differ from one another.
@@ -40,7 +42,7 @@ pub struct RobustnessReport {
 }
 
 /// Draws and what came of them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScatterReport {
     /// Draws.
     pub draws: usize,
@@ -57,20 +59,20 @@ pub struct ScatterReport {
 }
 
 /// Something that scatters.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputReport {
     /// What.
     pub name: String,
     /// Standard deviation; one, or one per pressure.
     pub std: Vec<f64>,
     /// Its unit.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Where it comes from, what it is taken to do.
     pub basis: String,
 }
 
 /// The spread at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PressureReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -80,7 +82,7 @@ pub struct PressureReport {
 }
 
 /// Parts of the scatter at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PressureParts {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -91,7 +93,7 @@ pub struct PressureParts {
 }
 
 /// Ratio and friction coefficient.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SpreadReport {
     /// Patterned over flat.
     pub ratio: Distribution,
@@ -100,7 +102,7 @@ pub struct SpreadReport {
 }
 
 /// How a number scatters.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Distribution {
     /// Mean.
     pub mean: f64,
@@ -113,7 +115,7 @@ pub struct Distribution {
 }
 
 /// Numbers times measured over modelled ratio of patterned samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedReport {
     /// Measured over modelled ratio, by pressure.
     pub factor: Vec<f64>,
@@ -126,7 +128,7 @@ pub struct CorrectedReport {
 }
 
 /// The robust optimum beside the nominal one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptimumReport {
     /// The design that misses the target least, were it made exactly.
     pub nominal: PatternReport,

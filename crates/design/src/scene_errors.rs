@@ -179,7 +179,7 @@ pub fn of_scene(
         })
         .collect();
     let report = CorrectedReport {
-        other_planform: (!samples.starts_with(planform)).then_some(planform),
+        other_planform: (!samples.starts_with(planform)).then(|| planform.into()),
         pattern: samples,
         degrees_of_freedom: found.degrees_of_freedom,
         by_pressure,

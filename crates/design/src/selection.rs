@@ -1,7 +1,9 @@
 //! The best of the designs on target: the one that a cut sample of is likeliest on target, and of those alike the one that
 //! takes the laser least.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
     Candidate, Choice, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome,
@@ -27,7 +29,7 @@ const NEAR_THE_EDGE: f64 = 0.9;
 const NODES_IN_SPACE: usize = 80;
 
 /// What was chosen from, as result.json holds it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SelectionReport {
     /// What was chosen and why, in one line.
     pub words: String,
@@ -43,7 +45,7 @@ pub struct SelectionReport {
     /// Chances that differ by less count as alike.
     pub alike: f64,
     /// What decides among those: `laser_time_s` or `cavity_volume_mm3`.
-    pub effort: &'static str,
+    pub effort: Cow<'static, str>,
     /// Of the chosen design.
     pub effort_value: f64,
     /// Of the design with the greatest chance.
@@ -213,7 +215,7 @@ impl Chosen {
             chance: tidy(chosen.chance.share),
             greatest_chance: tidy(greatest.chance.share),
             alike: tidy(self.selection.alike),
-            effort: self.effort.name(),
+            effort: self.effort.name().into(),
             effort_value: tidy(chosen.effort),
             effort_of_greatest_chance: tidy(greatest.effort),
         })

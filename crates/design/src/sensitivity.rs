@@ -1,6 +1,8 @@
 //! How the target's quantity moves with the dimensions of the design.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{ForwardModel, ModelFailure, sensitivities};
 use slipgrid_pattern::Pattern;
 
@@ -12,10 +14,10 @@ use slipgrid_units::{LENGTH_UM, tidy};
 const STEP_BLOCKS: f64 = 0.5;
 
 /// Slopes at the design, by pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensitivityReport {
     /// What moves: `ratio` or `mu_dynamic`.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// Step of the central differences; null where designs beside it cannot be computed.
     pub step_um: Dimensions<Option<f64>>,
     /// One per target pressure.
@@ -23,7 +25,7 @@ pub struct SensitivityReport {
 }
 
 /// Slopes at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlopesReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -34,7 +36,7 @@ pub struct SlopesReport {
 }
 
 /// One thing for each dimension.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Dimensions<T> {
     /// Of the width.
     pub width: T,
@@ -87,7 +89,7 @@ pub fn report(
         })
         .collect();
     let step_um = found.axes.each_ref().map(|axis| axis.as_ref().map(|axis| LENGTH_UM.from_si(axis.step_m)));
-    Ok(Some(SensitivityReport { quantity, step_um: Dimensions::new(step_um), by_pressure }))
+    Ok(Some(SensitivityReport { quantity: quantity.into(), step_um: Dimensions::new(step_um), by_pressure }))
 }
 
 impl SensitivityReport {

@@ -1,6 +1,8 @@
 //! A target as result.json holds it, and what became of its goal.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
 
 use slipgrid_results::{ErrorsReport, PressureErrors};
@@ -8,10 +10,10 @@ use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// A target as result.json holds it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TargetReport {
     /// `ratio` or `mu_dynamic`.
-    pub quantity: &'static str,
+    pub quantity: Cow<'static, str>,
     /// Nominal pressures.
     pub pressure_mpa: Vec<f64>,
     /// Wanted values; null where a band or a goal is given instead.
@@ -23,13 +25,13 @@ pub struct TargetReport {
     /// Highest accepted values; null where anything is.
     pub highest: Vec<Option<f64>>,
     /// `lowest`, `highest` or `even`; null without a goal.
-    pub goal: Option<&'static str>,
+    pub goal: Option<Cow<'static, str>>,
     /// How much each pressure counts in means; null where all count alike.
     pub weights: Option<Vec<f64>>,
 }
 
 /// One for all pressures, or one for each.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Tolerance {
     /// For all.
@@ -54,13 +56,13 @@ impl From<&Target> for TargetReport {
         });
         let weights: Vec<f64> = points.iter().map(|point| point.weight).collect();
         Self {
-            quantity: target.quantity().name(),
+            quantity: target.quantity().name().into(),
             pressure_mpa: points.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect(),
             value,
             tolerance,
             lowest: points.iter().map(|point| point.wanted.band()[0]).collect(),
             highest: points.iter().map(|point| point.wanted.band()[1]).collect(),
-            goal: target.goal().map(Goal::name),
+            goal: target.goal().map(|goal| goal.name().into()),
             weights: weights.windows(2).any(|pair| pair[0] != pair[1]).then_some(weights),
         }
     }
@@ -78,7 +80,7 @@ impl TargetReport {
             (Some(lowest), Some(highest)) => format!("{lowest:.4} to {highest:.4}"),
             (Some(lowest), None) => format!(">= {lowest:.4}"),
             (None, Some(highest)) => format!("<= {highest:.4}"),
-            (None, None) => self.goal.unwrap_or("-").to_owned(),
+            (None, None) => self.goal.as_deref().unwrap_or("-").to_owned(),
         }
     }
 
@@ -99,10 +101,10 @@ impl TargetReport {
 }
 
 /// What became of a goal.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
-    pub goal: &'static str,
+    pub goal: Cow<'static, str>,
     /// What is as low, high or small as found, in words.
     pub of: String,
     /// By the search's model.
@@ -144,7 +146,7 @@ impl GoalReport {
             values.chunks(target.points().len()).filter_map(of).reduce(f64::max)
         };
         Some(Self {
-            goal: goal.name(),
+            goal: goal.name().into(),
             of: match goal {
                 Goal::Lowest | Goal::Highest => format!("mean {quantity} over the pressures{by}{at}"),
                 Goal::Even => format!("standard deviation of the {quantity} over its mean{by}{at}"),
@@ -161,7 +163,7 @@ impl GoalReport {
     /// The goal in one line.
     #[must_use]
     pub fn words(&self) -> String {
-        let (what, digits) = if self.goal == "even" { ("least", 5) } else { (self.goal, 4) };
+        let (what, digits) = if self.goal == "even" { ("least", 5) } else { (self.goal.as_ref(), 4) };
         let value = |value: Option<f64>, std: Option<f64>| {
             value.map_or_else(|| fixed(None, digits), |value| with_error(value, std, digits))
         };

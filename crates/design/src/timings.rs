@@ -1,9 +1,9 @@
 //! What the stages of a job took and what they brought.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Seconds by stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timings {
     /// Reading or calibrating the material.
     pub material: f64,
@@ -52,7 +52,7 @@ impl Timings {
 }
 
 /// The best design after a number of evaluations.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImprovementReport {
     /// The search, counted from 1.
     pub round: usize,

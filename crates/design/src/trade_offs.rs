@@ -1,6 +1,8 @@
 //! What can be had for what: the designs of which none is better than another by every goal of `[trade_offs]`.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{
     Choice, Linearization, ModelFailure, Response, SearchError, Target, TradeOff, TradeOffOptions, TradeOffs,
     Uncertainty, compare, trade_offs,
@@ -24,12 +26,12 @@ use slipgrid_units::{PRESSURE_MPA, tidy};
 const LISTED: usize = 12;
 
 /// The trade-offs as result.json holds them.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TradeOffsReport {
     /// Columns of trade-offs.csv that designs were compared by.
-    pub goals: Vec<&'static str>,
+    pub goals: Vec<Cow<'static, str>>,
     /// The same in words.
-    pub words: Vec<&'static str>,
+    pub words: Vec<Cow<'static, str>>,
     /// Designs compared.
     pub designs: usize,
     /// Designs left out: not computable, or beyond a limit.
@@ -54,7 +56,7 @@ pub struct TradeOffsReport {
 }
 
 /// A design of the front.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ListedDesign {
     /// The design.
     pub design: PatternReport,
@@ -192,14 +194,13 @@ pub fn report(
     let found = found;
     let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
     let chosen_goals = own.map(|known| known.goals.clone());
-    let titles: Vec<&str> = input.goals.iter().map(|goal| goal.words()).collect();
     let misfit = input.goals.iter().position(|goal| *goal == TradeOffGoal::Misfit);
     let is_met = |known: &&TradeOff| pool.is_some() || misfit.is_some_and(|place| known.goals[place] <= 1.0);
     let met: Vec<&TradeOff> = found.front.iter().filter(is_met).collect();
     let shown = if met.is_empty() { found.front.iter().collect() } else { met.clone() };
     let report = TradeOffsReport {
-        goals: input.goals.iter().map(|goal| goal.column()).collect(),
-        words: titles,
+        goals: input.goals.iter().map(|goal| goal.column().into()).collect(),
+        words: input.goals.iter().map(|goal| goal.words().into()).collect(),
         designs: found.front.len() + found.dominated.len(),
         left_out: found.left_out,
         front: found.front.len(),
@@ -229,8 +230,8 @@ fn model_words(model: &SteadyModel) -> String {
 fn nothing(input: &TradeOffsWanted, model: &SteadyModel, left_out: usize, reason: &str) -> (TradeOffsReport, Compared) {
     let found = TradeOffs { front: Vec::new(), dominated: Vec::new(), left_out };
     let report = TradeOffsReport {
-        goals: input.goals.iter().map(|goal| goal.column()).collect(),
-        words: input.goals.iter().map(|goal| goal.words()).collect(),
+        goals: input.goals.iter().map(|goal| goal.column().into()).collect(),
+        words: input.goals.iter().map(|goal| goal.words().into()).collect(),
         designs: 0,
         left_out,
         front: 0,

@@ -1,7 +1,9 @@
 //! Aiming with the discrepancy only where it was measured: near the patterns of the calibration's patterned samples, and
 //! where the physics alone says that the pattern does something.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{DENSITY_FACTOR, DEPTH_FACTOR, Far, TrialDomain};
 use slipgrid_optimize::{Bound, Limit};
 use slipgrid_pattern::Pattern;
@@ -81,10 +83,10 @@ impl Effect {
 }
 
 /// The patterns that a discrepancy is used for, beside the one found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DomainReport {
     /// Planforms of the trials.
-    pub planforms: Vec<&'static str>,
+    pub planforms: Vec<Cow<'static, str>>,
     /// Least and largest areal density that counts as near, and those of the trials.
     pub areal_density: [f64; 2],
     /// Those of the trials.
@@ -94,15 +96,15 @@ pub struct DomainReport {
     /// Those of the trials.
     pub trials_depth_um: [f64; 2],
     /// In what the design is far from them; empty where it is near.
-    pub far: Vec<&'static str>,
+    pub far: Vec<Cow<'static, str>>,
 }
 
 impl DomainReport {
     /// How near `pattern` is to the trials of `domain`.
     #[must_use]
     pub fn new(domain: &TrialDomain, pattern: &Pattern) -> Self {
-        let mut planforms = Vec::new();
-        for name in domain.trials().iter().map(|trial| trial.planform.name()) {
+        let mut planforms: Vec<Cow<'static, str>> = Vec::new();
+        for name in domain.trials().iter().map(|trial| trial.planform.name().into()) {
             if !planforms.contains(&name) {
                 planforms.push(name);
             }
@@ -110,9 +112,9 @@ impl DomainReport {
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
         let ([least, most], [shallowest_m, deepest_m]) = (domain.areal_density(), domain.depth_m());
         let name = |far: Far| match far {
-            Far::Planform => "planform",
-            Far::ArealDensity => "areal density",
-            Far::Depth => "depth",
+            Far::Planform => "planform".into(),
+            Far::ArealDensity => "areal density".into(),
+            Far::Depth => "depth".into(),
         };
         Self {
             planforms,

@@ -246,7 +246,7 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         (false, Some(_)) => "Real contact area",
         (false, None) => "Real contact area (Persson's theory)",
     };
-    Ok(charts::area_law(&AreaLawChart {
+    charts::area_law(&AreaLawChart {
         title,
         pressure_mpa: &column(|point| point.pressure_mpa),
         area_fraction: &column(|point| point.area_fraction_corrected),
@@ -254,7 +254,7 @@ pub fn picture(report: &AreaLawReport) -> Result<String, charts::ChartError> {
         factor_std: factor_std.as_deref().unwrap_or_default(),
         threshold: threshold_area,
         others: &[],
-    })?)
+    })
 }
 
 /// What a curve of real contact area was solved for, SI units.

@@ -39,7 +39,7 @@ pub fn target(report: &DesignReport) -> Result<String, ChartError> {
             estimate(report.errors.at(row)?.mu_flat.as_ref()?)
         }
     });
-    Ok(charts::target(&TargetChart {
+    charts::target(&TargetChart {
         title: &report.name,
         quantity: if report.is_ratio() {
             "Dynamic friction, patterned over flat"
@@ -51,7 +51,7 @@ pub fn target(report: &DesignReport) -> Result<String, ChartError> {
         confirmed: &confirmed,
         flat: &flat,
         spread: &spread(report),
-    })?)
+    })
 }
 
 /// Lowest and highest value at each pressure over all conditions; empty where there is one.

@@ -1,17 +1,19 @@
 //! Errors of a simulated scene, and its numbers times the discrepancy of patterned samples.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 use super::errors::ErrorReport;
 use super::table::{Table, fixed};
 
 /// Ratio and friction times measured over modelled ratio of patterned samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedReport {
     /// The patterned samples behind it.
     pub pattern: String,
     /// The scene's planform, where that of the patterned samples was another.
-    pub other_planform: Option<&'static str>,
+    pub other_planform: Option<Cow<'static, str>>,
     /// Measured ratios less coefficients.
     pub degrees_of_freedom: usize,
     /// One per pressure.
@@ -19,7 +21,7 @@ pub struct CorrectedReport {
 }
 
 /// The same at one pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedAt {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -57,7 +59,9 @@ impl CorrectedReport {
             "\n  were the model as far off as on patterned samples ({}; degrees of freedom: {}){}{}\n{table}",
             self.pattern,
             self.degrees_of_freedom,
-            self.other_planform.map_or_else(String::new, |own| format!(", which {own}s are not: take it as a guess")),
+            self.other_planform
+                .as_ref()
+                .map_or_else(String::new, |own| format!(", which {own}s are not: take it as a guess")),
             if outside.is_empty() {
                 String::new()
             } else {

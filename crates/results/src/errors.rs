@@ -1,7 +1,7 @@
 //! One error beside every friction coefficient and ratio: what the run, the calibration and, where values are corrected
 //! by it, the discrepancy leave open, with its parts kept apart.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::Deviation;
 use slipgrid_units::tidy;
 
@@ -25,7 +25,7 @@ const NORMAL_95: f64 = 1.959_964;
 pub const NO_SLOPES: &str = "what the material's errors make of friction: its neighbours cannot be computed";
 
 /// Errors of the numbers of one scene.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorsReport {
     /// What the errors combine, in words.
     pub meaning: String,
@@ -38,7 +38,7 @@ pub struct ErrorsReport {
 }
 
 /// Values at one pressure, each with its error.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PressureErrors {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -62,7 +62,7 @@ pub struct PressureErrors {
 }
 
 /// A value with one standard deviation.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ErrorReport {
     /// The value; null where the run gave none.
     pub value: Option<f64>,
@@ -75,7 +75,7 @@ pub struct ErrorReport {
 }
 
 /// What one input alone would do.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartsReport {
     /// The input.
     pub input: String,

@@ -1,5 +1,7 @@
 //! A simulation as JSON and as a table.
 
+use std::borrow::Cow;
+
 use serde::{Deserialize, Serialize};
 use slipgrid_material::Provenance;
 use slipgrid_pattern::{Arrangement, Pattern, Planform};
@@ -11,16 +13,16 @@ use super::table::{Table, fixed};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 /// What `simulate --json` prints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SimulationReport {
     /// `slipgrid`.
-    pub program: &'static str,
+    pub program: Cow<'static, str>,
     /// Its version.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// What was solved.
-    pub fidelity: &'static str,
+    pub fidelity: Cow<'static, str>,
     /// How much of the specimen.
-    pub extent: &'static str,
+    pub extent: Cow<'static, str>,
     /// Dimensions of the model.
     pub dimensions: u8,
     /// What was modelled and why.
@@ -43,9 +45,11 @@ pub struct SimulationReport {
     pub seed: u64,
     /// Surfaces with local coefficients of their own, of which results are the mean.
     pub draws: u64,
-    /// Seconds.
+    /// Seconds; with the threads in timings.json.
+    #[serde(default)]
     pub wall_s: f64,
     /// Threads that computed.
+    #[serde(default)]
     pub threads: usize,
     /// One per pressure, in the scene's order.
     pub results: Vec<LoadReport>,
@@ -153,7 +157,7 @@ impl PatternReport {
 }
 
 /// Results at one pressure.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct LoadReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -193,9 +197,9 @@ pub struct LoadReport {
     /// Contact blocks under tension.
     pub tension_blocks: usize,
     /// How the run ended.
-    pub status: &'static str,
+    pub status: Cow<'static, str>,
     /// How the flat run ended; null for a flat scene.
-    pub status_flat: Option<&'static str>,
+    pub status_flat: Option<Cow<'static, str>>,
     /// A cavity's ceiling reaches the counterface.
     pub cavity_closed: bool,
     /// A pressure lies past the last of the area law.
@@ -244,8 +248,8 @@ impl LoadReport {
             ratio_strip_estimate: strip.map(|(pattern, ratio)| pattern.strip_estimate(ratio)),
             peak_pressure_mpa: PRESSURE_MPA.from_si(surface.peak_pressure_pa),
             tension_blocks: surface.tension_blocks,
-            status: surface.status.name(),
-            status_flat: load.flat.as_ref().map(|flat| flat.status.name()),
+            status: surface.status.name().into(),
+            status_flat: load.flat.as_ref().map(|flat| flat.status.name().into()),
             cavity_closed: surface.cavity_closed,
             area_law_extrapolated: surface.area_law_extrapolated
                 || load.flat.as_ref().is_some_and(|flat| flat.area_law_extrapolated),
@@ -310,10 +314,10 @@ impl SimulationReport {
         // What the vertical plane leaves out needs saying, and only of patterns that have it.
         let sectioned = pattern.filter(|_| scene.dimensions() == 2);
         Self {
-            program: "slipgrid",
-            version: crate::VERSION,
-            fidelity: scene.run.fidelity.name(),
-            extent: scene.run.extent.name(),
+            program: "slipgrid".into(),
+            version: crate::VERSION.into(),
+            fidelity: scene.run.fidelity.name().into(),
+            extent: scene.run.extent.name().into(),
             dimensions: scene.dimensions(),
             model: simulation.model.iter().cloned().chain(model_notes(sectioned, provenance)).collect(),
             material: provenance.into(),
@@ -412,7 +416,7 @@ impl SimulationReport {
                 cells.extend([load.ratio_strip_estimate, own]);
             }
             let cells = cells.into_iter().map(|cell| fixed(cell, 4));
-            let last = [fixed(Some(load.peak_pressure_mpa), 2), load.status.to_owned()];
+            let last = [fixed(Some(load.peak_pressure_mpa), 2), load.status.to_string()];
             table.row([load.pressure_mpa.to_string()].into_iter().chain(cells).chain(last));
         }
         table
@@ -437,41 +441,49 @@ const EXPLAINED: [(Status, &str); 4] = [
     (Status::StderrNotReached, "the standard error asked for was not reached within the longest travel"),
 ];
 
+/// How a load is seen to leave what the model knows, and what of it.
+type Doubt = (fn(&LoadReport) -> bool, &'static str);
+
+/// Where the numbers of a load are out of the model's reach.
+const DOUBTS: [Doubt; 3] = [
+    (|load| load.cavity_closed, "cavities close: their ceiling reaches the counterface, which the model lets through"),
+    (
+        |load| load.area_law_extrapolated,
+        "local pressures exceed the area law's last: the area is taken as constant there",
+    ),
+    (
+        |load| load.friction_extrapolated,
+        "outside the measured range: the nearest measurement's coefficients were taken",
+    ),
+];
+
 impl LoadReport {
+    /// Where the numbers are out of the model's reach, in words.
+    pub fn doubts(&self) -> impl Iterator<Item = &'static str> {
+        DOUBTS.into_iter().filter(|(is_so, _)| is_so(self)).map(|(_, words)| words)
+    }
+
     /// Whether the surface, or the flat one beside it, ended so.
     fn has_status(&self, status: Status) -> bool {
-        self.status == status.name() || self.status_flat == Some(status.name())
+        self.status == status.name() || self.status_flat.as_deref() == Some(status.name())
     }
 }
 
 /// What a reader should know before using the numbers.
 #[must_use]
 pub fn warnings(results: &[LoadReport]) -> Vec<String> {
-    type Test = fn(&LoadReport) -> bool;
     let at = |test: &dyn Fn(&LoadReport) -> bool, text: &str| {
         let named: Vec<String> =
             results.iter().filter(|load| test(load)).map(|load| load.pressure_mpa.to_string()).collect();
         (!named.is_empty()).then(|| format!("at {} MPa {text}", named.join(", ")))
     };
     let explained = EXPLAINED.into_iter().filter_map(|(status, text)| at(&|load| load.has_status(status), text));
-    let others: [(Test, &str); 5] = [
-        (
-            |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
-            "the run has no result that can be trusted: see its status",
-        ),
-        (
-            |load| load.cavity_closed,
-            "cavities close: their ceiling reaches the counterface, which the model lets through",
-        ),
-        (
-            |load| load.area_law_extrapolated,
-            "local pressures exceed the area law's last: the area is taken as constant there",
-        ),
-        (
-            |load| load.friction_extrapolated,
-            "outside the measured range: the nearest measurement's coefficients were taken",
-        ),
-        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction"),
-    ];
-    explained.chain(others.into_iter().filter_map(|(test, text)| at(&test, text))).collect()
+    let failed: Doubt = (
+        |load| load.status != "converged" && !EXPLAINED.iter().any(|(status, _)| load.has_status(*status)),
+        "the run has no result that can be trusted: see its status",
+    );
+    let tension: Doubt =
+        (|load| load.tension_blocks > 0, "some contact blocks are under tension and carry no friction");
+    let others = std::iter::once(failed).chain(DOUBTS).chain([tension]);
+    explained.chain(others.filter_map(|(test, text)| at(&test, text))).collect()
 }

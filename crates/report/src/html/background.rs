@@ -9,22 +9,16 @@ use super::page::{Page, number, percent, plain, with_error, yes_or_no};
 
 /// Improvements of the best design.
 pub(super) fn history(page: &mut Page, history: &[ImprovementReport]) {
-    let rows: Vec<Vec<String>> = history
-        .iter()
-        .map(|entry| {
-            vec![
-                entry.round.to_string(),
-                entry.evaluation.to_string(),
-                number(entry.misfit, 3),
-                yes_or_no(entry.feasible),
-            ]
-        })
-        .collect();
-    page.table(
+    page.records(
         "Improvements during the search: misfit is the largest distance from the target in tolerances, by the search's model; \
          up to 1 is met.",
-        &["search", "evaluation", "misfit", "respects every limit"],
-        &rows,
+        history,
+        &[
+            ("search", |entry| entry.round.to_string()),
+            ("evaluation", |entry| entry.evaluation.to_string()),
+            ("misfit", |entry| number(entry.misfit, 3)),
+            ("respects every limit", |entry| yes_or_no(entry.feasible)),
+        ],
     );
 }
 

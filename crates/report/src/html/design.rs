@@ -2,13 +2,12 @@
 
 use slipgrid_design::DesignReport;
 use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
-use slipgrid_export::{Exposure, Laser, NOT_MODELLED};
+use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::{LoadReport, PatternReport};
+use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
 
 use super::page::{Page, estimate, known, number, percent, plain, with_error};
-use super::section::section;
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -19,7 +18,7 @@ const MISSED: &str = "verdict missed";
 /// pictures and files in `outputs`.
 #[must_use]
 pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load], outputs: &Outputs) -> String {
-    let mut page = Page::new();
+    let mut page = Page::default();
     page.title(&report.name);
     verdict(&mut page, report);
     dimensions(&mut page, report);
@@ -33,7 +32,9 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     if let Some(found) = &report.sensitivities {
         uncertainty::sensitivities(&mut page, found);
     }
-    pattern(&mut page, &report.design, outputs);
+    page.heading("The pattern to scale");
+    page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
+    page.section(&report.design);
     let interface = if report.dimensions == 3 {
         "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
     } else {
@@ -49,11 +50,9 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     }
     search(&mut page, report);
     material(&mut page, report, outputs, (area_law, loads));
-    page.heading("What was modelled, and why");
-    page.list(&report.model);
-    page.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+    page.model(&report.model);
     laser(&mut page, &report.laser, outputs);
-    page.finish(&report.name, report.version)
+    page.finish(&report.name, &report.version)
 }
 
 fn verdict(page: &mut Page, report: &DesignReport) {
@@ -66,7 +65,7 @@ fn verdict(page: &mut Page, report: &DesignReport) {
         page.marked(MISSED, &format!("No pattern: {words}. What follows is the pattern that lowers it least."));
         return;
     }
-    let (class, words) = match report.status {
+    let (class, words) = match report.status.as_ref() {
         "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits"),
         "met" => ("verdict", "Target met by the model"),
         "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below"),
@@ -117,15 +116,14 @@ fn chance_parts(page: &mut Page, chance: &ChanceReport) {
             percent(chance.with_discrepancy, 1)
         ));
     }
-    let rows: Vec<Vec<String>> = chance
-        .parts
-        .iter()
-        .map(|part| vec![part.input.clone(), part.known_to.clone(), percent(part.chance_without, 1)])
-        .collect();
-    page.table(
+    page.records(
         "What limits the chance: what it would be in % were one of these known, or made, exactly.",
-        &["what", "how well it is known", "chance in %"],
-        &rows,
+        &chance.parts,
+        &[
+            ("what", |part| part.input.clone()),
+            ("how well it is known", |part| part.known_to.clone()),
+            ("chance in %", |part| percent(part.chance_without, 1)),
+        ],
     );
 }
 
@@ -161,14 +159,12 @@ fn dimensions(page: &mut Page, report: &DesignReport) {
 
 fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     page.heading("Target, prediction, confirmation");
-    if let Some(svg) = outputs.text("target.svg") {
-        page.picture(&svg, if report.conditions.is_some() {
-            "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
-             highest value over all conditions"
-        } else {
-            "Target band, predicted, confirmed and flat values against pressure"
-        });
-    }
+    page.picture_of(outputs, "target.svg", if report.conditions.is_some() {
+        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
+         highest value over all conditions"
+    } else {
+        "Target band, predicted, confirmed and flat values against pressure"
+    });
     let wanted = &report.target;
     let rows: Vec<Vec<String>> = wanted
         .pressure_mpa
@@ -186,7 +182,7 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
                 estimate(at.and_then(|at| at.mu_flat.as_ref()), 4),
                 estimate(at.and_then(|at| at.mu_static.as_ref()), 4),
                 number(predicted.map(|load| load.peak_pressure_mpa), 2),
-                report.confirmed.get(row).map_or("-", |load| load.status).to_owned(),
+                report.confirmed.get(row).map_or("-", |load| &load.status).to_owned(),
             ]
         })
         .collect();
@@ -221,7 +217,9 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         number(report.misfit.confirmed, 2)
     ));
     for load in &report.confirmed {
-        doubts(page, load);
+        for doubt in load.doubts() {
+            page.warning(&format!("At {} MPa {doubt}.", plain(load.pressure_mpa)));
+        }
     }
 }
 
@@ -229,25 +227,13 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
 fn goal(page: &mut Page, goal: &GoalReport) {
     page.paragraph(&format!(
         "Goal: the {} {}. Predicted {}, confirmed {}; highest less lowest value {} and {}.",
-        if goal.goal == "even" { "least" } else { goal.goal },
+        if goal.goal == "even" { "least" } else { &goal.goal },
         goal.of,
         with_error(goal.predicted, goal.predicted_std, 5),
         with_error(goal.confirmed, goal.confirmed_std, 5),
         number(goal.range_predicted, 4),
         number(goal.range_confirmed, 4)
     ));
-}
-
-/// What a reader should know of one load before using its numbers.
-fn doubts(page: &mut Page, load: &LoadReport) {
-    let all = [
-        (load.cavity_closed, "cavities close: their ceiling reaches the counterface, which the model lets through"),
-        (load.area_law_extrapolated, "local pressures exceed the area law's last: the area is taken as constant there"),
-        (load.friction_extrapolated, "outside the measured range: the nearest measurement's coefficients were taken"),
-    ];
-    for (_, words) in all.into_iter().filter(|(is_so, _)| *is_so) {
-        page.warning(&format!("At {} MPa {words}.", plain(load.pressure_mpa)));
-    }
 }
 
 /// Header and rows without the columns that say nothing at any pressure; the last, the status, in words where it
@@ -281,17 +267,6 @@ fn accepted(wanted: &TargetReport, row: usize) -> String {
     }
 }
 
-fn pattern(page: &mut Page, design: &PatternReport, outputs: &Outputs) {
-    page.heading("The pattern to scale");
-    if let Some(svg) = outputs.text("pattern.svg") {
-        page.picture(&svg, "The specimen seen from above, with two periods enlarged");
-    }
-    let svg = section(design.width_um, design.spacing_um, design.depth_um);
-    if !svg.is_empty() {
-        page.picture(&svg, "Vertical section through the centres of cavities, along their row");
-    }
-}
-
 /// The pictures whose names begin with `prefix`, by load.
 fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, what: &str) {
     let named: Vec<(String, String)> = outputs
@@ -322,31 +297,24 @@ fn search(page: &mut Page, report: &DesignReport) {
         report.failed_trials,
         report.seed
     ));
-    let reachable: Vec<Vec<String>> = report
-        .reachable
-        .iter()
-        .map(|range| {
-            vec![
-                plain(range.pressure_mpa),
-                with_error(range.lowest, range.lowest_std, 4),
-                with_error(range.highest, range.highest_std, 4),
-            ]
-        })
-        .collect();
-    page.table(
+    page.records(
         "Lowest and highest value among the designs tried that respect every constraint.",
-        &["P in MPa", "lowest", "highest"],
-        &reachable,
+        &report.reachable,
+        &[
+            ("P in MPa", |range| plain(range.pressure_mpa)),
+            ("lowest", |range| with_error(range.lowest, range.lowest_std, 4)),
+            ("highest", |range| with_error(range.highest, range.highest_std, 4)),
+        ],
     );
-    let alternatives: Vec<Vec<String>> = report
-        .alternatives
-        .iter()
-        .map(|other| three_lengths(other).into_iter().chain([percent(other.areal_density, 2)]).collect())
-        .collect();
-    page.table(
+    page.records(
         "Other designs that meet the target by the search's model.",
-        &["width in µm", "spacing in µm", "depth in µm", "share in %"],
-        &alternatives,
+        &report.alternatives,
+        &[
+            ("width in µm", |other| plain(other.width_um)),
+            ("spacing in µm", |other| plain(other.spacing_um)),
+            ("depth in µm", |other| plain(other.depth_um)),
+            ("share in %", |other| percent(other.areal_density, 2)),
+        ],
     );
     if let Some(found) = &report.table {
         table(page, found);
@@ -357,26 +325,24 @@ fn search(page: &mut Page, report: &DesignReport) {
 /// Which limits and bounds keep designs from the target, where it is out of reach.
 fn why(page: &mut Page, explanation: &ExplanationReport) {
     page.heading("Why the target is out of reach");
-    let rows: Vec<Vec<String>> = explanation
-        .binding
-        .iter()
-        .map(|relief| {
-            let (relaxed, target) = if relief.suffices {
-                (plain(relief.relaxed), "met".to_owned())
-            } else {
-                let missed = format!("missed by {} tolerances", number(relief.nearest.misfit, 2));
-                (number(relief.relaxed, 3), missed)
-            };
-            let unit = relief.unit.to_owned();
-            vec![relief.what.clone(), plain(relief.limit), relaxed, unit, target, lengths(&relief.nearest.design)]
-        })
-        .collect();
-    page.table(
+    page.records(
         "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
-        &["limit or bound", "now", "relaxed to", "unit", "target", "design (width / spacing / depth in µm)"],
-        &rows,
+        &explanation.binding,
+        &[
+            ("limit or bound", |relief| relief.what.clone()),
+            ("now", |relief| plain(relief.limit)),
+            ("relaxed to", |relief| if relief.suffices { plain(relief.relaxed) } else { number(relief.relaxed, 3) }),
+            ("unit", |relief| relief.unit.to_string()),
+            ("target", |relief| {
+                if relief.suffices {
+                    return "met".to_owned();
+                }
+                format!("missed by {} tolerances", number(relief.nearest.misfit, 2))
+            }),
+            ("design (width / spacing / depth in µm)", |relief| lengths(&relief.nearest.design)),
+        ],
     );
-    if rows.is_empty() {
+    if explanation.binding.is_empty() {
         page.paragraph("No single limit or bound is the reason: relaxing each alone brings no design nearer.");
     }
     if let Some(together) = &explanation.together {

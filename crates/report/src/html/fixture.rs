@@ -32,10 +32,10 @@ pub fn report() -> DesignReport {
     let nearest = NearestReport { design: design.clone(), misfit: 1.75 };
     let node = NodeReport { design: design.clone(), cost: 0.5, misfit: 0.5, feasible: true };
     DesignReport {
-        program: "slipgrid",
-        version: "0.0.0",
+        program: "slipgrid".into(),
+        version: "0.0.0".into(),
         name: "a <b> & \"c\"".into(),
-        status: "met",
+        status: "met".into(),
         chance: Some(chance()),
         selection: Some(SelectionReport {
             words: "chosen of 3".into(),
@@ -44,7 +44,7 @@ pub fn report() -> DesignReport {
             chance: 0.16,
             greatest_chance: 0.17,
             alike: 0.01,
-            effort: "laser_time_s",
+            effort: "laser_time_s".into(),
             effort_value: 10.0,
             effort_of_greatest_chance: 12.0,
         }),
@@ -53,7 +53,7 @@ pub fn report() -> DesignReport {
         bursts: Some(12),
         dimensions: 2,
         target: TargetReport {
-            quantity: "ratio",
+            quantity: "ratio".into(),
             pressure_mpa: vec![0.65, 2.6],
             value: Some(vec![0.97, 0.83]),
             tolerance: Some(Tolerance::One(0.01)),
@@ -67,8 +67,8 @@ pub fn report() -> DesignReport {
         ],
         predicted_value: vec![0.9616, 0.8315],
         confirmed: vec![
-            LoadReport { pressure_mpa: 0.65, status: "converged", ..LoadReport::default() },
-            LoadReport { pressure_mpa: 2.6, cavity_closed: true, status: "converged", ..LoadReport::default() },
+            LoadReport { pressure_mpa: 0.65, status: "converged".into(), ..LoadReport::default() },
+            LoadReport { pressure_mpa: 2.6, cavity_closed: true, status: "converged".into(), ..LoadReport::default() },
         ],
         errors: errors(),
         discrepancy: Some(discrepancy()),
@@ -76,7 +76,7 @@ pub fn report() -> DesignReport {
         goal: None,
         misfit: MisfitReport { predicted: 0.84, confirmed: None },
         sensitivities: Some(SensitivityReport {
-            quantity: "ratio",
+            quantity: "ratio".into(),
             step_um: Dimensions { width: Some(5.0), spacing: Some(5.0), depth: None },
             by_pressure: vec![SlopesReport {
                 pressure_mpa: 0.65,
@@ -86,8 +86,8 @@ pub fn report() -> DesignReport {
         }),
         robustness: Some(robustness(&design)),
         trade_offs: Some(TradeOffsReport {
-            goals: vec!["misfit", "depth_um"],
-            words: vec!["misfit", "depth in µm"],
+            goals: vec!["misfit".into(), "depth_um".into()],
+            words: vec!["misfit".into(), "depth in µm".into()],
             designs: 40,
             left_out: 2,
             front: 7,
@@ -110,7 +110,7 @@ pub fn report() -> DesignReport {
             binding: vec![
                 ReliefReport {
                     what: "depth".into(),
-                    unit: "um",
+                    unit: "um".into(),
                     limit: 20.0,
                     relaxed: 31.5,
                     suffices: true,
@@ -118,7 +118,7 @@ pub fn report() -> DesignReport {
                 },
                 ReliefReport {
                     what: "width".into(),
-                    unit: "um",
+                    unit: "um".into(),
                     limit: 130.0,
                     relaxed: 199.123_45,
                     suffices: false,
@@ -165,7 +165,7 @@ pub fn report() -> DesignReport {
 /// What became of a goal.
 pub fn goal() -> GoalReport {
     GoalReport {
-        goal: "even",
+        goal: "even".into(),
         of: "difference of ratios".into(),
         predicted: Some(0.1),
         predicted_std: None,
@@ -227,16 +227,16 @@ fn discrepancy() -> DiscrepancyReport {
     let none = Reading { physics: None, physics_std: None, with_discrepancy: None, with_discrepancy_std: None };
     DiscrepancyReport {
         used: false,
-        quantity: "ratio",
+        quantity: "ratio".into(),
         pattern: "squares".into(),
-        other_planform: Some("groove"),
+        other_planform: Some("groove".into()),
         domain: Some(DomainReport {
-            planforms: vec!["square"],
+            planforms: vec!["square".into()],
             areal_density: [0.03, 0.15],
             trials_areal_density: [0.06, 0.07],
             depth_um: [5.0, 20.0],
             trials_depth_um: [10.0, 10.0],
-            far: vec!["planform", "areal density"],
+            far: vec!["planform".into(), "areal density".into()],
         }),
         degrees_of_freedom: 5,
         by_pressure: vec![FactorReport {
@@ -274,7 +274,7 @@ fn conditions() -> ConditionsReport {
         misfit,
     };
     ConditionsReport {
-        meaning: "by runs in time",
+        meaning: "by runs in time".into(),
         at: vec![at("2 mm/s, 40 %", true, 0.5), at("2 mm/s, 80 %", false, 1.5)],
         worst: Some(1),
         held: false,
@@ -303,9 +303,9 @@ fn robustness(design: &PatternReport) -> RobustnessReport {
         by_pressure: vec![PressureReport { pressure_mpa: 0.65, spread }],
     };
     RobustnessReport {
-        meaning: "of a mean",
-        method: "sampled",
-        inputs: vec![InputReport { name: "width".into(), std: vec![8.0], unit: "um", basis: "b".into() }],
+        meaning: "of a mean".into(),
+        method: "sampled".into(),
+        inputs: vec![InputReport { name: "width".into(), std: vec![8.0], unit: "um".into(), basis: "b".into() }],
         with_material: Some(ScatterReport { probability: Some(0.5), ..samples.clone() }),
         samples,
         with_discrepancy: Some(CorrectedReport {

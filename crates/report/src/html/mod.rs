@@ -3,7 +3,7 @@
 //! | function | page |
 //! |---|---|
 //! | [`design`] | what `optimize` found, from its record and pictures |
-//! | [`page`], [`section`] | the parts of any page |
+//! | [`page`] | the parts of any page |
 //!
 //! A page is drawn from a record by its type, shows what the record holds and leaves out what is `None`. It says neither
 //! time nor threads: the same result gives the same bytes.
@@ -12,7 +12,7 @@ mod background;
 mod conditions;
 mod design;
 pub mod page;
-pub mod section;
+mod section;
 mod uncertainty;
 
 pub use design::design;

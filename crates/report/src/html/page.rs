@@ -1,7 +1,11 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_results::{ErrorReport, fixed};
+use slipgrid_export::NOT_MODELLED;
+use slipgrid_results::{ErrorReport, PatternReport, fixed};
+
+use super::section::section;
+use crate::Outputs;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("sort.js");
@@ -24,19 +28,17 @@ impl Render for Text<'_> {
     }
 }
 
-/// A page under construction.
+/// A column of a table of records: its name, and what stands in it of a record.
+pub type Column<T> = (&'static str, fn(&T) -> String);
+
+/// A page under construction; by default with nothing on it.
+#[derive(Clone, Debug, Default)]
 pub struct Page {
     body: String,
     pictures: usize,
 }
 
 impl Page {
-    /// A page with nothing on it.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self { body: String::new(), pictures: 0 }
-    }
-
     /// The whole page. `version` of the program that made it.
     pub fn finish(self, title: &str, version: &str) -> String {
         let (title, version) = (Text(title), Text(version));
@@ -139,6 +141,13 @@ impl Page {
         });
     }
 
+    /// The same with one row a record; each column has its name and what stands in it.
+    pub fn records<T>(&mut self, caption: &str, records: &[T], columns: &[Column<T>]) {
+        let header: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        let row = |record: &T| columns.iter().map(|(_, cell)| cell(record)).collect();
+        self.table(caption, &header, &records.iter().map(row).collect::<Vec<_>>());
+    }
+
     /// A picture on a white card, in any colour scheme; `alt` says what it shows.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
@@ -156,6 +165,28 @@ impl Page {
         self.add(&html! {
             figure { div class="card" { (PreEscaped(named.trim_end())) } figcaption { (Text(caption)) } }
         });
+    }
+
+    /// The picture `name` of `outputs`, where it was made.
+    pub fn picture_of(&mut self, outputs: &Outputs, name: &str, caption: &str) {
+        if let Some(svg) = outputs.text(name) {
+            self.picture(&svg, caption);
+        }
+    }
+
+    /// Two periods of a pattern in vertical section; nothing where a length is not positive.
+    pub fn section(&mut self, pattern: &PatternReport) {
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um);
+        if !svg.is_empty() {
+            self.picture(&svg, "Vertical section through the centres of cavities, along their row");
+        }
+    }
+
+    /// What was modelled, and what never is.
+    pub fn model(&mut self, statements: &[String]) {
+        self.heading("What was modelled, and why");
+        self.list(statements);
+        self.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
     }
 
     /// Pictures side by side where there is room.

@@ -91,7 +91,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert!(!page.contains(">status</button>"));
     let mut differing = report();
     differing.errors.by_pressure[0].mu_static = Some(number(0.27, Some(0.003)));
-    differing.confirmed[1].status = "no_onset";
+    differing.confirmed[1].status = "no_onset".into();
     differing.goal = Some(goal());
     let differing = page_of(&differing, &outputs);
     assert!(differing.contains(">mu static</button>") && differing.contains("<td>no_onset</td>"));
@@ -104,6 +104,14 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     let bare = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!bare.contains("http") && !bare.contains("src=") && !bare.contains("@import"));
     assert_eq!(page, page_of(&report(), &outputs));
+}
+
+#[test]
+fn a_report_is_read_back_as_it_was_written() {
+    let stored = slipgrid_results::json(&report()).unwrap();
+    assert_eq!(serde_json::from_str::<DesignReport>(&stored).unwrap(), report());
+    let [result, _] = slipgrid_results::json_and_timings(&report()).unwrap();
+    assert_eq!(serde_json::from_str::<DesignReport>(&result).unwrap(), report());
 }
 
 #[test]
@@ -147,7 +155,7 @@ fn a_record_without_its_optional_parts_still_makes_a_page() {
 
 #[test]
 fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
-    let mut page = page::Page::new();
+    let mut page = page::Page::default();
     let hostile = "<b>&\"\u{7}\n\tc";
     page.title(hostile);
     page.heading(hostile);

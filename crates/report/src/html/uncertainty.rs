@@ -10,31 +10,22 @@ use super::design::{lengths, three_lengths};
 use super::page::{Page, ends, known, number, percent, plain, with_error};
 use crate::Outputs;
 
+/// A slope in units of 0.0001 per micrometre with its error, where both are known.
+fn slope(value: Option<f64>, error: Option<f64>) -> String {
+    match known(value).zip(known(error)) {
+        Some((value, error)) => format!("{} ± {}", number(1e4 * value, 2), number(1e4 * error, 2)),
+        None => "-".to_owned(),
+    }
+}
+
 /// Slopes at the design.
 pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
     if found.by_pressure.is_empty() {
         return;
     }
-    let slope = |value: Option<f64>, error: Option<f64>| match known(value).zip(known(error)) {
-        Some((value, error)) => format!("{} ± {}", number(1e4 * value, 2), number(1e4 * error, 2)),
-        None => "-".to_owned(),
-    };
-    let rows: Vec<Vec<String>> = found
-        .by_pressure
-        .iter()
-        .map(|row| {
-            let (value, error) = (row.per_um, row.error_per_um);
-            vec![
-                plain(row.pressure_mpa),
-                slope(value.width, error.width),
-                slope(value.spacing, error.spacing),
-                slope(value.depth, error.depth),
-            ]
-        })
-        .collect();
     page.heading("What a micrometre changes");
     let Dimensions { width, spacing, depth } = found.step_um;
-    page.table(
+    page.records(
         &format!(
             "Change of {} in units of 0.0001 where one dimension grows by 1 µm and the others stay, by the steady model: central \
              differences over {}, {} and {} µm each way. After ± the distance to differences over twice that.",
@@ -43,8 +34,13 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
             plain(spacing),
             plain(depth),
         ),
-        &["P in MPa", "width", "spacing", "depth"],
-        &rows,
+        &found.by_pressure,
+        &[
+            ("P in MPa", |row| plain(row.pressure_mpa)),
+            ("width", |row| slope(row.per_um.width, row.error_per_um.width)),
+            ("spacing", |row| slope(row.per_um.spacing, row.error_per_um.spacing)),
+            ("depth", |row| slope(row.per_um.depth, row.error_per_um.depth)),
+        ],
     );
 }
 
@@ -147,7 +143,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
         None => "-".to_owned(),
     };
-    let how = match found.method {
+    let how = match found.method.as_ref() {
         "sampled" => "draws of the steady model about the confirming run",
         _ => "draws of the steady model to first order about the confirming run",
     };
@@ -196,16 +192,16 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         &rows,
     );
     parts(page, &found.parts);
-    let inputs: Vec<Vec<String>> = found
-        .inputs
-        .iter()
-        .map(|input| {
-            let std: Vec<String> = input.std.iter().map(|std| number(*std, 2)).collect();
-            let unit = if input.unit == "um" { "µm" } else { input.unit };
-            vec![input.name.clone(), std.join(", "), unit.to_owned(), input.basis.clone()]
-        })
-        .collect();
-    page.table("What scatters: standard deviations.", &["input", "std", "unit", "basis"], &inputs);
+    page.records(
+        "What scatters: standard deviations.",
+        &found.inputs,
+        &[
+            ("input", |input| input.name.clone()),
+            ("std", |input| input.std.iter().map(|std| number(*std, 2)).collect::<Vec<_>>().join(", ")),
+            ("unit", |input| if input.unit == "um" { "µm" } else { &input.unit }.to_owned()),
+            ("basis", |input| input.basis.clone()),
+        ],
+    );
     page.paragraph(&format!("{}.", found.meaning));
     if let Some(optimum) = &found.optimum {
         page.paragraph(&format!(
@@ -240,12 +236,11 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         page.paragraph(&format!("Nothing could be compared: {reason}."));
         return;
     }
-    if let Some(svg) = outputs.text("trade-offs.svg") {
-        page.picture(
-            &svg,
-            "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
-        );
-    }
+    page.picture_of(
+        outputs,
+        "trade-offs.svg",
+        "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
+    );
     let chosen = if found.chosen_is_on_front {
         "The chosen design is one of them."
     } else {
@@ -255,8 +250,10 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
         found.designs, found.front, found.left_out, found.model,
     ));
-    let header: Vec<&str> =
-        ["width in µm", "spacing in µm", "depth in µm"].into_iter().chain(found.words.iter().copied()).collect();
+    let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]
+        .into_iter()
+        .chain(found.words.iter().map(AsRef::as_ref))
+        .collect();
     let rows: Vec<Vec<String>> = found
         .listed
         .iter()

@@ -254,8 +254,8 @@ impl Figures<'_> {
             ratio: load.ratio,
             ratio_stderr: load.ratio_stderr,
             ratio_std: at.ratio.as_ref().and_then(|of| of.std),
-            status_flat: flat.status.name(),
-            status_patterned: load.surface.status.name(),
+            status_flat: flat.status.name().into(),
+            status_patterned: load.surface.status.name().into(),
             wall_s,
         })
     }

@@ -26,8 +26,8 @@ pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
         tension_blocks: 0,
         cavity_closed: false,
         area_law_extrapolated: false,
-        status: "converged",
-        status_square: "converged",
+        status: "converged".into(),
+        status_square: "converged".into(),
     };
     RatioReport {
         measured: MeasuredReport {
@@ -52,11 +52,11 @@ pub fn row(ratio: f64, groove: Option<f64>, deep: f64) -> RatioReport {
 /// A report on two conditions with everything that a page can show.
 pub fn report() -> ValidationReport {
     let mut results = vec![row(0.75, Some(0.9), 0.85), row(0.875, Some(0.95), 0.9)];
-    results[1].measured.pressure_mpa = 2.5;
+    (results[1].measured.force_n, results[1].measured.pressure_mpa) = (200.0, 2.5);
     let slope_factors = vec![0.5, 1.0];
     ValidationReport {
-        program: "slipgrid",
-        version: "0.0.0",
+        program: "slipgrid".into(),
+        version: "0.0.0".into(),
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
         synthetic_surface: true,
@@ -97,8 +97,8 @@ pub fn report() -> ValidationReport {
             ratio: Some(0.8235),
             ratio_stderr: None,
             ratio_std: None,
-            status_flat: "converged",
-            status_patterned: "no_onset",
+            status_flat: "converged".into(),
+            status_patterned: "no_onset".into(),
             wall_s: 1.0,
         }),
         wall_s: 1.0,

@@ -47,7 +47,7 @@ pub fn ratios(
         for ((extrapolation, _), predicted) in laws.iter().zip(&predicted) {
             for (&row, prediction) in own.iter().zip(predicted) {
                 found[row].push(MeasuredLawRatio {
-                    extrapolation: extrapolation.name(),
+                    extrapolation: extrapolation.name().into(),
                     ratio_groove: prediction.outcome.ratio,
                     ratio_square: prediction.squares.ratio,
                 });

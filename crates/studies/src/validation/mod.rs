@@ -203,8 +203,8 @@ fn compare(
         .collect();
     let slope_factors: Vec<f64> = surface.laws.iter().map(|law| law.slope_factor).collect();
     let mut report = ValidationReport {
-        program: "slipgrid",
-        version: VERSION,
+        program: "slipgrid".into(),
+        version: VERSION.into(),
         name: calibration.name.clone(),
         source: calibration.source.clone(),
         synthetic_surface: surface.synthetic,

@@ -1,9 +1,7 @@
 //! The source's tables and figures beside the model's.
 
-use slipgrid_export::NOT_MODELLED;
 use slipgrid_report::Outputs;
 use slipgrid_report::html::page::{Page, number, percent, plain, with_error, yes_or_no};
-use slipgrid_report::html::section::section;
 
 use super::ratios::{MeasuredReport, ModelledRatio, RatioReport};
 use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
@@ -11,7 +9,7 @@ use super::report::{AreaTable, PublishedReport, TimeReport, ValidationReport};
 /// The page of a validation: from its `report` and the pictures in `outputs`.
 #[must_use]
 pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
-    let mut page = Page::new();
+    let mut page = Page::default();
     let title = format!("{}: measured and modelled", report.name);
     page.title(&title);
     page.paragraph(&format!("Measurements: {}. Nothing was tuned to the patterned samples.", report.source));
@@ -23,8 +21,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     summary(&mut page, report);
     page.heading("Ratio patterned over flat");
-    picture(
-        &mut page,
+    page.picture_of(
         outputs,
         "ratios.svg",
         "Measured with standard deviations; the modified law as grooves at the surface's slope and scaled, and as squares; \
@@ -43,22 +40,10 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     measured(&mut page, &report.measured);
     page.heading("The modelled pattern");
-    let svg = section(report.pattern.width_um, report.pattern.spacing_um, report.pattern.depth_um);
-    if !svg.is_empty() {
-        page.picture(&svg, "Vertical section through the centres of cavities, along their row");
-    }
+    page.section(&report.pattern);
     page.paragraph(&format!("Depth of the measured cavities: {} µm.", plain(report.measured_depth_um)));
-    page.heading("What was modelled, and why");
-    page.list(&report.model);
-    page.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
-    page.finish(&title, report.version)
-}
-
-/// The picture `name`, where it was made.
-fn picture(page: &mut Page, outputs: &Outputs, name: &str, caption: &str) {
-    if let Some(svg) = outputs.text(name) {
-        page.picture(&svg, caption);
-    }
+    page.model(&report.model);
+    page.finish(&title, &report.version)
 }
 
 fn summary(page: &mut Page, report: &ValidationReport) {
@@ -114,9 +99,9 @@ const PLANFORMS: [Planform; 2] = [
 
 /// Measured ratios beside those of one planform.
 fn ratios(page: &mut Page, report: &ValidationReport, planform: &Planform) {
-    let of = |row: &RatioReport| [row.measured.speed_mm_s, row.measured.humidity_pct];
     let results = &report.results;
-    let is_one_condition = results.windows(2).all(|pair| of(&pair[0]) == of(&pair[1]));
+    let is_one_condition =
+        results.windows(2).all(|pair| speed_and_humidity(&pair[0].measured) == speed_and_humidity(&pair[1].measured));
     let mut header = vec!["force in N", "P in MPa"];
     if !is_one_condition {
         header.extend(["speed in mm/s", "humidity in %"]);
@@ -168,78 +153,63 @@ fn condition(row: &MeasuredReport) -> Vec<String> {
     vec![plain(row.force_n), number(row.pressure_mpa, 3), plain(row.speed_mm_s), plain(row.humidity_pct)]
 }
 
+/// What rows of one condition share.
+const fn speed_and_humidity(row: &MeasuredReport) -> [f64; 2] {
+    [row.speed_mm_s, row.humidity_pct]
+}
+
 /// Peak pressures and how the solves ended.
-fn solves(page: &mut Page, report: &ValidationReport) {
-    let mut rows = Vec::new();
-    for row in &report.results {
+fn solves<'a>(page: &mut Page, report: &'a ValidationReport) {
+    let solved = |row: &'a RatioReport| {
         let models = row.modelled.iter().map(|model| (report.pattern.depth_um, model));
         let deep = row.modelled_at_measured_depth.iter().map(|model| (report.measured_depth_um, model));
-        for (depth_um, model) in models.chain(deep) {
-            let (grooves, squares) = (model.status, model.status_square);
-            rows.push(vec![
-                number(row.measured.pressure_mpa, 3),
-                plain(depth_um),
-                plain(model.slope_factor),
-                number(model.ratio_square_estimate, 3),
-                number(model.peak_pressure_mpa, 2),
-                number(model.peak_pressure_square_mpa, 2),
-                yes_or_no(model.cavity_closed),
-                if grooves == squares { grooves.to_owned() } else { format!("{grooves}, {squares}") },
-            ]);
-        }
-    }
-    page.table(
+        models.chain(deep).map(|(depth_um, model)| (&row.measured, depth_um, model))
+    };
+    let solved: Vec<_> = report.results.iter().flat_map(solved).collect();
+    page.records(
         "Behind these ratios. Strip estimate: squares taken from grooves, for comparison. Peak pressures are those of blocks of \
          10 µm and grow as blocks shrink.",
+        &solved,
         &[
-            "P in MPa",
-            "depth in µm",
-            "slope factor",
-            "strip estimate",
-            "peak, grooves, in MPa",
-            "peak, squares, in MPa",
-            "cavity closes",
-            "status",
+            ("P in MPa", |(own, ..)| number(own.pressure_mpa, 3)),
+            ("depth in µm", |(_, depth_um, _)| plain(*depth_um)),
+            ("slope factor", |(.., model)| plain(model.slope_factor)),
+            ("strip estimate", |(.., model)| number(model.ratio_square_estimate, 3)),
+            ("peak, grooves, in MPa", |(.., model)| number(model.peak_pressure_mpa, 2)),
+            ("peak, squares, in MPa", |(.., model)| number(model.peak_pressure_square_mpa, 2)),
+            ("cavity closes", |(.., model)| yes_or_no(model.cavity_closed)),
+            ("status", |(.., model)| match (&model.status, &model.status_square) {
+                (grooves, squares) if grooves == squares => grooves.to_string(),
+                (grooves, squares) => format!("{grooves}, {squares}"),
+            }),
         ],
-        &rows,
     );
 }
 
 /// Friction coefficients themselves, as modelled on the surface as given.
 fn friction(page: &mut Page, results: &[RatioReport]) {
-    let rows: Vec<Vec<String>> = results
-        .iter()
-        .filter_map(|row| {
-            let (model, own) = (row.at_slope(1.0)?, &row.measured);
-            let times = |ratio: Option<f64>, std| with_error(ratio.map(|ratio| ratio * own.mu_flat), std, 3);
-            let mut cells = condition(own);
-            cells.extend([
-                with_error(own.mu_flat, own.mu_flat_std, 3),
-                number(model.area_law_factor, 3),
-                number(model.dynamic_mean, 3),
-                with_error(own.mu_patterned, own.mu_patterned_std, 3),
-                times(model.ratio_groove, model.mu_groove_std),
-                times(model.ratio_square, model.mu_square_std),
-            ]);
-            Some(cells)
-        })
-        .collect();
-    page.table(
+    let given: Vec<(&MeasuredReport, &ModelledRatio)> =
+        results.iter().filter_map(|row| Some((&row.measured, row.at_slope(1.0)?))).collect();
+    page.records(
         "Dynamic friction coefficients, dimensionless, ± as above. The local coefficient is the measured flat one over f: the model's flat \
          surface slides as the measured one does.",
+        &given,
         &[
-            "force in N",
-            "P in MPa",
-            "speed in mm/s",
-            "humidity in %",
-            "flat, measured",
-            "f(P)",
-            "local coefficient",
-            "patterned, measured",
-            "grooves, modelled",
-            "squares, modelled",
+            ("force in N", |(own, _)| plain(own.force_n)),
+            ("P in MPa", |(own, _)| number(own.pressure_mpa, 3)),
+            ("speed in mm/s", |(own, _)| plain(own.speed_mm_s)),
+            ("humidity in %", |(own, _)| plain(own.humidity_pct)),
+            ("flat, measured", |(own, _)| with_error(own.mu_flat, own.mu_flat_std, 3)),
+            ("f(P)", |(_, model)| number(model.area_law_factor, 3)),
+            ("local coefficient", |(_, model)| number(model.dynamic_mean, 3)),
+            ("patterned, measured", |(own, _)| with_error(own.mu_patterned, own.mu_patterned_std, 3)),
+            ("grooves, modelled", |(own, model)| {
+                with_error(model.ratio_groove.map(|ratio| ratio * own.mu_flat), model.mu_groove_std, 3)
+            }),
+            ("squares, modelled", |(own, model)| {
+                with_error(model.ratio_square.map(|ratio| ratio * own.mu_flat), model.mu_square_std, 3)
+            }),
         ],
-        &rows,
     );
 }
 
@@ -247,21 +217,26 @@ fn published(page: &mut Page, published: &[PublishedReport]) {
     if published.is_empty() {
         return;
     }
-    let rows: Vec<Vec<String>> =
-        published.iter().map(|row| vec![row.quantity.clone(), row.source.clone(), row.here.clone()]).collect();
     page.heading("What the paper says, and what is found here");
     page.paragraph(
         "The paper gives its simulated values in figures alone, and its altitude map not at all: what its text and tables \
          say is compared.",
     );
-    page.table("", &["quantity", "paper", "here"], &rows);
+    page.records(
+        "",
+        published,
+        &[
+            ("quantity", |row| row.quantity.clone()),
+            ("paper", |row| row.source.clone()),
+            ("here", |row| row.here.clone()),
+        ],
+    );
 }
 
 fn areas(page: &mut Page, tables: &[AreaTable], outputs: &Outputs) {
     let Some(first) = tables.first() else { return };
     page.heading("Real contact area and the factor f");
-    picture(
-        page,
+    page.picture_of(
         outputs,
         "area-law.svg",
         "Real contact area and the factor f against nominal pressure, up to what edges of cavities see; dashed: area in \
@@ -305,20 +280,22 @@ fn interface(page: &mut Page, outputs: &Outputs) {
     }
     page.heading("Pressure along the interface");
     for (name, caption) in captions {
-        picture(page, outputs, name, caption);
+        page.picture_of(outputs, name, caption);
     }
 }
 
 fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs: &Outputs) {
     page.heading("Friction in time");
-    picture(
-        page,
+    page.picture_of(
         outputs,
         "friction.svg",
         "Flat and patterned sample as grooves, from rest, with the averaging window",
     );
-    let heaviest = report.results.iter().map(|row| &row.measured);
-    let own = heaviest.max_by(|a, b| a.pressure_mpa.total_cmp(&b.pressure_mpa));
+    // The run is one of the heaviest load at the condition of the first row.
+    let rows = || report.results.iter().map(|row| &row.measured);
+    let first = rows().next().map(speed_and_humidity);
+    let alike = rows().filter(|row| Some(speed_and_humidity(row)) == first);
+    let own = alike.max_by(|a, b| a.force_n.total_cmp(&b.force_n));
     let of = |value: fn(&MeasuredReport) -> (f64, f64)| {
         let (value, std) = own.map(value).unzip();
         with_error(value, std, 3)
@@ -329,14 +306,14 @@ fn in_time(page: &mut Page, report: &ValidationReport, run: &TimeReport, outputs
             of(|row| (row.mu_flat, row.mu_flat_std)),
             with_error(run.mu_flat, run.mu_flat_std, 4),
             with_error(run.mu_static_flat, run.mu_static_flat_std, 4),
-            run.status_flat.to_owned(),
+            run.status_flat.to_string(),
         ],
         vec![
             "patterned".to_owned(),
             of(|row| (row.mu_patterned, row.mu_patterned_std)),
             with_error(run.mu_patterned, run.mu_patterned_std, 4),
             with_error(run.mu_static_patterned, run.mu_static_patterned_std, 4),
-            run.status_patterned.to_owned(),
+            run.status_patterned.to_string(),
         ],
         vec![
             "ratio".to_owned(),
@@ -370,23 +347,19 @@ fn measured(page: &mut Page, measured: &[MeasuredReport]) {
     if measured.is_empty() {
         return;
     }
-    let rows: Vec<Vec<String>> = measured
-        .iter()
-        .map(|row| {
-            let mut cells = condition(row);
-            cells.extend([
-                with_error(row.mu_flat, row.mu_flat_std, 3),
-                with_error(row.mu_patterned, row.mu_patterned_std, 3),
-                with_error(row.ratio, row.ratio_std, 3),
-            ]);
-            cells
-        })
-        .collect();
     page.heading("All that was measured");
-    page.table(
+    page.records(
         "Dynamic friction coefficients, dimensionless, ± one standard deviation; of the ratio propagated.",
-        &["force in N", "P in MPa", "speed in mm/s", "humidity in %", "flat", "patterned", "ratio"],
-        &rows,
+        measured,
+        &[
+            ("force in N", |row| plain(row.force_n)),
+            ("P in MPa", |row| number(row.pressure_mpa, 3)),
+            ("speed in mm/s", |row| plain(row.speed_mm_s)),
+            ("humidity in %", |row| plain(row.humidity_pct)),
+            ("flat", |row| with_error(row.mu_flat, row.mu_flat_std, 3)),
+            ("patterned", |row| with_error(row.mu_patterned, row.mu_patterned_std, 3)),
+            ("ratio", |row| with_error(row.ratio, row.ratio_std, 3)),
+        ],
     );
 }
 
@@ -417,7 +390,7 @@ mod tests {
         assert_balanced(&page);
         for said in [
             "<h1>a &lt;b&gt; &amp; &quot;c&quot;: measured and modelled</h1>",
-            "<td>squares in space, slope x 1</td>",
+            ">squares in space, slope x 1</td>",
             ">slope x 0.5</button>",
             ">10 µm deep</button>",
             "<td>0.875 ± 0.000</td>",
@@ -437,6 +410,23 @@ mod tests {
         let bare = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!bare.contains("http") && !bare.contains("src="));
         assert_eq!(page, validation(&report(), &outputs));
+    }
+
+    #[test]
+    fn a_run_in_time_stands_beside_what_was_measured_at_its_own_condition() {
+        let mut report = report();
+        let mut humid = report.results[1].clone();
+        (humid.measured.humidity_pct, humid.measured.mu_flat) = (80.0, 0.303);
+        report.results.push(humid);
+        let page = validation(&report, &Outputs::default());
+        assert!(page.contains("<td>flat</td><td>0.250 ± 0.002</td><td>0.2550 ± 0.0030</td>"), "{page}");
+        assert!(page.contains(">humidity in %</button>"));
+    }
+
+    #[test]
+    fn a_report_is_read_back_as_it_was_written() {
+        let stored = slipgrid_results::json(&report()).unwrap();
+        assert_eq!(serde_json::from_str::<ValidationReport>(&stored).unwrap(), report());
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! A measured ratio beside the modelled ones.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::{Deviation, Deviations};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Status;
@@ -12,7 +14,7 @@ use slipgrid_formats::calibration::Calibration;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// A condition measured on both samples.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredReport {
     /// Normal force on one specimen.
     pub force_n: f64,
@@ -37,7 +39,7 @@ pub struct MeasuredReport {
 }
 
 /// A measured ratio and the model's.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RatioReport {
     /// What was measured.
     #[serde(flatten)]
@@ -54,10 +56,10 @@ pub struct RatioReport {
 }
 
 /// The model at one condition where a contact's friction depends on its local pressure as the flat sample's does on the nominal one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredLawRatio {
     /// How the law goes on above the last measured pressure: `constant` or `logarithmic`.
-    pub extrapolation: &'static str,
+    pub extrapolation: Cow<'static, str>,
     /// Ratio of the pattern as grooves; null where the solve did not converge.
     pub ratio_groove: Option<f64>,
     /// Ratio of square cavities of the same lengths, in space; null likewise.
@@ -65,7 +67,7 @@ pub struct MeasuredLawRatio {
 }
 
 /// The model at one condition.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelledRatio {
     /// What the slopes of the surface are multiplied by.
     pub slope_factor: f64,
@@ -104,9 +106,9 @@ pub struct ModelledRatio {
     /// A pressure lies past the last of the area law.
     pub area_law_extrapolated: bool,
     /// How the solve of grooves ended.
-    pub status: &'static str,
+    pub status: Cow<'static, str>,
     /// How the solve of squares ended.
-    pub status_square: &'static str,
+    pub status_square: Cow<'static, str>,
 }
 
 /// A flat measurement and the patterned one at the same condition.
@@ -199,14 +201,14 @@ impl ModelledRatio {
             tension_blocks: surface.tension_blocks + square.tension_blocks,
             cavity_closed: surface.cavity_closed || square.cavity_closed,
             area_law_extrapolated: surface.area_law_extrapolated || square.area_law_extrapolated,
-            status: surface.status.name(),
-            status_square: square.status.name(),
+            status: surface.status.name().into(),
+            status_square: square.status.name().into(),
         }
     }
 
     /// Whether both solves converged.
     pub fn has_converged(&self) -> bool {
-        [self.status, self.status_square].iter().all(|status| *status == Status::Converged.name())
+        [&self.status, &self.status_square].into_iter().all(|status| status == Status::Converged.name())
     }
 }
 

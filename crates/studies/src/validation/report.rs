@@ -1,18 +1,20 @@
 //! A validation as JSON.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 use super::ratios::{MeasuredReport, RatioReport};
 use super::summary::Summary;
 use slipgrid_results::PatternReport;
 
 /// What `validate --json` prints.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ValidationReport {
     /// `slipgrid`.
-    pub program: &'static str,
+    pub program: Cow<'static, str>,
     /// Its version.
-    pub version: &'static str,
+    pub version: Cow<'static, str>,
     /// Name of the calibration.
     pub name: String,
     /// Where the measurements come from.
@@ -43,16 +45,18 @@ pub struct ValidationReport {
     pub area_laws: Vec<AreaTable>,
     /// The run in time at the heaviest load; null where none was made.
     pub in_time: Option<TimeReport>,
-    /// Seconds.
+    /// Seconds, which stand in timings.json.
+    #[serde(default)]
     pub wall_s: f64,
     /// Threads that computed.
+    #[serde(default)]
     pub threads: usize,
     /// One per measured condition.
     pub results: Vec<RatioReport>,
 }
 
 /// A statement of the source and its counterpart.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PublishedReport {
     /// What it is about.
     pub quantity: String,
@@ -63,7 +67,7 @@ pub struct PublishedReport {
 }
 
 /// An area law with the contact area behind it, one number per pressure.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AreaTable {
     /// What the slopes of the surface are multiplied by.
     pub slope_factor: f64,
@@ -78,7 +82,7 @@ pub struct AreaTable {
 }
 
 /// Friction in time at one load, whole sample, from rest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TimeReport {
     /// Nominal pressure.
     pub pressure_mpa: f64,
@@ -119,9 +123,10 @@ pub struct TimeReport {
     /// Its standard deviation with all that is known.
     pub ratio_std: Option<f64>,
     /// How the flat run ended.
-    pub status_flat: &'static str,
+    pub status_flat: Cow<'static, str>,
     /// How the patterned run ended.
-    pub status_patterned: &'static str,
-    /// Seconds.
+    pub status_patterned: Cow<'static, str>,
+    /// Seconds, which stand in timings.json.
+    #[serde(default)]
     pub wall_s: f64,
 }

@@ -1,11 +1,11 @@
 //! Averages of a validation over its conditions.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::ratios::{ModelledRatio, RatioReport};
 
 /// Averages over the conditions that are reported.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Conditions.
     pub conditions: usize,
@@ -30,7 +30,7 @@ pub struct Summary {
 }
 
 /// Mean reductions of the model; null where a solve did not converge.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ModelledReduction {
     /// What the slopes of the surface are multiplied by.
     pub slope_factor: f64,
