@@ -3,7 +3,7 @@
 use slipgrid_monitor::Monitor;
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, PatternReport, VERSION, load_reports, model_notes};
+use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, model_notes};
 use slipgrid_springblock::{Load, Scene, Simulation};
 use slipgrid_units::tidy;
 
@@ -169,6 +169,7 @@ pub fn run(
     let report = DesignReport {
         program: "slipgrid".into(),
         version: VERSION.into(),
+        schema: SCHEMA,
         name: design.name.clone(),
         status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() }.into(),
         flat,

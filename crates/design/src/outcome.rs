@@ -34,6 +34,9 @@ pub struct DesignReport {
     pub program: Cow<'static, str>,
     /// Its version.
     pub version: Cow<'static, str>,
+    /// Schema of the file.
+    #[serde(default = "slipgrid_results::first_schema")]
+    pub schema: u32,
     /// Name of the design.
     pub name: String,
     /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
@@ -140,6 +143,9 @@ pub struct StoredDesign {
     pub name: String,
     /// Version that made it.
     pub version: String,
+    /// Schema of the file.
+    #[serde(default = "slipgrid_results::first_schema")]
+    pub schema: u32,
     /// The design.
     pub design: PatternReport,
     /// The material.

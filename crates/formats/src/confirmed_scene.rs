@@ -13,7 +13,7 @@ use crate::scene::{LoadFile, SampleFile, SceneFile};
 use crate::values::{Numbers, PathOr, number, number_list};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::Specimen;
-use slipgrid_results::VERSION;
+use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
 
 /// A design that cannot be written as a scene.
@@ -61,6 +61,7 @@ impl DesignScene<'_> {
         let knowledge = self.uncertainty.at_loads(self.material.area_law.as_ref(), self.loads, self.condition)?;
         let file = SceneFile {
             name: Some(self.name.to_owned()),
+            schema: Some(unplaced(SCHEMA)),
             condition: None,
             material: unplaced(PathOr::Table(Box::new(self.material(&knowledge)))),
             pattern: Some(unplaced(self.pattern.into())),
@@ -99,6 +100,7 @@ impl DesignScene<'_> {
         MaterialFile {
             name: named(&provenance.name),
             source: named(&provenance.source),
+            schema: None,
             slipgrid_version: Some(VERSION.to_owned()),
             synthetic_surface: Some(provenance.synthetic_surface),
             notes: provenance.notes.clone(),

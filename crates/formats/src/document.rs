@@ -12,6 +12,7 @@ use super::file_kind::FileKind;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::plausible;
 use crate::source::{Entry, NoFiles, Source, read_text};
+use slipgrid_results::SCHEMA;
 use slipgrid_units::Quantity;
 
 /// Letters of a refused value that a message repeats.
@@ -132,6 +133,19 @@ impl Document {
             key: Some(inside),
             reason: "is missing".to_owned(),
             ..Diagnostic::default()
+        }
+    }
+
+    /// Refuses a file of a later schema than this program knows.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the key.
+    pub fn check_schema(&self, schema: Option<&Spanned<u32>>) -> Result<(), Diagnostic> {
+        match schema {
+            Some(schema) if *schema.get_ref() > SCHEMA || *schema.get_ref() == 0 => Err(self
+                .refuse(schema.span(), "is the schema of a later slipgrid")
+                .expected(format!("a schema up to {SCHEMA}, or none"))),
+            _ => Ok(()),
         }
     }
 

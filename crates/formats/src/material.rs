@@ -32,6 +32,9 @@ pub struct MaterialFile {
     /// Publication or laboratory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
+    /// Schema of the file; the first where it is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<Spanned<u32>>,
     /// Version of the program that wrote the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slipgrid_version: Option<String>,

@@ -23,6 +23,7 @@ pub fn read_known(
     file: &MaterialFile,
     place: &std::ops::Range<usize>,
 ) -> Result<(Material, MaterialUncertainty), Diagnostic> {
+    document.check_schema(file.schema.as_ref())?;
     Ok((read_material(document, file, place)?, read_uncertainty(document, file)?))
 }
 

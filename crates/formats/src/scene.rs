@@ -30,6 +30,9 @@ pub struct SceneFile {
     /// Name for reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Schema of the file; the first where it is absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<Spanned<u32>>,
     /// Selects coefficients of a material that has them per condition.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub condition: Option<Spanned<ConditionFile>>,
@@ -145,6 +148,7 @@ impl SceneInput {
     /// # Errors
     /// [`Diagnostic`] for anything refused.
     pub fn from_file(document: Document, file: &SceneFile, overrides: Overrides) -> Result<Self, Diagnostic> {
+        document.check_schema(file.schema.as_ref())?;
         let (mut material, uncertainty) = read_referenced(&document, &file.material)?;
         let condition = file.condition.as_ref().map(|c| read_condition(&document, c.get_ref())).transpose()?;
         material.provenance.notes.extend(material.friction.interpolation(condition.as_ref()));

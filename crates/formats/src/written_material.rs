@@ -10,7 +10,7 @@ use toml::Spanned;
 use crate::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
 use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
 use crate::values::{Numbers, number, number_list};
-use slipgrid_results::VERSION;
+use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// A material that cannot be written.
@@ -33,6 +33,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
     let file = MaterialFile {
         name: Some(provenance.name.clone()),
         source: Some(provenance.source.clone()),
+        schema: Some(unplaced(SCHEMA)),
         slipgrid_version: Some(VERSION.to_owned()),
         synthetic_surface: Some(facts.synthetic),
         notes: provenance.notes.clone(),

@@ -10,7 +10,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_topography::PreparedMap;
 
 use crate::charts::{self, AreaLawChart};
-use slipgrid_results::{Table, VERSION, fixed};
+use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, tidy};
 
 /// What `area-law --json` prints.
@@ -20,6 +20,8 @@ pub struct AreaLawReport {
     pub program: &'static str,
     /// Its version.
     pub version: &'static str,
+    /// Schema of the file.
+    pub schema: u32,
     /// Null for an analytic law, as all that only a map has.
     pub map: Option<String>,
     /// The file says of itself that it is synthetic.
@@ -322,6 +324,7 @@ impl AreaLawCurve {
         AreaLawReport {
             program: "slipgrid",
             version: VERSION,
+            schema: SCHEMA,
             map: None,
             synthetic_surface: false,
             rms_slope,

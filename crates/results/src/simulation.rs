@@ -19,6 +19,9 @@ pub struct SimulationReport {
     pub program: Cow<'static, str>,
     /// Its version.
     pub version: Cow<'static, str>,
+    /// Schema of the file.
+    #[serde(default = "crate::first_schema")]
+    pub schema: u32,
     /// What was solved.
     pub fidelity: Cow<'static, str>,
     /// How much of the specimen.
@@ -316,6 +319,7 @@ impl SimulationReport {
         Self {
             program: "slipgrid".into(),
             version: crate::VERSION.into(),
+            schema: crate::SCHEMA,
             fidelity: scene.run.fidelity.name().into(),
             extent: scene.run.extent.name().into(),
             dimensions: scene.dimensions(),

@@ -15,6 +15,7 @@ use slipgrid_formats::source::read_text;
 use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, LaserFile, draw_with};
 use slipgrid_results::PatternReport;
+use slipgrid_results::SCHEMA;
 use slipgrid_units::LENGTH_UM;
 
 /// Name of a result in its folder.
@@ -110,8 +111,13 @@ fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {
     }
     let text = read_text(&disk(), path, FileKind::Result.expected())?;
     FileKind::Result.require(path, &text)?;
-    serde_json::from_str(&text).map_err(|error| {
+    let stored: StoredDesign = serde_json::from_str(&text).map_err(|error| {
         let refused = Diagnostic::file(path, format!("is not a result of `slipgrid optimize`: {error}"));
         Diagnostic { line: u32::try_from(error.line()).ok().filter(|&line| line > 0), ..refused }
-    })
+    })?;
+    if stored.schema > SCHEMA {
+        let refused = Diagnostic::file(path, format!("has schema {}, of a later slipgrid", stored.schema));
+        return Err(refused.expected(format!("a schema up to {SCHEMA}")));
+    }
+    Ok(stored)
 }

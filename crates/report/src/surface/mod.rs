@@ -13,7 +13,7 @@ use slipgrid_topography::{
 
 use slipgrid_formats::altitude_map::told;
 use slipgrid_results::fixed;
-use slipgrid_results::{Table, VERSION};
+use slipgrid_results::{SCHEMA, Table, VERSION};
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// What `surface --json` prints.
@@ -21,6 +21,7 @@ use slipgrid_units::{LENGTH_UM, tidy};
 pub struct SurfaceReport {
     program: &'static str,
     version: &'static str,
+    schema: u32,
     map: String,
     format: &'static str,
     /// The file says of itself that it is synthetic.
@@ -126,6 +127,7 @@ impl SurfaceReport {
         Self {
             program: "slipgrid",
             version: VERSION,
+            schema: SCHEMA,
             map: path.display().to_string(),
             format: surface.format.name(),
             synthetic_surface: surface.synthetic,

@@ -9,7 +9,7 @@ use super::difference::{Difference, Mean, Quantity, SIGNIFICANT, difference, mea
 use super::front::{Point, better, front};
 use super::measure::{Run, runs_of};
 use super::plan::{Family, Role, Row};
-use slipgrid_results::VERSION;
+use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{STEP_NS, tidy};
 
 /// What `accuracy --json` prints.
@@ -19,6 +19,8 @@ pub struct AccuracyReport {
     pub program: &'static str,
     /// Its version.
     pub version: &'static str,
+    /// Schema of the file.
+    pub schema: u32,
     /// `quick` or `full`.
     pub size: &'static str,
     /// The scene, and what was compared how.
@@ -172,6 +174,7 @@ impl AccuracyReport {
         Self {
             program: "slipgrid",
             version: VERSION,
+            schema: SCHEMA,
             size,
             model,
             methods,

@@ -57,6 +57,7 @@ pub fn report() -> ValidationReport {
     ValidationReport {
         program: "slipgrid".into(),
         version: "0.0.0".into(),
+        schema: 1,
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
         synthetic_surface: true,

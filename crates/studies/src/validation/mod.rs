@@ -22,7 +22,7 @@ use slipgrid_formats::source::Source;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::Pattern;
 use slipgrid_report::Outputs;
-use slipgrid_results::VERSION;
+use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S};
 
 use crate::StudyError;
@@ -205,6 +205,7 @@ fn compare(
     let mut report = ValidationReport {
         program: "slipgrid".into(),
         version: VERSION.into(),
+        schema: SCHEMA,
         name: calibration.name.clone(),
         source: calibration.source.clone(),
         synthetic_surface: surface.synthetic,

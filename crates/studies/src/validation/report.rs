@@ -15,6 +15,9 @@ pub struct ValidationReport {
     pub program: Cow<'static, str>,
     /// Its version.
     pub version: Cow<'static, str>,
+    /// Schema of the file.
+    #[serde(default = "slipgrid_results::first_schema")]
+    pub schema: u32,
     /// Name of the calibration.
     pub name: String,
     /// Where the measurements come from.
