@@ -65,7 +65,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
             .as_ref()
             .map(|found| discrepancy(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
     };
-    let body = toml::to_string(&file).map_err(|error| UnwritableMaterial::Toml(error))?;
+    let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
     Ok(format!(
         "# Material, by slipgrid calibrate {VERSION}. Scenes and designs name this file: material = \"...\".\n\
          # residual: model minus measured dynamic friction of the flat sample.\n{body}"
