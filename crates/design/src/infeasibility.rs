@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_monitor::Part;
 use slipgrid_optimize::{
     Bound, Candidate, DesignSpace, Dimension, Explanation, ForwardModel, Limit, Relief, Restriction, SearchError,
-    SearchOptions, Status, explain, search, search_near,
+    SearchOptions, Status, explain_infeasibility, search, search_near,
 };
 use std::cell::Cell;
 
@@ -128,7 +128,7 @@ pub fn explanation(
     let guide = model.guide().map(|(guide, _)| guide);
     let asked: &dyn ForwardModel = guide.as_ref().map_or(model as &dyn ForwardModel, |guide| guide);
     let evaluations = Cell::new(0);
-    let found = explain(
+    let found = explain_infeasibility(
         &design.space,
         &design.constraints,
         best,

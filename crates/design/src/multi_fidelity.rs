@@ -2,8 +2,8 @@
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Candidate, Goal, Guidance, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome, Status, search,
-    search_guided,
+    Candidate, Goal, LowFidelityCorrection, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome,
+    Status, search, search_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
@@ -33,7 +33,7 @@ const MOST_ROUNDS: usize = 4;
 /// Searches and confirmations in turn, until a confirmed design meets the target.
 pub(super) struct MultiFidelityLoop<'a> {
     pub(super) model: SteadyModel<'a>,
-    pub(super) guidance: Guidance,
+    pub(super) correction: LowFidelityCorrection,
     pub(super) confirming: RunOptions,
     pub(super) scene: Scene,
     pub(super) status: Status,
@@ -139,7 +139,7 @@ impl<'a> MultiFidelityLoop<'a> {
             model: SteadyModel::new(&scene, &elsewhere, &design.directions.different_deg, &design.space, flat_mu)
                 .watched_by(monitor)
                 .on(design.specimen),
-            guidance: Guidance::new(),
+            correction: LowFidelityCorrection::new(),
             confirming,
             scene,
             status: Status::Budget,
@@ -282,8 +282,8 @@ impl<'a> MultiFidelityLoop<'a> {
         let outcome = match self.model.guide() {
             None => search(target, space, constraints, &options, &self.model, &bar),
             Some((guide, _)) => {
-                let guidance = &mut self.guidance;
-                search_guided(target, space, constraints, &options, &self.model, &guide, guidance, &bar)
+                let correction = &mut self.correction;
+                search_multi_fidelity(target, space, constraints, &options, &self.model, &guide, correction, &bar)
             }
         };
         let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &bar));

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
     Candidate, Choice, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome,
-    Selection, SelectionOptions, Status, select, select_guided,
+    Selection, SelectionOptions, Status, select, select_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 
@@ -165,8 +165,19 @@ impl MultiFidelityLoop<'_> {
             }
             Some((guide, _)) => {
                 let options = SelectionOptions { nodes: NODES_IN_SPACE, ..SelectionOptions::default() };
-                let (model, guidance) = (&self.model, &mut self.guidance);
-                select_guided(target, space, constraints, known, &options, model, &guide, guidance, &merits, &bar)
+                let (model, correction) = (&self.model, &mut self.correction);
+                select_multi_fidelity(
+                    target,
+                    space,
+                    constraints,
+                    known,
+                    &options,
+                    model,
+                    &guide,
+                    correction,
+                    &merits,
+                    &bar,
+                )
             }
         };
         timings.choice += bar.finish();

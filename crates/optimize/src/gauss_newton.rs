@@ -16,9 +16,9 @@
 //! UCLA 1961): w_i |r_i + J_i s| takes the place of w_i until the largest of these no longer falls.
 
 use crate::Limit;
-use crate::ledger::Notebook;
-use crate::polish::{Cost, Objective};
-use crate::sequence::MOST_DIMENSIONS;
+use crate::archive::LocalArchive;
+use crate::local_search::{Cost, Objective};
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use slipgrid_pattern::Pattern;
 
@@ -77,12 +77,12 @@ impl Point {
 }
 
 /// Steps from `start` towards the target while they gain. Returns the best design, or `None`
-/// where `start` or its neighbours have no response or the notebook was interrupted before they had.
-pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Pattern> {
+/// where `start` or its neighbours have no response or the local archive was interrupted before they had.
+pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, local: &mut LocalArchive<'_>) -> Option<Pattern> {
     let free = grid.free_axes();
-    let mut here = visit(grid, start, cost, notebook)?;
+    let mut here = visit(grid, start, cost, local)?;
     if !free.is_empty() && here.cost > cost.comfortable() {
-        let mut jacobian = difference_quotients(grid, &here, cost, &free, notebook)?;
+        let mut jacobian = difference_quotients(grid, &here, cost, &free, local)?;
         let of_largest = cost.objective == Objective::Largest;
         let (mut damping, mut vain) = (if of_largest { FIRST_DAMPING_OF_LARGEST } else { FIRST_DAMPING }, 0);
         let mut margins = vec![CONSTRAINT_MARGIN; here.constraints];
@@ -93,8 +93,8 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
             if design == here.design {
                 break;
             }
-            let next = visit(grid, &design, cost, notebook);
-            if notebook.interruption.is_some() {
+            let next = visit(grid, &design, cost, local);
+            if local.interruption.is_some() {
                 break;
             }
             let gain = next.as_ref().map_or(0.0, |next| here.cost - next.cost);
@@ -118,9 +118,9 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
 }
 
 /// The point at `design`; `None` where it has no response or may not be evaluated.
-pub(crate) fn visit(grid: &Grid, design: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Point> {
-    let (target, limits) = (notebook.target(), &notebook.constraints().quantities);
-    let candidate = notebook.look(design)?.candidate()?;
+pub(crate) fn visit(grid: &Grid, design: &Pattern, cost: &Cost, local: &mut LocalArchive<'_>) -> Option<Point> {
+    let (target, limits) = (local.target(), &local.constraints().quantities);
+    let candidate = local.look(design)?.candidate()?;
     // c = ln(1 + e): of a largest allowed value ln(value / limit)
     let constraint = |(limit, value): (&Limit, &f64)| (1.0 + limit.excess(*value)).max(FAR_WITHIN).ln();
     let limited = limits.iter().zip(&candidate.response.limited).map(constraint);
@@ -141,7 +141,7 @@ pub(crate) fn difference_quotients(
     here: &Point,
     cost: &Cost,
     free: &[usize],
-    notebook: &mut Notebook<'_>,
+    local: &mut LocalArchive<'_>,
 ) -> Option<Vec<Vector>> {
     let mut jacobian = vec![[0.0; MOST_DIMENSIONS]; here.residuals.len()];
     for &axis in free {
@@ -153,7 +153,7 @@ pub(crate) fn difference_quotients(
                 t[axis] += difference;
                 let design = grid.design(&t)?;
                 if design != here.design {
-                    return visit(grid, &design, cost, notebook);
+                    return visit(grid, &design, cost, local);
                 }
             }
             None

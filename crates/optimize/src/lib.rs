@@ -15,9 +15,9 @@
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
 //! | [`search`], [`SearchOptions`] | the search, and how it is made |
 //! | [`search_near`] | the same about a design known to be near |
-//! | [`search_guided`], [`Guidance`] | the search with a dear model along a cheap one, and what that taught |
+//! | [`search_multi_fidelity`], [`LowFidelityCorrection`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
-//! | [`explain`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
+//! | [`explain_infeasibility`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
 //! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
@@ -64,24 +64,24 @@
 //! # Ok::<(), slipgrid_optimize::SearchError>(())
 //! ```
 
+mod archive;
 mod chance;
 mod constraints;
 mod error;
 mod gauss_newton;
-mod guidance;
-mod guided;
-mod ledger;
+mod infeasibility;
 mod linear_steps;
+mod local_search;
+mod low_discrepancy;
+mod low_fidelity_correction;
 mod model;
+mod multi_fidelity;
 mod outcome;
-mod polish;
 mod propagation;
-mod relaxation;
 mod robust;
 mod search;
 mod selection;
 mod sensitivity;
-mod sequence;
 mod space;
 mod summary;
 mod target;
@@ -91,15 +91,15 @@ mod uncertainty;
 pub use chance::CommonDraws;
 pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
-pub use guidance::Guidance;
-pub use guided::search_guided;
+pub use infeasibility::{Dimension, Explanation, Relief, Restriction, explain_infeasibility};
+pub use low_fidelity_correction::LowFidelityCorrection;
 pub use model::{ForwardModel, ModelFailure, Response};
+pub use multi_fidelity::search_multi_fidelity;
 pub use outcome::{Candidate, FailedTrial, HistoryPoint, ReachableRange, SearchOutcome, Status};
 pub use propagation::{Linearization, Probability, Propagation, Spread, UncertainModel, propagate};
-pub use relaxation::{Dimension, Explanation, Relief, Restriction, explain};
 pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search, search_near};
-pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_guided};
+pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_multi_fidelity};
 pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};

@@ -8,10 +8,10 @@
 //! and what constraints cost decides whether it was one. Slopes come from difference quotients once and from Broyden's
 //! update afterwards. The simplex method polishes what this finds.
 
+use crate::archive::LocalArchive;
 use crate::gauss_newton::{Point, Vector, broyden, constrained_step, difference_quotients, visit};
-use crate::ledger::Notebook;
-use crate::polish::Cost;
-use crate::sequence::MOST_DIMENSIONS;
+use crate::local_search::Cost;
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use slipgrid_pattern::Pattern;
 
@@ -28,14 +28,14 @@ const MOST_STEPS: usize = 25;
 const MARGIN: f64 = 5e-4;
 
 /// Steps from `start` towards the goal while they gain. Returns the best design, or `None` where `start` or its
-/// neighbours have no response or the notebook was interrupted before they had.
-pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut Notebook<'_>) -> Option<Pattern> {
+/// neighbours have no response or the local archive was interrupted before they had.
+pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, local: &mut LocalArchive<'_>) -> Option<Pattern> {
     let free = grid.free_axes();
-    let mut here = visit(grid, start, cost, notebook)?;
+    let mut here = visit(grid, start, cost, local)?;
     if free.is_empty() {
         return Some(here.design);
     }
-    let mut slopes = difference_quotients(grid, &here, cost, &free, notebook)?;
+    let mut slopes = difference_quotients(grid, &here, cost, &free, local)?;
     let mut margins = vec![MARGIN; here.constraints];
     let mut radius = FIRST_RADIUS;
     for _ in 0..MOST_STEPS {
@@ -45,11 +45,11 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
             break;
         }
         let downhill: Vector = std::array::from_fn(|axis| -radius * goal[axis] / length);
-        let Some(mut next) = step(grid, &here, &downhill, &slopes, &margins, cost, notebook) else { break };
+        let Some(mut next) = step(grid, &here, &downhill, &slopes, &margins, cost, local) else { break };
         broyden(&mut slopes, &here, &next);
         if next.cost >= here.cost && next.goal() < here.goal() {
             // Constraints bend: straight back to them, with what the step taught.
-            if let Some(back) = step(grid, &next, &[0.0; MOST_DIMENSIONS], &slopes, &margins, cost, notebook) {
+            if let Some(back) = step(grid, &next, &[0.0; MOST_DIMENSIONS], &slopes, &margins, cost, local) {
                 broyden(&mut slopes, &next, &back);
                 next = back;
             }
@@ -61,7 +61,7 @@ pub(crate) fn descend(grid: &Grid, start: &Pattern, cost: &Cost, notebook: &mut 
         } else {
             radius *= RADIUS_DECREASE;
         }
-        if notebook.interruption.is_some() {
+        if local.interruption.is_some() {
             break;
         }
     }
@@ -77,7 +77,7 @@ fn step(
     slopes: &[Vector],
     margins: &[f64],
     cost: &Cost,
-    notebook: &mut Notebook<'_>,
+    local: &mut LocalArchive<'_>,
 ) -> Option<Point> {
     let free = grid.free_axes();
     let mut system: Vec<(Vector, f64)> = free
@@ -91,5 +91,5 @@ fn step(
     let constraints = (&slopes[1..], here.split().1, margins);
     let taken = constrained_step(&mut system, constraints, &here.t, &free, 0.0)?;
     let design = grid.design(&std::array::from_fn(|axis| here.t[axis] + taken[axis]))?;
-    if design == here.design { None } else { visit(grid, &design, cost, notebook) }
+    if design == here.design { None } else { visit(grid, &design, cost, local) }
 }

@@ -12,8 +12,8 @@
 use crate::search::search_along;
 use crate::sensitivity::{AXES, lengths_m, with_lengths};
 use crate::{
-    Bound, Candidate, Constraints, DesignSpace, ForwardModel, Guidance, Limit, Misfit, ModelFailure, Response,
-    SearchError, SearchOptions, SearchOutcome, Target, Tolerances, Uncertainty, search_guided,
+    Bound, Candidate, Constraints, DesignSpace, ForwardModel, Limit, LowFidelityCorrection, Misfit, ModelFailure,
+    Response, SearchError, SearchOptions, SearchOutcome, Target, Tolerances, Uncertainty, search_multi_fidelity,
 };
 use rayon::prelude::*;
 use slipgrid_monitor::Monitor;
@@ -37,7 +37,7 @@ pub struct RobustOutcome {
 
 /// Searches for the design whose samples miss `target` least, starting from a search that asked of designs alone. Where
 /// that met the target, only designs that meet it too are chosen, itself among them. With `guide`, as
-/// [`search_guided`].
+/// [`search_multi_fidelity`].
 ///
 /// # Errors
 /// As [`search`](crate::search); [`SearchError::OutOfRange`] for tolerances that mean nothing.
@@ -59,8 +59,17 @@ pub fn search_robust(
         None => search_along(&[], &of_samples, space, constraints, options, &samples, monitor)?,
         Some(guide) => {
             let along = Samples { model: guide, displacements_m: samples.displacements_m.clone(), ..samples };
-            let guidance = &mut Guidance::new();
-            search_guided(&of_samples, space, constraints, options, &samples, &along, guidance, monitor)?
+            let low_fidelity_correction = &mut LowFidelityCorrection::new();
+            search_multi_fidelity(
+                &of_samples,
+                space,
+                constraints,
+                options,
+                &samples,
+                &along,
+                low_fidelity_correction,
+                monitor,
+            )?
         }
     };
     let fatal = |failure: ModelFailure| SearchError::BrokenModel { reason: failure.to_string() };

@@ -1,9 +1,9 @@
-use crate::ledger::{Evaluator, Interruption, Ledger, Notebook};
-use crate::polish::{Cost, Descent, Method, Objective};
+use crate::archive::{Archive, Evaluator, Interruption, LocalArchive};
+use crate::local_search::{Cost, Descent, Method, Objective};
 use crate::space::Grid;
 use crate::{
-    Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, Status, Target, sequence,
-    summary,
+    Candidate, Constraints, DesignSpace, ForwardModel, Goal, SearchError, SearchOutcome, Status, Target,
+    low_discrepancy, summary,
 };
 use rayon::prelude::*;
 use slipgrid_monitor::Monitor;
@@ -27,7 +27,7 @@ impl Default for SearchOptions {
 /// Points of the sample by number of free dimensions, beside the corners of the box. More make the
 /// starts safer and cost what they cost: from 56 to 32 a search in three dimensions went from 100 to
 /// 75 evaluations, and no seed of any test fails with either.
-const SAMPLE: [usize; sequence::MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
+const SAMPLE: [usize; low_discrepancy::MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
 /// How thoroughly a search is made.
 #[derive(Clone, Copy, Debug)]
 struct Effort {
@@ -141,7 +141,7 @@ fn search_with(
     let grid = Grid::new(space, constraints)?;
     let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, monitor);
     let mut search =
-        Search { evaluator, grid, ledger: Ledger::default(), unfinished: Vec::new(), penalty: 0.0, effort };
+        Search { evaluator, grid, archive: Archive::default(), unfinished: Vec::new(), penalty: 0.0, effort };
     let sample_is_whole = search.sample(known, options)?;
     let status = match search.descend_in_stages() {
         Ok(()) if search.is_met() && (target.goal().is_none() || search.is_comfortable()) => Status::Met,
@@ -154,14 +154,14 @@ fn search_with(
         Err(Interruption::Cancelled) => Status::Cancelled,
         Err(Interruption::Error(error)) => return Err(error),
     };
-    summary::outcome(&search.ledger, &search.grid, target, status)
+    summary::outcome(&search.archive, &search.grid, target, status)
 }
 
 /// State of a search.
 struct Search<'a> {
     evaluator: Evaluator<'a>,
     grid: Grid,
-    ledger: Ledger,
+    archive: Archive,
     /// Descents that a stage's share of the evaluations cut short.
     unfinished: Vec<Descent>,
     penalty: f64,
@@ -185,7 +185,7 @@ impl Search<'_> {
                 }));
             }
         }
-        for point in sequence::points(free.len(), SAMPLE[free.len()].min(most), options.seed) {
+        for point in low_discrepancy::points(free.len(), SAMPLE[free.len()].min(most), options.seed) {
             shares.push(free.iter().zip(point).fold([0.0; 3], |mut shares, (&axis, t)| {
                 shares[axis] = t;
                 shares
@@ -201,21 +201,21 @@ impl Search<'_> {
         let results: Vec<_> = designs.par_iter().map(|design| self.evaluator.evaluate(design)).collect();
         for result in results {
             match result {
-                Ok(record) => self.ledger.absorb(vec![record]),
+                Ok(record) => self.archive.absorb(vec![record]),
                 Err(Interruption::Error(error)) => return Err(error),
                 Err(Interruption::Budget | Interruption::Cancelled) => {}
             }
         }
-        if self.ledger.records().is_empty() {
+        if self.archive.records().is_empty() {
             return Err(SearchError::CancelledAtStart);
         }
-        let mut costs: Vec<f64> = self.ledger.candidates().map(|candidate| candidate.misfit.cost).collect();
+        let mut costs: Vec<f64> = self.archive.candidates().map(|candidate| candidate.misfit.cost).collect();
         costs.sort_by(f64::total_cmp);
         // Misfits are counted from 0, a goal from the best there is.
         let from = if self.has_goal() { costs.first().copied().unwrap_or(0.0) } else { 0.0 };
         match costs.get(costs.len() / 2) {
             Some(median) => self.penalty = PENALTY_STEEPNESS * (median - from).max(1.0),
-            None => return Err(summary::every_trial_failed(&self.ledger)),
+            None => return Err(summary::every_trial_failed(&self.archive)),
         }
         Ok(is_whole)
     }
@@ -248,7 +248,7 @@ impl Search<'_> {
             self.run(self.extreme_descents(), self.stage_budget())?;
         }
         if looks_on || (self.has_goal() && !self.is_comfortable()) {
-            tried.extend(self.ledger.best().map(|best| best.design));
+            tried.extend(self.archive.best().map(|best| best.design));
             let starts = self.distinct_starts(&tried, self.effort.starts);
             self.polish(&starts)?;
             self.bring_the_largest_down()?;
@@ -267,16 +267,16 @@ impl Search<'_> {
     /// Steps of the grid from the best design while they gain: descents keep a little away from constraints.
     fn step_to_the_limits(&mut self) -> Result<(), Interruption> {
         for _ in 0..MOST_GRID_STEPS {
-            let Some(best) = self.ledger.best().map(|best| best.design) else { break };
+            let Some(best) = self.archive.best().map(|best| best.design) else { break };
             let mut unknown = self.grid.neighbours(&best);
-            unknown.retain(|neighbour| !self.ledger.knows(neighbour));
+            unknown.retain(|neighbour| !self.archive.knows(neighbour));
             if unknown.len() > self.remaining() {
                 return Err(Interruption::Budget);
             }
             let evaluator = &self.evaluator;
             let records: Vec<_> = unknown.par_iter().map(|neighbour| evaluator.evaluate(neighbour)).collect();
-            self.ledger.absorb(records.into_iter().collect::<Result<_, _>>()?);
-            if self.ledger.best().is_some_and(|found| found.design == best) {
+            self.archive.absorb(records.into_iter().collect::<Result<_, _>>()?);
+            if self.archive.best().is_some_and(|found| found.design == best) {
                 break;
             }
         }
@@ -334,9 +334,9 @@ impl Search<'_> {
     /// advance, so that the outcome does not depend on the number of threads; what some leave
     /// unspent goes to the others in the next round.
     fn run(&mut self, mut descents: Vec<Descent>, budget: usize) -> Result<(), Interruption> {
-        let last = self.ledger.records().len() + budget;
+        let last = self.archive.records().len() + budget;
         while !descents.is_empty() {
-            let left = last.saturating_sub(self.ledger.records().len());
+            let left = last.saturating_sub(self.archive.records().len());
             if left == 0 {
                 break;
             }
@@ -345,15 +345,15 @@ impl Search<'_> {
             let results: Vec<_> = descents
                 .par_iter()
                 .map(|descent| {
-                    let mut notebook = Notebook::new(&self.evaluator, &self.ledger, share);
-                    let rest = descent.run(&mut notebook);
-                    (notebook.close(), rest)
+                    let mut local = LocalArchive::new(&self.evaluator, &self.archive, share);
+                    let rest = descent.run(&mut local);
+                    (local.close(), rest)
                 })
                 .collect();
             descents = later;
             let mut interruption = None;
             for ((records, interrupted), rest) in results {
-                self.ledger.absorb(records);
+                self.archive.absorb(records);
                 descents.extend(rest);
                 interruption = interruption.or(interrupted.filter(|interrupted| *interrupted != Interruption::Budget));
             }
@@ -372,7 +372,7 @@ impl Search<'_> {
     fn distinct_starts(&self, taken: &[Pattern], most: usize) -> Vec<Pattern> {
         let cost = self.cost(Objective::Target);
         let mut ranked: Vec<(f64, &Pattern)> =
-            self.ledger.candidates().map(|candidate| (cost.of(candidate), &candidate.design)).collect();
+            self.archive.candidates().map(|candidate| (cost.of(candidate), &candidate.design)).collect();
         // Stable: of equal costs the earlier first.
         ranked.sort_by(|left, right| left.0.total_cmp(&right.0));
         let mut starts: Vec<Pattern> = Vec::new();
@@ -388,7 +388,7 @@ impl Search<'_> {
     /// Descents in width and spacing from the best design tried at each number of bursts near the
     /// best one, itself included; none where depths are not counted in bursts.
     fn burst_descents(&self, most: usize) -> Vec<Descent> {
-        let (Some([first, last]), Some(best)) = (self.grid.bursts(), self.ledger.best()) else { return Vec::new() };
+        let (Some([first, last]), Some(best)) = (self.grid.bursts(), self.archive.best()) else { return Vec::new() };
         let centre = self.grid.bursts_of(&best.design);
         let reach = most as u64;
         let mut bursts: Vec<u64> = (first.max(centre.saturating_sub(reach))..=last.min(centre + reach)).collect();
@@ -396,7 +396,7 @@ impl Search<'_> {
         bursts.truncate(most);
         let start_at = |bursts: u64| {
             let grid = self.grid.at_bursts(bursts);
-            let tried = self.ledger.candidates().filter(|candidate| self.grid.bursts_of(&candidate.design) == bursts);
+            let tried = self.archive.candidates().filter(|candidate| self.grid.bursts_of(&candidate.design) == bursts);
             let start = tried.fold(None, |best: Option<&Candidate>, candidate| match best {
                 Some(best) if !candidate.is_better_than(best) => Some(best),
                 _ => Some(candidate),
@@ -412,7 +412,7 @@ impl Search<'_> {
 
     /// Descents on the faces and edges of the bounds, from the best design brought there.
     fn bound_descents(&self) -> Vec<Descent> {
-        let Some(best) = self.ledger.best() else { return Vec::new() };
+        let Some(best) = self.archive.best() else { return Vec::new() };
         let shares = self.grid.shares(&best.design);
         let ends = |grid: Grid| {
             let axes = grid.free_axes().into_iter();
@@ -435,8 +435,8 @@ impl Search<'_> {
             return Ok(());
         }
         let cost = self.cost(Objective::Target);
-        let least = self.ledger.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
-        let mut starts: Vec<Pattern> = self.ledger.best().into_iter().chain(least).map(|start| start.design).collect();
+        let least = self.archive.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
+        let mut starts: Vec<Pattern> = self.archive.best().into_iter().chain(least).map(|start| start.design).collect();
         starts.dedup();
         let descents = |search: &Self, starts: &[Pattern], method| -> Vec<Descent> {
             let from = |start: &Pattern| search.descent(search.grid, *start, Objective::Largest, method);
@@ -444,13 +444,13 @@ impl Search<'_> {
         };
         self.run(descents(self, &starts, Method::GaussNewton), self.stage_budget())?;
         let near = |best: &&Candidate| !best.misfit.is_met() && best.misfit.rms <= 1.0;
-        let start: Vec<Pattern> = self.ledger.best().filter(near).map(|best| best.design).into_iter().collect();
+        let start: Vec<Pattern> = self.archive.best().filter(near).map(|best| best.design).into_iter().collect();
         self.run(descents(self, &start, Method::Simplex), self.stage_budget())
     }
 
     /// Descents to the lowest and the highest value, each from the feasible design nearest to it so far.
     fn extreme_descents(&self) -> Vec<Descent> {
-        let Some(best) = self.ledger.best() else { return Vec::new() };
+        let Some(best) = self.archive.best() else { return Vec::new() };
         let points = self.evaluator.target.points();
         let mut chosen: Vec<usize> = (0..points.len()).collect();
         if points.len() > EVERY_EXTREME {
@@ -467,8 +467,8 @@ impl Search<'_> {
         let mut descents = Vec::new();
         for point in chosen {
             let value = |candidate: &&Candidate| candidate.response.value[point];
-            let lowest = self.ledger.feasible().min_by(|left, right| value(left).total_cmp(&value(right)));
-            let highest = self.ledger.feasible().max_by(|left, right| value(left).total_cmp(&value(right)));
+            let lowest = self.archive.feasible().min_by(|left, right| value(left).total_cmp(&value(right)));
+            let highest = self.archive.feasible().max_by(|left, right| value(left).total_cmp(&value(right)));
             for (start, objective) in [(lowest, Objective::Lowest(point)), (highest, Objective::Highest(point))] {
                 descents.extend(start.map(|start| self.descent(self.grid, start.design, objective, Method::Simplex)));
             }
@@ -477,7 +477,7 @@ impl Search<'_> {
     }
 
     fn remaining(&self) -> usize {
-        self.evaluator.max_evaluations.saturating_sub(self.ledger.records().len())
+        self.evaluator.max_evaluations.saturating_sub(self.archive.records().len())
     }
 
     fn stage_budget(&self) -> usize {
@@ -486,11 +486,11 @@ impl Search<'_> {
     }
 
     fn is_met(&self) -> bool {
-        self.ledger.best().is_some_and(Candidate::meets_target)
+        self.archive.best().is_some_and(Candidate::meets_target)
     }
 
     fn is_comfortable(&self) -> bool {
         let comfortable = self.evaluator.target.comfortable_cost();
-        self.ledger.best().is_some_and(|best| best.meets_target() && best.misfit.cost <= comfortable)
+        self.archive.best().is_some_and(|best| best.meets_target() && best.misfit.cost <= comfortable)
     }
 }

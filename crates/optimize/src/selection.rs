@@ -4,14 +4,14 @@
 //! at every node of a lattice of the others, by the secant method on the mean residual; then about the best found, in
 //! ever smaller steps.
 
-use crate::guided::Corrected;
-use crate::ledger::{Key, key};
-use crate::sequence::MOST_DIMENSIONS;
+use crate::archive::{Key, key};
+use crate::low_discrepancy::MOST_DIMENSIONS;
+use crate::multi_fidelity::Corrected;
 use crate::space::Grid;
 use crate::trade_offs::lattice_of;
 use crate::{
-    Candidate, Constraints, DesignSpace, ForwardModel, Guidance, ModelFailure, Probability, SearchError, Target,
-    summary,
+    Candidate, Constraints, DesignSpace, ForwardModel, LowFidelityCorrection, ModelFailure, Probability, SearchError,
+    Target, summary,
 };
 use rayon::prelude::*;
 use slipgrid_monitor::{Monitor, Part};
@@ -119,13 +119,13 @@ pub fn select(
     Ok(selection(&grid, shell.into_pool(), designs, options.alike))
 }
 
-/// As [`select`] where `model` is dear and `guide` differs from it as `guidance` knows: the guide, so corrected, looks for
+/// As [`select`] where `model` is dear and `guide` differs from it as `low_fidelity_correction` knows: the guide, so corrected, looks for
 /// designs, and the model judges the best of them. `known` are designs by the model, and all that are chosen from are.
 ///
 /// # Errors
 /// As [`select`].
 #[allow(clippy::too_many_arguments, reason = "those of a guided search")]
-pub fn select_guided(
+pub fn select_multi_fidelity(
     target: &Target,
     space: &DesignSpace,
     constraints: &Constraints,
@@ -133,7 +133,7 @@ pub fn select_guided(
     options: &SelectionOptions,
     model: &dyn ForwardModel,
     guide: &dyn ForwardModel,
-    guidance: &mut Guidance,
+    low_fidelity_correction: &mut LowFidelityCorrection,
     merits: &dyn Merits,
     monitor: &dyn Monitor,
 ) -> Result<Selection, SearchError> {
@@ -143,7 +143,7 @@ pub fn select_guided(
     let mut designs = 0;
     let share = 1.0 / JUDGED_ROUNDS as f64;
     for round in 0..JUDGED_ROUNDS {
-        let correction = guidance.correction(&grid, target.values(), constraints.quantities.len());
+        let correction = low_fidelity_correction.correction(&grid, target.values(), constraints.quantities.len());
         let corrected = Corrected { guide, correction, grid: &grid, failures: &[] };
         let mut shell = Shell::new(target, constraints, &grid, *options, &corrected, merits);
         let again = found.par_iter().filter_map(|design| shell.ask(design).transpose()).collect::<Result<_, _>>()?;
@@ -161,7 +161,7 @@ pub fn select_guided(
         let answers: Vec<_> = asked.par_iter().map(|design| (model.respond(design), guide.respond(design))).collect();
         for (design, answers) in asked.iter().zip(answers) {
             if let (Ok(response), Ok(guided)) = answers {
-                guidance.learn(*design, &response, &guided);
+                low_fidelity_correction.learn(*design, &response, &guided);
                 judged.push(Candidate::new(target, constraints, *design, response));
             }
         }

@@ -6,7 +6,7 @@
 //! number that a search reports belongs to a design that can be made, not to one rounded afterwards.
 
 use crate::error::positive;
-use crate::sequence::MOST_DIMENSIONS;
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::{Constraints, SearchError};
 use slipgrid_pattern::{Arrangement, Pattern, Planform, Texture};
 

@@ -1,6 +1,6 @@
 //! The outcome of a search, from all designs that it evaluated.
 
-use crate::ledger::{Ledger, Record};
+use crate::archive::{Archive, Record};
 use crate::space::Grid;
 use crate::{Candidate, Demand, FailedTrial, HistoryPoint, ReachableRange, SearchError, SearchOutcome, Status, Target};
 
@@ -8,20 +8,20 @@ use crate::{Candidate, Demand, FailedTrial, HistoryPoint, ReachableRange, Search
 const ALTERNATIVES: usize = 4;
 const ALTERNATIVE_DISTANCE: f64 = 0.1;
 
-/// What the designs of `ledger` say of `target`.
+/// What the designs of `archive` say of `target`.
 ///
 /// # Errors
 /// [`SearchError::EveryTrialFailed`] where no design has a response.
 pub(crate) fn outcome(
-    ledger: &Ledger,
+    archive: &Archive,
     grid: &Grid,
     target: &Target,
     status: Status,
 ) -> Result<SearchOutcome, SearchError> {
-    let Some(best) = ledger.best().cloned() else { return Err(every_trial_failed(ledger)) };
+    let Some(best) = archive.best().cloned() else { return Err(every_trial_failed(archive)) };
     let mut history = Vec::new();
     let mut leader: Option<&Candidate> = None;
-    for (index, record) in ledger.records().iter().enumerate() {
+    for (index, record) in archive.records().iter().enumerate() {
         if let Some(candidate) = record.candidate()
             && leader.is_none_or(|leader| candidate.is_better_than(leader))
         {
@@ -32,30 +32,30 @@ pub(crate) fn outcome(
     }
     Ok(SearchOutcome {
         status,
-        alternatives: alternatives(ledger, grid, &best),
+        alternatives: alternatives(archive, grid, &best),
         best,
-        evaluations: ledger.records().len(),
+        evaluations: archive.records().len(),
         guide_evaluations: 0,
-        failed_trials: failed_trials(ledger),
-        reachable: reachable(ledger, target),
-        meeting: ledger.candidates().filter(|candidate| candidate.meets_target()).cloned().collect(),
+        failed_trials: failed_trials(archive),
+        reachable: reachable(archive, target),
+        meeting: archive.candidates().filter(|candidate| candidate.meets_target()).cloned().collect(),
         history,
     })
 }
 
-/// What is said where no design of `ledger` has a response.
-pub(crate) fn every_trial_failed(ledger: &Ledger) -> SearchError {
-    let failed = failed_trials(ledger);
+/// What is said where no design of `archive` has a response.
+pub(crate) fn every_trial_failed(archive: &Archive) -> SearchError {
+    let failed = failed_trials(archive);
     let reason = failed.first().map_or_else(String::new, |trial| trial.reason.clone());
     SearchError::EveryTrialFailed { trials: failed.len(), reason }
 }
 
-fn failed_trials(ledger: &Ledger) -> Vec<FailedTrial> {
-    ledger.records().iter().filter_map(Record::failure).cloned().collect()
+fn failed_trials(archive: &Archive) -> Vec<FailedTrial> {
+    archive.records().iter().filter_map(Record::failure).cloned().collect()
 }
 
-fn alternatives(ledger: &Ledger, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
-    let mut meeting: Vec<&Candidate> = ledger.candidates().filter(|candidate| candidate.meets_target()).collect();
+fn alternatives(archive: &Archive, grid: &Grid, best: &Candidate) -> Vec<Candidate> {
+    let mut meeting: Vec<&Candidate> = archive.candidates().filter(|candidate| candidate.meets_target()).collect();
     meeting.sort_by(|left, right| left.misfit.merit.total_cmp(&right.misfit.merit));
     unlike(meeting.into_iter(), grid, best)
 }
@@ -72,12 +72,12 @@ pub(crate) fn unlike<'a>(ranked: impl Iterator<Item = &'a Candidate>, grid: &Gri
     alternatives
 }
 
-fn reachable(ledger: &Ledger, target: &Target) -> Vec<ReachableRange> {
+fn reachable(archive: &Archive, target: &Target) -> Vec<ReachableRange> {
     let range = |(index, point): (usize, &Demand)| {
         let value = |candidate: &Candidate| candidate.response.value[index];
         // The earliest of equals, either way.
         let extreme = |is_beyond: fn(f64, f64) -> bool| {
-            ledger
+            archive
                 .feasible()
                 .reduce(|extreme, next| if is_beyond(value(next), value(extreme)) { next } else { extreme })
         };

@@ -4,8 +4,8 @@
 //! that no other dominates are found on a lattice over the whole space, then about themselves at half its spacing,
 //! at a quarter, and so on.
 
-use crate::ledger::{Key, key};
-use crate::sequence::MOST_DIMENSIONS;
+use crate::archive::{Key, key};
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use crate::{Constraints, DesignSpace, ModelFailure, SearchError};
 use rayon::prelude::*;

@@ -6,8 +6,8 @@ mod surface;
 
 use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
-    Constraints, DesignSpace, Dimension, Explanation, Restriction, SearchOutcome, Status, Target, explain, search,
-    search_near,
+    Constraints, DesignSpace, Dimension, Explanation, Restriction, SearchOutcome, Status, Target,
+    explain_infeasibility, search, search_near,
 };
 use slipgrid_pattern::Planform;
 use surface::{
@@ -25,7 +25,7 @@ fn explained(wanted: &Target, space: &DesignSpace, constraints: &Constraints) ->
         search(wanted, space, constraints, &seeded(1), &respond, &Unwatched)
     };
     let outcome = solve(space, constraints).unwrap();
-    let found = explain(space, constraints, &outcome.best, &widest(), 5, &mut solve).unwrap();
+    let found = explain_infeasibility(space, constraints, &outcome.best, &widest(), 5, &mut solve).unwrap();
     (outcome, found, searches)
 }
 
@@ -124,7 +124,7 @@ fn about_the_best_design_the_same_reasons_are_found_with_fewer_answers() {
                 answers += found.evaluations;
                 Ok(found)
             };
-            let found = explain(&space, &constraints, &outcome.best, &widest(), 0, &mut solve).unwrap();
+            let found = explain_infeasibility(&space, &constraints, &outcome.best, &widest(), 0, &mut solve).unwrap();
             (found, answers)
         };
         let ((whole, whole_answers), (near, near_answers)) = (explained(false), explained(true));

@@ -6,8 +6,8 @@ mod surface;
 
 use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
-    Bound, Constraints, Demand, Goal, Guidance, Limit, Quantity, Response, SearchError, SearchOptions, Status, Target,
-    Wanted, search, search_guided,
+    Bound, Constraints, Demand, Goal, Limit, LowFidelityCorrection, Quantity, Response, SearchError, SearchOptions,
+    Status, Target, Wanted, search, search_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 use surface::{PRESSURES_PA, bursts, design, peak, respond, run, seeded, space, unlimited};
@@ -121,11 +121,19 @@ fn a_goal_along_a_guide_ends_where_it_does_without() {
         let target = aim(Wanted::Between { lowest: 0.55, highest: 0.97 }, Some(goal));
         let alone = run(&target, &unlimited(), &seeded(1));
         for seed in 0..5 {
-            let mut guidance = Guidance::new();
+            let mut correction = LowFidelityCorrection::new();
             let options = seeded(seed);
-            let outcome =
-                search_guided(&target, &space(), &unlimited(), &options, &respond, &guide, &mut guidance, &Unwatched)
-                    .unwrap();
+            let outcome = search_multi_fidelity(
+                &target,
+                &space(),
+                &unlimited(),
+                &options,
+                &respond,
+                &guide,
+                &mut correction,
+                &Unwatched,
+            )
+            .unwrap();
             assert_eq!(outcome.status, Status::Met, "{goal:?} {seed}");
             let (own, alone) = (outcome.best.misfit.cost, alone.best.misfit.cost);
             assert!(own < alone + 0.2, "{goal:?} {seed}: {own} {alone}");

@@ -129,15 +129,25 @@ fn a_guide_that_is_off_leads_to_designs_that_the_model_has_judged() {
         let off = 0.01 + 2e-5 * design.width_m() * 1e6;
         Ok(Response { value: value(design).iter().map(|value| value + off).collect(), limited: Vec::new() })
     };
-    let mut guidance = Guidance::new();
+    let mut low_fidelity_correction = LowFidelityCorrection::new();
     for width_m in [60e-6, 200e-6, 380e-6] {
         let design = Pattern::new(Planform::Groove, width_m, 300e-6, 10.4e-6).unwrap();
-        guidance.learn(design, &respond(&design).unwrap(), &guide(&design).unwrap());
+        low_fidelity_correction.learn(design, &respond(&design).unwrap(), &guide(&design).unwrap());
     }
     let (options, made) = (SelectionOptions::default(), Made::new());
     let (target, space, limits) = (target(), space(), bursts());
-    let found =
-        select_guided(&target, &space, &limits, &[], &options, &respond, &guide, &mut guidance, &made, &Unwatched);
+    let found = select_multi_fidelity(
+        &target,
+        &space,
+        &limits,
+        &[],
+        &options,
+        &respond,
+        &guide,
+        &mut low_fidelity_correction,
+        &made,
+        &Unwatched,
+    );
     let found = found.unwrap();
     assert!(found.pool.len() <= JUDGED_ROUNDS * JUDGED && !found.pool.is_empty());
     for choice in &found.pool {

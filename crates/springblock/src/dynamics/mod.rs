@@ -12,7 +12,7 @@
 //! | `contact_columns` | what a pass over contact blocks reads |
 //! | `contact_vectors` | friction on the contact blocks of a strip, or of a cell in space, in vectors |
 //! | `strip` | one step of a strip |
-//! | `crew` | several threads on one lattice |
+//! | `strip_workers` | several threads on one lattice |
 //! | `strip_leapfrog`, `leapfrog`, `runge_kutta` | integrators |
 //! | `stability` | the largest eigenfrequency |
 //! | `recorder` | history and averages |
@@ -26,7 +26,6 @@ mod bonds;
 mod contact;
 mod contact_columns;
 mod contact_vectors;
-mod crew;
 mod drive;
 mod engine;
 mod leapfrog;
@@ -42,6 +41,7 @@ mod stationary;
 mod stencil;
 mod strip;
 mod strip_leapfrog;
+mod strip_workers;
 mod sweep;
 
 pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT};

@@ -10,20 +10,20 @@
 use std::thread::Scope;
 
 use super::contact::{ContactForce, ContactSums};
-use super::crew::Crew;
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
 use super::stencil::{BulkBalance, strips};
 use super::strip::{BulkPlace, Strip};
+use super::strip_workers::StripWorkers;
 use super::sweep::Kick;
 use crate::lattice::Lattice;
 
 /// Leapfrog on the strips of a plain lattice.
 #[derive(Debug)]
 pub struct StripLeapfrog<'scope, 'env, 'a> {
-    /// Strips before the first step; the crew has them after it.
+    /// Strips before the first step; the workers have them after it.
     strips: Vec<Strip<'a>>,
-    crew: Option<Crew<'scope, 'a>>,
+    strip_workers: Option<StripWorkers<'scope, 'a>>,
     /// Where other threads may be started, and how many with the caller's.
     threads: Option<(&'scope Scope<'scope, 'env>, usize)>,
     balance: BulkBalance,
@@ -48,7 +48,7 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
             .map(|stencil| Strip::new(stencil, lattice.ny(), &blocks, law, kick, liftoff))
             .collect();
         let periodic = lattice.is_periodic();
-        Self { strips, crew: None, threads: None, balance, protocol, time_step, steps: 0, periodic, contacts }
+        Self { strips, strip_workers: None, threads: None, balance, protocol, time_step, steps: 0, periodic, contacts }
     }
 
     /// The same, advanced by at most `threads` threads of `scope` with the caller's.
@@ -60,34 +60,34 @@ impl<'scope, 'env, 'a: 'scope> StripLeapfrog<'scope, 'env, 'a> {
     /// Displacements of block (i, j), x and y; of the caller's own strips until [`Engine::finish`].
     #[must_use]
     pub fn displacement(&self, i: usize, j: usize) -> [f64; 2] {
-        let strips = self.crew.as_ref().map_or(&self.strips[..], Crew::own);
+        let strips = self.strip_workers.as_ref().map_or(&self.strips[..], StripWorkers::own);
         let strip = strips.iter().find(|strip| strip.columns().contains(&i));
         strip.map_or([0.0; 2], |strip| strip.displacement(i - strip.columns().start, j))
     }
 
-    /// The crew, which takes the strips over.
-    fn crew(&mut self) -> &mut Crew<'scope, 'a> {
-        let Self { strips, crew, threads, periodic, .. } = self;
-        crew.get_or_insert_with(|| Crew::new(std::mem::take(strips), *periodic, *threads))
+    /// The workers, which take the strips over.
+    fn strip_workers(&mut self) -> &mut StripWorkers<'scope, 'a> {
+        let Self { strips, strip_workers, threads, periodic, .. } = self;
+        strip_workers.get_or_insert_with(|| StripWorkers::new(std::mem::take(strips), *periodic, *threads))
     }
 }
 
 impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
     fn begin_drive(&mut self) {
-        self.crew().begin_drive();
+        self.strip_workers().begin_drive();
     }
 
     fn step(&mut self) -> ContactSums {
         let time = self.steps as f64 * self.time_step;
         self.steps += 1;
         let (x, load, balance) = (self.protocol.bulk_x(time), self.protocol.load(time), self.balance);
-        let crew = self.crew();
-        let height = balance.height(crew.held(), x, load);
-        crew.step(BulkPlace { x, height })
+        let strip_workers = self.strip_workers();
+        let height = balance.height(strip_workers.held(), x, load);
+        strip_workers.step(BulkPlace { x, height })
     }
 
     fn all_have_slipped(&self) -> bool {
-        self.crew.as_ref().is_some_and(Crew::all_have_slipped)
+        self.strip_workers.as_ref().is_some_and(StripWorkers::all_have_slipped)
     }
 
     fn contacts(&self) -> usize {
@@ -95,11 +95,11 @@ impl<'scope, 'a: 'scope> Engine for StripLeapfrog<'scope, '_, 'a> {
     }
 
     fn contact_forces(&mut self) -> Vec<ContactForce> {
-        self.crew().contact_forces()
+        self.strip_workers().contact_forces()
     }
 
     fn finish(&mut self) {
-        self.crew().finish();
+        self.strip_workers().finish();
     }
 
     fn time_step(&self) -> f64 {

@@ -7,8 +7,8 @@
 //! smooth, within [0, 1] for every u, and stationary at the bounds, so that a minimum on a bound is
 //! an ordinary minimum in u.
 
-use crate::ledger::{Notebook, Record};
-use crate::sequence::MOST_DIMENSIONS;
+use crate::archive::{LocalArchive, Record};
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, linear_steps};
 use argmin::core::{CostFunction, Error, Executor, IterState};
@@ -129,30 +129,30 @@ impl Descent {
         self
     }
 
-    /// Descends until nothing is gained; `None`, or, where the notebook was interrupted, the descent
+    /// Descends until nothing is gained; `None`, or, where the local archive was interrupted, the descent
     /// that would continue this one.
-    pub(crate) fn run(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
+    pub(crate) fn run(mut self, local: &mut LocalArchive<'_>) -> Option<Self> {
         match self.method {
             Method::GaussNewton | Method::LinearSteps => {
                 let descend =
                     if self.method == Method::GaussNewton { gauss_newton::descend } else { linear_steps::descend };
-                let end = descend(&self.grid, &self.start, &self.cost, notebook);
+                let end = descend(&self.grid, &self.start, &self.cost, local);
                 self.start = end.unwrap_or(self.start);
-                notebook.interruption.is_some().then_some(self)
+                local.interruption.is_some().then_some(self)
             }
-            Method::Simplex => self.restarted_simplex(notebook),
+            Method::Simplex => self.restarted_simplex(local),
         }
     }
 
-    fn restarted_simplex(mut self, notebook: &mut Notebook<'_>) -> Option<Self> {
+    fn restarted_simplex(mut self, local: &mut LocalArchive<'_>) -> Option<Self> {
         let free = self.grid.free_axes();
         let mut least = FAILED_COST;
         loop {
-            let (best, cost) = self.simplex(&free, notebook);
+            let (best, cost) = self.simplex(&free, local);
             if let Some(best) = best {
                 self.start = best;
             }
-            if notebook.interruption.is_some() {
+            if local.interruption.is_some() {
                 return Some(self);
             }
             let gain = least - cost;
@@ -165,7 +165,7 @@ impl Descent {
     }
 
     /// One run of the simplex: the best design it saw, and its cost.
-    fn simplex(&self, free: &[usize], notebook: &mut Notebook<'_>) -> (Option<Pattern>, f64) {
+    fn simplex(&self, free: &[usize], local: &mut LocalArchive<'_>) -> (Option<Pattern>, f64) {
         let shares = self.grid.shares(&self.start);
         // u = acos(1 - 2 t) / pi
         let start: Vec<f64> =
@@ -175,7 +175,7 @@ impl Descent {
             grid: self.grid,
             free: free.to_vec(),
             shares,
-            visit: RefCell::new(Visit { notebook, best: None, calls: 0, landmark: (f64::INFINITY, 0) }),
+            visit: RefCell::new(Visit { local, best: None, calls: 0, landmark: (f64::INFINITY, 0) }),
         };
         let mut simplex = vec![start.clone()];
         for coordinate in 0..free.len() {
@@ -208,7 +208,7 @@ struct Problem<'a, 'b> {
 }
 
 struct Visit<'a, 'b> {
-    notebook: &'a mut Notebook<'b>,
+    local: &'a mut LocalArchive<'b>,
     best: Option<(Pattern, f64)>,
     calls: usize,
     /// Cost at the last gain worth the name, and the call that brought it.
@@ -253,7 +253,7 @@ impl CostFunction for &Problem<'_, '_> {
         if may_end && visit.calls > visit.landmark.1 + STALLED_CALLS * self.free.len() {
             return Err(Error::msg("stalled"));
         }
-        let cost = match self.design(u).map(|design| (design, visit.notebook.look(&design))) {
+        let cost = match self.design(u).map(|design| (design, visit.local.look(&design))) {
             Some((design, Some(Record::Computed(candidate)))) => {
                 let cost = self.cost.of(candidate);
                 if visit.best.is_none_or(|(_, least)| cost < least) {
@@ -274,7 +274,7 @@ impl CostFunction for &Problem<'_, '_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ledger::{Evaluator, Interruption, Ledger};
+    use crate::archive::{Archive, Evaluator, Interruption};
     use crate::{Constraints, DesignSpace, ModelFailure, Quantity, Response, Target, TargetPoint};
     use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
@@ -292,16 +292,16 @@ mod tests {
         let space = DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [50e-6, 900e-6], [5e-6; 2]).unwrap();
         let grid = Grid::new(&space, &constraints).unwrap();
         let evaluator = Evaluator::new(&model, &target, &constraints, budget, &Unwatched);
-        let mut ledger = Ledger::default();
-        let mut notebook = Notebook::new(&evaluator, &ledger, budget);
+        let mut archive = Archive::default();
+        let mut local = LocalArchive::new(&evaluator, &archive, budget);
         let cost = Cost { objective, tolerance: 0.01, comfortable: COMFORTABLE_RMS, penalty: 1.0 };
         let start = Pattern::new(Planform::Groove, 150e-6, 200e-6, 5e-6).unwrap();
-        let rest = Descent::new(grid, start, cost, Method::Simplex).run(&mut notebook);
-        let (records, interruption) = notebook.close();
+        let rest = Descent::new(grid, start, cost, Method::Simplex).run(&mut local);
+        let (records, interruption) = local.close();
         assert_eq!(rest.is_some(), interruption.is_some());
-        ledger.absorb(records);
-        let cheapest = ledger.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
-        (cheapest.unwrap().design, ledger.records().len(), interruption)
+        archive.absorb(records);
+        let cheapest = archive.candidates().min_by(|left, right| cost.of(left).total_cmp(&cost.of(right)));
+        (cheapest.unwrap().design, archive.records().len(), interruption)
     }
 
     #[test]

@@ -7,8 +7,8 @@ mod surface;
 
 use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
-    Constraints, Guidance, ModelFailure, Response, SearchError, SearchOptions, SearchOutcome, Status, Target,
-    search_guided,
+    Constraints, LowFidelityCorrection, ModelFailure, Response, SearchError, SearchOptions, SearchOutcome, Status,
+    Target, search_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 use std::sync::atomic::Ordering;
@@ -30,8 +30,9 @@ fn guide(design: &Pattern) -> Result<Response, ModelFailure> {
 }
 
 fn guided(wanted: &Target, constraints: &Constraints, options: &SearchOptions) -> SearchOutcome {
-    let mut guidance = Guidance::new();
-    search_guided(wanted, &space(), constraints, options, &respond, &guide, &mut guidance, &Unwatched).unwrap()
+    let mut correction = LowFidelityCorrection::new();
+    search_multi_fidelity(wanted, &space(), constraints, options, &respond, &guide, &mut correction, &Unwatched)
+        .unwrap()
 }
 
 #[test]
@@ -99,22 +100,22 @@ fn the_outcome_and_what_was_learnt_are_the_same_at_any_number_of_threads() {
         for max_evaluations in [60, 2000] {
             let outcomes = [1, 2, 4].map(|threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let mut guidance = Guidance::new();
+                let mut correction = LowFidelityCorrection::new();
                 let options = SearchOptions { seed: 3, max_evaluations };
                 let outcome = pool.install(|| {
                     let constraints = bursts(2.6);
-                    search_guided(
+                    search_multi_fidelity(
                         &wanted,
                         &space(),
                         &constraints,
                         &options,
                         &respond,
                         &guide,
-                        &mut guidance,
+                        &mut correction,
                         &Unwatched,
                     )
                 });
-                (outcome, guidance)
+                (outcome, correction)
             });
             assert_eq!(outcomes[0], outcomes[1]);
             assert_eq!(outcomes[0], outcomes[2]);
@@ -124,18 +125,19 @@ fn the_outcome_and_what_was_learnt_are_the_same_at_any_number_of_threads() {
 
 #[test]
 fn what_one_search_learnt_spares_the_next_its_answers() {
-    let mut guidance = Guidance::new();
+    let mut correction = LowFidelityCorrection::new();
     let none = unlimited();
     let mut answers = Vec::new();
     for shift in [0.0, 0.002] {
         let known = design(130.0, 370.0, 20.0);
         let wanted = target(PRESSURES_PA.map(|pressure_pa| ratio(&known, pressure_pa) + shift));
         let outcome =
-            search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &Unwatched).unwrap();
+            search_multi_fidelity(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut correction, &Unwatched)
+                .unwrap();
         assert_eq!(outcome.status, Status::Met);
         answers.push(outcome.evaluations);
     }
-    assert!(!guidance.is_empty() && answers[1] <= answers[0], "{answers:?}");
+    assert!(!correction.is_empty() && answers[1] <= answers[0], "{answers:?}");
 }
 
 #[test]
@@ -157,22 +159,32 @@ fn budgets_failures_and_cancelling() {
         }
     };
     for seed in 0..5 {
-        let mut guidance = Guidance::new();
-        let outcome =
-            search_guided(&wanted, &space(), &none, &seeded(seed), &fragile, &guide, &mut guidance, &Unwatched)
-                .unwrap();
+        let mut correction = LowFidelityCorrection::new();
+        let outcome = search_multi_fidelity(
+            &wanted,
+            &space(),
+            &none,
+            &seeded(seed),
+            &fragile,
+            &guide,
+            &mut correction,
+            &Unwatched,
+        )
+        .unwrap();
         assert_eq!(outcome.status, Status::Met, "{seed}");
     }
     let never = |_: &Pattern| Err(ModelFailure::Trial { reason: "never".to_owned() });
-    let mut guidance = Guidance::new();
-    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &never, &guide, &mut guidance, &Unwatched);
+    let mut correction = LowFidelityCorrection::new();
+    let refused =
+        search_multi_fidelity(&wanted, &space(), &none, &seeded(1), &never, &guide, &mut correction, &Unwatched);
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
-    let refused = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut guidance, &Unwatched);
+    let refused =
+        search_multi_fidelity(&wanted, &space(), &none, &seeded(1), &respond, &never, &mut correction, &Unwatched);
     assert!(matches!(refused, Err(SearchError::EveryTrialFailed { .. })), "{refused:?}");
     // Stopped while the guide is asked, the model is asked of the best that the guide knows.
     // Of each of the two 2000 answers are allowed.
     let stop = StopAfter::new(22, 0.5 / 2000.0);
-    let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut guidance, &stop);
+    let stopped = search_multi_fidelity(&wanted, &space(), &none, &seeded(1), &respond, &guide, &mut correction, &stop);
     let stopped = stopped.unwrap();
     assert!(matches!(stopped.status, Status::Cancelled | Status::Met), "{:?}", stopped.status);
     assert_eq!(stopped.evaluations, 1);
@@ -180,6 +192,7 @@ fn budgets_failures_and_cancelling() {
     // Where that is stopped, too, there is nothing of the model.
     stop.evaluations.store(0, Ordering::Relaxed);
     let cancelled = |_: &Pattern| Err(ModelFailure::Cancelled);
-    let stopped = search_guided(&wanted, &space(), &none, &seeded(1), &cancelled, &guide, &mut guidance, &stop);
+    let stopped =
+        search_multi_fidelity(&wanted, &space(), &none, &seeded(1), &cancelled, &guide, &mut correction, &stop);
     assert_eq!(stopped, Err(SearchError::CancelledAtStart));
 }

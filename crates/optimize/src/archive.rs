@@ -134,12 +134,12 @@ impl<'a> Evaluator<'a> {
 
 /// All evaluated designs, in an order that does not depend on timing.
 #[derive(Debug, Default)]
-pub(crate) struct Ledger {
+pub(crate) struct Archive {
     records: Vec<Record>,
     index: BTreeMap<Key, usize>,
 }
 
-impl Ledger {
+impl Archive {
     pub(crate) fn records(&self) -> &[Record] {
         &self.records
     }
@@ -182,28 +182,28 @@ impl Ledger {
     }
 }
 
-/// What one descent adds to a ledger that stays as it is meanwhile. Its budget counts every design
-/// that the ledger lacks, whether or not another descent computes it too, so that the outcome does
+/// What one descent adds to a archive that stays as it is meanwhile. Its budget counts every design
+/// that the archive lacks, whether or not another descent computes it too, so that the outcome does
 /// not depend on who came first.
-pub(crate) struct Notebook<'a> {
+pub(crate) struct LocalArchive<'a> {
     evaluator: &'a Evaluator<'a>,
-    ledger: &'a Ledger,
-    own: Ledger,
+    archive: &'a Archive,
+    own: Archive,
     budget: usize,
     pub(crate) interruption: Option<Interruption>,
 }
 
-impl<'a> Notebook<'a> {
-    /// A notebook for at most `budget` new evaluations.
-    pub(crate) fn new(evaluator: &'a Evaluator<'a>, ledger: &'a Ledger, budget: usize) -> Self {
-        Self { evaluator, ledger, own: Ledger::default(), budget, interruption: None }
+impl<'a> LocalArchive<'a> {
+    /// A local archive for at most `budget` new evaluations.
+    pub(crate) fn new(evaluator: &'a Evaluator<'a>, archive: &'a Archive, budget: usize) -> Self {
+        Self { evaluator, archive, own: Archive::default(), budget, interruption: None }
     }
 
-    /// The record of `design`, evaluated only where neither the ledger nor this notebook has it.
+    /// The record of `design`, evaluated only where neither the archive nor this local archive has it.
     /// `None` once interrupted.
     pub(crate) fn look(&mut self, design: &Pattern) -> Option<&Record> {
         let key = key(design);
-        if let Some(known) = self.ledger.find(&key) {
+        if let Some(known) = self.archive.find(&key) {
             return Some(known);
         }
         if self.own.find(&key).is_none() {
@@ -262,15 +262,15 @@ mod tests {
         let target = Target::new(Quantity::Ratio, vec![point], 0.01).unwrap();
         let constraints = Constraints::default();
         let evaluator = Evaluator::new(&model, &target, &constraints, 10, &Unwatched);
-        let mut ledger = Ledger::default();
-        ledger.absorb(vec![evaluator.evaluate(&design(100.0)).unwrap()]);
-        let mut notebook = Notebook::new(&evaluator, &ledger, 2);
+        let mut archive = Archive::default();
+        archive.absorb(vec![evaluator.evaluate(&design(100.0)).unwrap()]);
+        let mut local = LocalArchive::new(&evaluator, &archive, 2);
         for width_um in [100.0, 110.0, 110.0, 120.0, 100.0] {
-            assert!(notebook.look(&design(width_um)).is_some());
+            assert!(local.look(&design(width_um)).is_some());
         }
-        assert!(notebook.look(&design(130.0)).is_none());
-        assert!(notebook.look(&design(120.0)).is_some(), "what is known costs nothing");
-        let (records, interruption) = notebook.close();
+        assert!(local.look(&design(130.0)).is_none());
+        assert!(local.look(&design(120.0)).is_some(), "what is known costs nothing");
+        let (records, interruption) = local.close();
         assert_eq!((records.len(), interruption), (2, Some(Interruption::Budget)));
         assert_eq!(calls.load(Ordering::Relaxed), 3);
     }

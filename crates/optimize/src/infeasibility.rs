@@ -68,7 +68,7 @@ pub struct Explanation {
 ///
 /// # Errors
 /// Those of `solve`, but for relaxed problems that leave nothing to search.
-pub fn explain(
+pub fn explain_infeasibility(
     space: &DesignSpace,
     constraints: &Constraints,
     best: &Candidate,

@@ -1,7 +1,7 @@
 //! What a dear model was found to differ from its cheap guide, and what that says of designs in between.
 
 use crate::Response;
-use crate::sequence::MOST_DIMENSIONS;
+use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
 use nalgebra::{DMatrix, DVector};
 use slipgrid_pattern::Pattern;
@@ -15,7 +15,7 @@ const NUGGET: f64 = 1e-12;
 /// Differences between a model and its guide, learnt in one search and of use in the next, as long as models,
 /// texture and bounds stay the same. Values may be shifted in both alike.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Guidance {
+pub struct LowFidelityCorrection {
     differences: Vec<Difference>,
 }
 
@@ -26,7 +26,7 @@ struct Difference {
     said: Vec<[f64; 2]>,
 }
 
-impl Guidance {
+impl LowFidelityCorrection {
     /// Nothing learnt yet.
     #[must_use]
     pub const fn new() -> Self {
@@ -153,16 +153,16 @@ mod tests {
     fn known_differences_come_back_and_nothing_known_changes_nothing() {
         let grid = grid();
         let guide = response(0.9, 2e6);
-        let mut guidance = Guidance::new();
-        assert_eq!(guidance.correction(&grid, 2, 1).apply(&[0.3; 3], &guide), guide);
+        let mut low_fidelity_correction = LowFidelityCorrection::new();
+        assert_eq!(low_fidelity_correction.correction(&grid, 2, 1).apply(&[0.3; 3], &guide), guide);
         let known: Vec<Shares> = vec![[0.1, 0.2, 0.3], [0.9, 0.2, 0.5], [0.91, 0.2, 0.5], [0.4, 1.0, 0.0]];
         for (place, shares) in known.iter().enumerate() {
             let design = grid.design(shares).unwrap();
-            guidance.learn(design, &response(0.9 + 0.01 * place as f64, 3e6), &guide);
+            low_fidelity_correction.learn(design, &response(0.9 + 0.01 * place as f64, 3e6), &guide);
         }
-        assert_eq!((guidance.len(), guidance.is_empty()), (4, false));
-        let correction = guidance.correction(&grid, 2, 1);
-        for (place, known) in guidance.differences.iter().enumerate() {
+        assert_eq!((low_fidelity_correction.len(), low_fidelity_correction.is_empty()), (4, false));
+        let correction = low_fidelity_correction.correction(&grid, 2, 1);
+        for (place, known) in low_fidelity_correction.differences.iter().enumerate() {
             let corrected = correction.apply(&grid.shares(&known.design), &guide);
             assert!((corrected.value[0] - 0.9 - 0.01 * place as f64).abs() < 1e-7);
             assert!((corrected.value[1] - 1.8 - 0.02 * place as f64).abs() < 1e-7);
@@ -176,13 +176,13 @@ mod tests {
     fn a_smooth_difference_is_learnt_from_few_designs() {
         let grid = grid();
         let truth = |t: &Shares| 0.02 * t[0] * (1.0 - t[1]) + 0.01 * (2.0 * t[2]).sin();
-        let mut guidance = Guidance::new();
-        for point in crate::sequence::points(3, 24, 1) {
+        let mut low_fidelity_correction = LowFidelityCorrection::new();
+        for point in crate::low_discrepancy::points(3, 24, 1) {
             let design = grid.design(&point).unwrap();
-            guidance.learn(design, &response(truth(&grid.shares(&design)), 1e6), &response(0.0, 1e6));
+            low_fidelity_correction.learn(design, &response(truth(&grid.shares(&design)), 1e6), &response(0.0, 1e6));
         }
-        let correction = guidance.correction(&grid, 2, 1);
-        let errors: Vec<f64> = crate::sequence::points(3, 200, 7)
+        let correction = low_fidelity_correction.correction(&grid, 2, 1);
+        let errors: Vec<f64> = crate::low_discrepancy::points(3, 200, 7)
             .iter()
             .map(|t| correction.apply(t, &response(0.0, 1e6)).value[0] - truth(t))
             .collect();
@@ -195,12 +195,13 @@ mod tests {
     fn a_design_learnt_again_replaces_what_was_known() {
         let grid = grid();
         let design = grid.design(&[0.5; 3]).unwrap();
-        let mut guidance = Guidance::new();
+        let mut low_fidelity_correction = LowFidelityCorrection::new();
         for by in [0.1, 0.2] {
-            guidance.learn(design, &response(by, 1e6), &response(0.0, 1e6));
+            low_fidelity_correction.learn(design, &response(by, 1e6), &response(0.0, 1e6));
         }
-        assert_eq!(guidance.len(), 1);
-        let corrected = guidance.correction(&grid, 2, 1).apply(&grid.shares(&design), &response(0.0, 1e6));
+        assert_eq!(low_fidelity_correction.len(), 1);
+        let corrected =
+            low_fidelity_correction.correction(&grid, 2, 1).apply(&grid.shares(&design), &response(0.0, 1e6));
         assert!((corrected.value[0] - 0.2).abs() < 1e-8);
     }
 }

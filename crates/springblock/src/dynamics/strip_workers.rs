@@ -167,7 +167,7 @@ impl Board {
 
 /// The leader's own strips and the threads that have the others.
 #[derive(Debug)]
-pub struct Crew<'scope, 'a> {
+pub struct StripWorkers<'scope, 'a> {
     board: Arc<Board>,
     own: Vec<Strip<'a>>,
     others: Vec<ScopedJoinHandle<'scope, Vec<Strip<'a>>>>,
@@ -175,7 +175,7 @@ pub struct Crew<'scope, 'a> {
     step: u64,
 }
 
-impl<'scope, 'a: 'scope> Crew<'scope, 'a> {
+impl<'scope, 'a: 'scope> StripWorkers<'scope, 'a> {
     /// Shares `strips` among the caller's thread and, with `threads`, others of that scope, up to that many.
     pub fn new(
         mut strips: Vec<Strip<'a>>,
@@ -265,14 +265,14 @@ impl<'scope, 'a: 'scope> Crew<'scope, 'a> {
         }
     }
 
-    /// The leader's strips: all of them after [`Crew::finish`].
+    /// The leader's strips: all of them after [`StripWorkers::finish`].
     #[must_use]
     pub fn own(&self) -> &[Strip<'a>] {
         &self.own
     }
 }
 
-impl Drop for Crew<'_, '_> {
+impl Drop for StripWorkers<'_, '_> {
     fn drop(&mut self) {
         if !self.others.is_empty() {
             let number = Turn::ALL.len() - 1;

@@ -1,7 +1,7 @@
 //! Search with a dear model along a cheap one.
 
-use crate::guidance::{Correction, Guidance};
-use crate::ledger::{Evaluator, Interruption, Key, Ledger, Record, key};
+use crate::archive::{Archive, Evaluator, Interruption, Key, Record, key};
+use crate::low_fidelity_correction::{Correction, LowFidelityCorrection};
 use crate::search::search_along;
 use crate::space::Grid;
 use crate::{
@@ -28,7 +28,7 @@ const FAILURE_REACH: f64 = 0.02;
 /// As [`search`], where `model` is dear and `guide` is a cheap model that differs from it little, or smoothly.
 ///
 /// The whole space is searched along the guide, corrected by what is known of its differences from the model
-/// (`guidance`, which grows). The model then judges what this found: the best design, its alternatives and,
+/// (`low_fidelity_correction`, which grows). The model then judges what this found: the best design, its alternatives and,
 /// where the target was out of reach, the designs of lowest and highest value; and the search begins again with
 /// what that taught, until the model itself meets the target, or the corrected guide agrees with it at all
 /// these designs and still says that none does. The response of every design in the outcome is the model's own;
@@ -39,14 +39,14 @@ const FAILURE_REACH: f64 = 0.02;
 /// # Errors
 /// As [`search`], for either model.
 #[allow(clippy::too_many_arguments, reason = "those of search, and the two that make it guided")]
-pub fn search_guided(
+pub fn search_multi_fidelity(
     target: &Target,
     space: &DesignSpace,
     constraints: &Constraints,
     options: &SearchOptions,
     model: &dyn ForwardModel,
     guide: &dyn ForwardModel,
-    guidance: &mut Guidance,
+    low_fidelity_correction: &mut LowFidelityCorrection,
     monitor: &dyn Monitor,
 ) -> Result<SearchOutcome, SearchError> {
     let grid = Grid::new(space, constraints)?;
@@ -54,7 +54,7 @@ pub fn search_guided(
     // So many answers are allowed of each of the two.
     let half = Part::new(monitor, 0.5);
     let evaluator = Evaluator::new(model, target, constraints, options.max_evaluations, &half);
-    let mut judge = Judge { evaluator, ledger: Ledger::default(), failures: Vec::new() };
+    let mut judge = Judge { evaluator, archive: Archive::default(), failures: Vec::new() };
     // Had no round ended otherwise, guide and model would never have come to agree.
     let mut ending = Status::Budget;
     let mut rounds_met = 0;
@@ -63,14 +63,14 @@ pub fn search_guided(
         if left == 0 {
             break;
         }
-        let correction = guidance.correction(&grid, target.values(), constraints.quantities.len());
+        let correction = low_fidelity_correction.correction(&grid, target.values(), constraints.quantities.len());
         let corrected = Corrected { guide: &guide, correction, grid: &grid, failures: &judge.failures };
         let along = SearchOptions { max_evaluations: left, ..*options };
         let part = Part::new(&half, left as f64 / options.max_evaluations as f64);
         let found = search_along(&judge.seeds(), target, space, constraints, &along, &corrected, &part)?;
         if found.status == Status::Cancelled {
             // Without a design of the model itself there would be nothing to report.
-            if judge.ledger.records().is_empty()
+            if judge.archive.records().is_empty()
                 && let Err(Interruption::Error(error)) = judge.ask(vec![found.best.design])
             {
                 return Err(error);
@@ -97,7 +97,7 @@ pub fn search_guided(
         for (record, (design, expected, guided)) in records.iter().zip(&asked) {
             agree &= match record {
                 Record::Computed(candidate) => {
-                    guidance.learn(*design, &candidate.response, guided);
+                    low_fidelity_correction.learn(*design, &candidate.response, guided);
                     let most = if *design == found.best.design { SETTLED } else { SETTLED_EXTREMES };
                     difference(&candidate.response, expected) <= most * target.tolerance()
                         && candidate.violations.len() == constraints.violations(design, expected).len()
@@ -116,7 +116,7 @@ pub fn search_guided(
             break;
         }
     }
-    if judge.ledger.records().is_empty() && ending == Status::Cancelled {
+    if judge.archive.records().is_empty() && ending == Status::Cancelled {
         return Err(SearchError::CancelledAtStart);
     }
     let met = judge.best().is_some_and(Candidate::meets_target);
@@ -125,7 +125,7 @@ pub fn search_guided(
         Status::Met if !met => Status::Budget,
         ending => ending,
     };
-    let outcome = summary::outcome(&judge.ledger, &grid, target, status)?;
+    let outcome = summary::outcome(&judge.archive, &grid, target, status)?;
     Ok(SearchOutcome { guide_evaluations: guide.len(), ..outcome })
 }
 
@@ -137,7 +137,7 @@ fn difference(left: &Response, right: &Response) -> f64 {
 /// The model, and what it has said.
 struct Judge<'a> {
     evaluator: Evaluator<'a>,
-    ledger: Ledger,
+    archive: Archive,
     /// Designs that the model could not compute.
     failures: Vec<Pattern>,
 }
@@ -150,7 +150,7 @@ impl Judge<'_> {
         let extremes = found.reachable.iter().flat_map(|range| [range.lowest_design, range.highest_design]);
         let extremes = extremes.filter(|_| found.status != Status::Met);
         for design in std::iter::once(found.best.design).chain(alternatives).chain(extremes) {
-            if !self.ledger.knows(&design) && !designs.contains(&design) {
+            if !self.archive.knows(&design) && !designs.contains(&design) {
                 designs.push(design);
             }
         }
@@ -160,23 +160,23 @@ impl Judge<'_> {
     /// What the model says of `designs`, in parallel; all of it is kept.
     fn ask(&mut self, designs: Vec<Pattern>) -> Result<Vec<Record>, Interruption> {
         let evaluator = &self.evaluator;
-        if self.ledger.records().len() + designs.len() > evaluator.max_evaluations {
+        if self.archive.records().len() + designs.len() > evaluator.max_evaluations {
             return Err(Interruption::Budget);
         }
         let answers: Vec<_> = designs.par_iter().map(|design| evaluator.evaluate(design)).collect();
         let records = answers.into_iter().collect::<Result<Vec<Record>, Interruption>>()?;
         self.failures.extend(records.iter().filter_map(Record::failure).map(|failed| failed.design));
-        self.ledger.absorb(records.clone());
+        self.archive.absorb(records.clone());
         Ok(records)
     }
 
     /// Designs that the model has judged and could compute.
     fn seeds(&self) -> Vec<Pattern> {
-        self.ledger.candidates().map(|candidate| candidate.design).collect()
+        self.archive.candidates().map(|candidate| candidate.design).collect()
     }
 
     fn best(&self) -> Option<&Candidate> {
-        self.ledger.best()
+        self.archive.best()
     }
 
     fn is_comfortable(&self) -> bool {
