@@ -11,6 +11,7 @@
 //! the same section in the plane, and is the error of the formula.
 
 use slipgrid_export::{ExportError, LaidStrip, Layout};
+use slipgrid_monitor::Part;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{
     Extent, Face, Fidelity, Monitor, RunOptions, Scene, SceneError, Simulation, Springs, SteadyCell, Strip, simulate,
@@ -60,7 +61,7 @@ pub fn simulate_on(
     }
     let mut simulation = simulate(scene, monitor)?;
     let share = layout.areal_density() / pattern.areal_density();
-    let ends = ends_error(scene, specimen, &pattern)?;
+    let ends = ends_error(scene, specimen, &pattern, monitor)?;
     onto(&mut simulation, share, &ends);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
     simulation.model.push(format!(
@@ -128,14 +129,19 @@ pub fn onto(simulation: &mut Simulation, share: f64, layout_error: &[Option<f64>
 
 /// What [`onto`] leaves open at each load: the distance of strips of grooves of the same section on the same specimen from
 /// it, in proportion to the share of a period across the cavities' row that is cavity.
-fn ends_error(scene: &Scene, specimen: &Specimen, pattern: &Pattern) -> Result<Vec<Option<f64>>, SpecimenError> {
+fn ends_error(
+    scene: &Scene,
+    specimen: &Specimen,
+    pattern: &Pattern,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<f64>>, SpecimenError> {
     let groove = pattern.as_groove();
     let run = RunOptions { extent: Extent::Sample, dimensions: Some(2), ..RunOptions::default() };
     let mut plane = Scene { pattern: Some(groove), run, ..scene.clone() };
     plane.layer.length_m = specimen.whole_length_m(plane.layer.block_m);
     let Ok(layout) = specimen.layout(groove) else { return Ok(vec![None; scene.loads.len()]) };
     let share = layout.areal_density() / groove.areal_density();
-    let strips = simulate_specimen(&plane, &face(&layout, plane.layer.block_m)?, &slipgrid_springblock::Unwatched)?;
+    let strips = simulate_specimen(&plane, &face(&layout, plane.layer.block_m)?, &Part::new(monitor, 0.0))?;
     let cells = SteadyCell::new(&plane).ratios(&groove);
     let across = pattern.areal_density() / pattern.section_density();
     let error = |(ratio, cell): (Option<f64>, Option<f64>)| {

@@ -2,7 +2,7 @@
 
 use slipgrid_export::ExportError;
 use slipgrid_material::AreaLaw;
-use slipgrid_monitor::{Monitor, Unwatched};
+use slipgrid_monitor::{Monitor, Part, Unwatched};
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::{
@@ -247,7 +247,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`SpecimenError`] if the design has no lattice or does not fit on the specimen.
     pub fn simulate(&self, design: &Pattern) -> Result<Simulation, SpecimenError> {
-        let mut simulation = simulate(&self.scene(design), &Unwatched)?;
+        let mut simulation = simulate(&self.scene(design), &Part::new(self.monitor, 0.0))?;
         if self.specimen.is_some() {
             onto(&mut simulation, self.share(design)?, &[]);
         }

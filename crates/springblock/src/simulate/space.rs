@@ -34,7 +34,7 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     }
     let outcomes = model.solve(pattern);
     let ratios: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
-    let error = discretization_error(scene, pattern, &ratios);
+    let error = discretization_error(scene, pattern, &ratios, monitor);
     monitor.advance(1.0);
     let loads = scene
         .loads
@@ -86,11 +86,12 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     Ok(Simulation { model: statements, loads })
 }
 
-/// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]).
-fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>]) -> Option<f64> {
+/// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
+/// `monitor` has cancelled.
+fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], monitor: &dyn Monitor) -> Option<f64> {
     blocks::block_error(scene, own, |scene| {
         let model = SteadyCell::in_dimensions(scene, 3);
-        (model.bytes(pattern) < MOST_ESTIMATED_BYTES).then(|| model.ratios(pattern))
+        (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled()).then(|| model.ratios(pattern))
     })
 }
 
@@ -117,7 +118,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
 
     let cell = SteadyCell::in_dimensions(scene, 3);
     let steady = cell.ratios(pattern);
-    let error = discretization_error(scene, pattern, &steady);
+    let error = discretization_error(scene, pattern, &steady, monitor);
     let is_whole = exact == whole;
     let corrections =
         if is_whole { vec![0.0; scene.loads.len()] } else { corrections(&cell, pattern, &whole, &steady) };
