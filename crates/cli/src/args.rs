@@ -6,6 +6,7 @@ mod resuming;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_report::LaserFile;
 
@@ -253,8 +254,8 @@ pub struct ExportArgs {
     /// result.json of `optimize`, or the folder that holds it
     pub result: PathBuf,
     /// Formats, separated by commas
-    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [ExportFormat::Dxf, ExportFormat::Svg, ExportFormat::Csv, ExportFormat::Process])]
-    pub format: Vec<ExportFormat>,
+    #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
+    pub format: Vec<LaserFile>,
     /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
     #[arg(long, value_name = "UM")]
     pub pixel_um: Option<f64>,
@@ -426,63 +427,14 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
     }
 }
 
-/// Formats of a design.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ExportFormat {
-    /// pattern.dxf, drawing for the laser
-    Dxf,
-    /// pattern.svg, picture to scale
-    Svg,
-    /// pattern.csv, one row per cavity
-    Csv,
-    /// process.toml, process sheet
-    Process,
-    /// pattern.plt, HP-GL/2 plot with contours and lines
-    Plt,
-    /// pattern.gcode, program for controllers with a laser mode
-    Gcode,
-    /// corners.csv, one row per corner
-    Corners,
-    /// hatch.csv, one row per marked line
-    Hatch,
-    /// height-map.png, the surface as 16-bit grey
-    Png,
-    /// removed.stl, what is removed as closed solids
-    Stl,
-}
-
-impl From<ExportFormat> for LaserFile {
-    fn from(format: ExportFormat) -> Self {
-        match format {
-            ExportFormat::Dxf => Self::Dxf,
-            ExportFormat::Svg => Self::Svg,
-            ExportFormat::Csv => Self::Csv,
-            ExportFormat::Process => Self::Process,
-            ExportFormat::Plt => Self::Plt,
-            ExportFormat::Gcode => Self::Gcode,
-            ExportFormat::Corners => Self::Corners,
-            ExportFormat::Hatch => Self::Hatch,
-            ExportFormat::Png => Self::Png,
-            ExportFormat::Stl => Self::Stl,
-        }
-    }
-}
-
-impl std::fmt::Display for ExportFormat {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Dxf => "dxf",
-            Self::Svg => "svg",
-            Self::Csv => "csv",
-            Self::Process => "process",
-            Self::Plt => "plt",
-            Self::Gcode => "gcode",
-            Self::Corners => "corners",
-            Self::Hatch => "hatch",
-            Self::Png => "png",
-            Self::Stl => "stl",
-        })
-    }
+/// The formats of `export` by their names.
+fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
+    let names = LaserFile::EACH.map(|file| {
+        let [name, help] = file.described();
+        PossibleValue::new(name).help(help)
+    });
+    let named = |name: String| LaserFile::EACH.into_iter().find(|file| file.described()[0] == name);
+    PossibleValuesParser::new(names).try_map(move |name| named(name).ok_or("a format that nothing writes"))
 }
 
 /// Most draws behind a row.

@@ -13,34 +13,64 @@ use crate::Outputs;
 use slipgrid_export::Specimen;
 use slipgrid_results::MaterialReport;
 
-/// Formats of a design.
+/// Formats of a design; [`LaserFile::described`] says what is written in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LaserFile {
-    /// pattern.dxf, drawing for the laser
+    /// AutoCAD R12.
     Dxf,
-    /// pattern.svg, picture to scale
+    /// A picture to scale.
     Svg,
-    /// pattern.csv, one row per cavity
+    /// A table of cavities.
     Csv,
-    /// process.toml, process sheet
+    /// What the person at the laser needs.
     Process,
-    /// pattern.plt, HP-GL/2 plot with contours and lines
+    /// HP-GL/2.
     Plt,
-    /// pattern.gcode, program for controllers with a laser mode
+    /// RS-274.
     Gcode,
-    /// corners.csv, one row per corner
+    /// A table of corners.
     Corners,
-    /// hatch.csv, one row per marked line
+    /// A table of marked lines.
     Hatch,
-    /// height-map.png, the surface as 16-bit grey
+    /// A height map.
     Png,
-    /// removed.stl, what is removed as closed solids
+    /// Closed solids.
     Stl,
 }
 
 impl LaserFile {
+    /// All of them.
+    pub const EACH: [Self; 10] = [
+        Self::Dxf,
+        Self::Svg,
+        Self::Csv,
+        Self::Process,
+        Self::Plt,
+        Self::Gcode,
+        Self::Corners,
+        Self::Hatch,
+        Self::Png,
+        Self::Stl,
+    ];
     /// Those that need nothing but a pattern and a specimen: what a search writes.
-    pub const ALL: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
+    pub const ALWAYS: [Self; 4] = [Self::Dxf, Self::Svg, Self::Csv, Self::Process];
+
+    /// The name of the format, and what is written in it.
+    #[must_use]
+    pub const fn described(self) -> [&'static str; 2] {
+        match self {
+            Self::Dxf => ["dxf", "pattern.dxf, drawing for the laser"],
+            Self::Svg => ["svg", "pattern.svg, picture to scale"],
+            Self::Csv => ["csv", "pattern.csv, one row per cavity"],
+            Self::Process => ["process", "process.toml, process sheet"],
+            Self::Plt => ["plt", "pattern.plt, HP-GL/2 plot with contours and lines"],
+            Self::Gcode => ["gcode", "pattern.gcode, program for controllers with a laser mode"],
+            Self::Corners => ["corners", "corners.csv, one row per corner"],
+            Self::Hatch => ["hatch", "hatch.csv, one row per marked line"],
+            Self::Png => ["png", "height-map.png, the surface as 16-bit grey"],
+            Self::Stl => ["stl", "removed.stl, what is removed as closed solids"],
+        }
+    }
 }
 
 /// What the files say beside the pattern.

@@ -13,7 +13,7 @@ use slipgrid_formats::Diagnostic;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::source::read_text;
 use slipgrid_report::Outputs;
-use slipgrid_report::{DrawingInput, LaserFile, draw_with};
+use slipgrid_report::{DrawingInput, draw_with};
 use slipgrid_results::PatternReport;
 use slipgrid_results::SCHEMA;
 use slipgrid_units::LENGTH_UM;
@@ -52,8 +52,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     // What the laser cannot make is not drawn for it.
     stored.laser.check(&pattern).map_err(|error| refuse(error.to_string()))?;
     let mut outputs = Outputs::default();
-    let formats: Vec<LaserFile> = args.format.iter().map(|&format| format.into()).collect();
-    draw_with(&input, &formats, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
+    draw_with(&input, &args.format, pixel_um, &mut outputs).map_err(|error| refuse(error.to_string()))?;
     crate::output::write(&outputs, out)?;
     for name in outputs.names() {
         console.answer(&format!("{}\n", folder.join(name).display()))?;

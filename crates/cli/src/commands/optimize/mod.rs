@@ -126,7 +126,7 @@ fn files(design: &Design, found: &DesignOutcome) -> Result<Outputs, CliError> {
         material: &report.material,
     };
     let undrawn = |error: slipgrid_export::ExportError| design.refuse_whole(error.to_string());
-    draw(&drawing, &LaserFile::ALL, &mut outputs).map_err(undrawn)?;
+    draw(&drawing, &LaserFile::ALWAYS, &mut outputs).map_err(undrawn)?;
     outputs.add("interface.csv", csv::interface(&found.confirmed));
     if let Some(trace) = csv::friction_trace(&found.confirmed) {
         outputs.add("friction.csv", trace);
