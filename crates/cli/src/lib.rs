@@ -38,11 +38,13 @@ pub mod progress;
 pub mod study_file;
 pub use std::ffi::OsString;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
 use slipgrid_formats::diagnostic::printable_lines;
+use slipgrid_report::Outputs;
 
 /// Exit codes of the program.
 pub mod exit_code {
@@ -87,6 +89,39 @@ impl Console<'_> {
     /// What the system said.
     pub fn answer(&mut self, text: &str) -> std::io::Result<()> {
         self.out.write_all(printable_lines(text).as_bytes())
+    }
+
+    /// `record` on stdout: as JSON, or as `text` for people.
+    ///
+    /// # Errors
+    /// [`CliError`] if it has no JSON form, or stdout takes nothing.
+    pub fn report(
+        &mut self,
+        as_json: bool,
+        record: &impl serde::Serialize,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), CliError> {
+        if as_json {
+            self.out.write_all(slipgrid_results::json(record)?.as_bytes())?;
+        } else {
+            self.answer(&text())?;
+        }
+        Ok(())
+    }
+
+    /// Writes `outputs` into `folder` and says so.
+    ///
+    /// # Errors
+    /// [`CliError::Write`] as [`output::write`].
+    pub fn keep(&mut self, outputs: &Outputs, folder: &Path) -> Result<(), CliError> {
+        output::write(outputs, folder)?;
+        self.kept(outputs, folder);
+        Ok(())
+    }
+
+    /// Says that `outputs` were written into `folder`.
+    pub fn kept(&mut self, outputs: &Outputs, folder: &Path) {
+        self.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
     }
 }
 

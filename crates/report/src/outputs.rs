@@ -3,6 +3,9 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use serde::Serialize;
+use slipgrid_results::{NoJsonForm, json_and_timings};
+
 /// Writes a file's bytes, the same at every call.
 pub type Writer = Arc<dyn Fn(&mut dyn Write) -> io::Result<()> + Send + Sync>;
 
@@ -44,6 +47,17 @@ impl Outputs {
     /// Adds a file.
     pub fn add(&mut self, name: impl Into<String>, bytes: impl Into<Vec<u8>>) {
         self.files.push((name.into(), Content::Bytes(bytes.into())));
+    }
+
+    /// Adds `record` as result.json, and its times as timings.json.
+    ///
+    /// # Errors
+    /// [`NoJsonForm`] if a value has none.
+    pub fn add_record(&mut self, record: &impl Serialize) -> Result<(), NoJsonForm> {
+        let [result, timings] = json_and_timings(record)?;
+        self.add("result.json", result);
+        self.add("timings.json", timings);
+        Ok(())
     }
 
     /// Adds a file that `write` makes, piece by piece, when it is written.

@@ -13,7 +13,7 @@ use super::announcement::say;
 use super::date;
 use crate::args::AccuracyArgs;
 use crate::input::disk;
-use crate::output::{Place, check_folder, write};
+use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 
@@ -59,8 +59,7 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
             outputs.add("accuracy.svg", picture);
         }
         outputs.add("result.json", json(&report)?);
-        write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
     if args.json {
         console.out.write_all(json(&report)?.as_bytes())?;

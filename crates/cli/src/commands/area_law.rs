@@ -21,7 +21,6 @@ use slipgrid_report::Outputs;
 use slipgrid_report::area_law::{
     AreaLawCurve, AreaLawReport, FACTOR_STATEMENT, model, picture, resolution_report, table, table_csv, window_report,
 };
-use slipgrid_results::{json, json_and_timings};
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
 /// Computes the curve and reports.
@@ -38,19 +37,12 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
     };
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
-        let [result, timings] = json_and_timings(&report)?;
-        outputs.add("result.json", result);
-        outputs.add("timings.json", timings);
+        outputs.add_record(&report)?;
         outputs.add("area-law.csv", table_csv(&report));
         outputs.add("area-law.svg", picture(&report)?);
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
-    if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
-    } else {
-        console.answer(&table(&report))?;
-    }
+    console.report(args.json, &report, || table(&report))?;
     Ok(exit_code::DONE)
 }
 

@@ -44,8 +44,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     }
     if let Some(folder) = &args.report {
         let outputs = calibration::files(&read, &outcome)?;
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
     console.answer(&calibration::summary(&read, &task, &outcome))?;
     match &args.output {

@@ -18,7 +18,6 @@ use slipgrid_report::Outputs;
 use slipgrid_report::csv;
 use slipgrid_report::pictures;
 use slipgrid_results::SimulationReport;
-use slipgrid_results::{json, json_and_timings};
 
 /// What is written.
 const FILES: [&str; 6] =
@@ -53,21 +52,14 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     heed()?;
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
-        let [result, timings] = json_and_timings(&report)?;
-        outputs.add("result.json", result);
-        outputs.add("timings.json", timings);
+        outputs.add_record(&report)?;
         outputs.add("interface.csv", csv::interface(&simulation));
         if let Some(trace) = csv::friction_trace(&simulation) {
             outputs.add("friction.csv", trace);
         }
         pictures::simulation(&input.scene, &simulation, &report.errors, &mut outputs)?;
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
-    if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
-    } else {
-        console.answer(&report.table())?;
-    }
+    console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)
 }

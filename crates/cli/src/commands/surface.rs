@@ -64,14 +64,9 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
             outputs.add("cavities.csv", cavities_csv(cavities));
         }
         pictures(&mut outputs, &surface, &curve, &spectrum, column)?;
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
-    if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
-    } else {
-        console.answer(&report.table())?;
-    }
+    console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)
 }
 

@@ -36,8 +36,7 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     };
     if let Some(folder) = &args.output {
         let outputs = traces::files(&conditions)?;
-        crate::output::write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
     console.answer(&traces::summary(&conditions))?;
     Ok(exit_code::DONE)

@@ -4,14 +4,13 @@ use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::DEFAULT_LAYER;
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_results::{json, json_and_timings};
 use slipgrid_studies::validation::{self, Patterns, ValidationTask, validate};
 use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
 
 use super::area_law::checked;
 use crate::args::ValidateArgs;
 use crate::input::disk;
-use crate::output::{Place, check_folder, write};
+use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 
@@ -58,21 +57,14 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     };
     let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;
     if let Some(folder) = &args.output {
-        let [result, timings] = json_and_timings(&report)?;
-        outputs.add("result.json", result);
-        outputs.add("timings.json", timings);
+        outputs.add_record(&report)?;
         outputs.add("ratios.csv", validation::csv(&report));
         outputs.add("ratios.svg", validation::picture(&report)?);
         let page = validation::page(&report, &outputs);
         outputs.add("report.html", page);
-        write(&outputs, folder)?;
-        console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+        console.keep(&outputs, folder)?;
     }
-    if args.json {
-        console.out.write_all(json(&report)?.as_bytes())?;
-    } else {
-        console.answer(&validation::table(&report))?;
-    }
+    console.report(args.json, &report, || validation::table(&report))?;
     Ok(exit_code::DONE)
 }
 

@@ -10,7 +10,7 @@ use slipgrid_formats::confirmed_scene::DesignScene;
 use slipgrid_formats::design::Design;
 use slipgrid_optimize::Status;
 use slipgrid_report::{DrawingInput, LaserFile, Outputs, csv, draw, html, lattice, pictures, target, trade_offs};
-use slipgrid_results::{VERSION, json, json_and_timings};
+use slipgrid_results::VERSION;
 
 use crate::args::OptimizeArgs;
 use crate::input::disk;
@@ -62,19 +62,13 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     found.report.timings_s.export = exporting.elapsed().as_secs_f64();
     found.report.wall_s = started.elapsed().as_secs_f64();
     let report = &found.report;
-    let [result, timings] = json_and_timings(report)?;
-    outputs.add("result.json", result);
-    outputs.add("timings.json", timings);
+    outputs.add_record(report)?;
     let law = found.material.material.area_law.as_ref();
     let page = html::design(report, law, &found.loads, &outputs);
     outputs.add("report.html", page);
     output::write(&outputs, &folder)?;
-    if args.json {
-        console.out.write_all(json(report)?.as_bytes())?;
-    } else {
-        console.answer(&report.summary())?;
-    }
-    console.note(&format!("wrote {} to {}", outputs.names().join(", "), folder.display()));
+    console.report(args.json, report, || report.summary())?;
+    console.kept(&outputs, &folder);
     Ok(match found.status {
         Status::Met if found.flat_suffices => exit_code::UNREACHABLE,
         Status::Met => exit_code::DONE,
