@@ -10,7 +10,7 @@ fn target() -> PathBuf {
 }
 
 fn example() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("examples/design_job")
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("crates/design/examples/design_job")
 }
 
 /// Runs `program` to its end and without, and looks at what it wrote.
