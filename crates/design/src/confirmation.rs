@@ -46,7 +46,7 @@ impl MultiFidelityLoop<'_> {
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
-        self.heed()?;
+        self.monitor.heed()?;
         self.note_cut(&confirmed, CONFIRMATION);
         let excess = self.excess.first().and_then(Option::as_deref);
         correct(&mut predicted, &self.model.scene(pattern), excess);
@@ -84,7 +84,7 @@ impl MultiFidelityLoop<'_> {
                 let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
                     .map_err(|error| DesignError::refused(error.to_string()))?;
                 timings.confirm_further += bar.finish();
-                self.heed()?;
+                self.monitor.heed()?;
                 correct(&mut confirmed, &scene, self.excess.get(1 + place).and_then(Option::as_deref));
                 self.note_cut(&confirmed, "confirmation at further conditions");
                 self.further[place].confirmed = Some(confirmed);

@@ -1,6 +1,7 @@
 //! Why a design job ended without a design.
 
 use slipgrid_material::MaterialError;
+use slipgrid_monitor::Cancelled;
 
 use crate::SpecimenError;
 
@@ -78,6 +79,12 @@ impl DesignError {
     #[must_use]
     pub fn refused(reason: impl Into<String>) -> Self {
         Refusal::new(TaskPart::Whole, reason).into()
+    }
+}
+
+impl From<Cancelled> for DesignError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
     }
 }
 

@@ -95,7 +95,7 @@ impl MultiFidelityLoop<'_> {
         let explanation = explanation(design, &self.model, &self.model.judged(design, best), &bar);
         let is_cut = bar.is_out_of_time();
         timings.explain = bar.finish();
-        self.heed()?;
+        self.monitor.heed()?;
         if is_cut {
             self.cut("why the target is out of reach");
         }

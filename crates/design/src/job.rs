@@ -28,8 +28,6 @@ pub struct DesignOutcome {
     pub report: DesignReport,
     /// How the search ended.
     pub status: Status,
-    /// The flat surface does what is wanted as well as any pattern.
-    pub flat_suffices: bool,
     /// The design.
     pub pattern: Pattern,
     /// The task with its conditions known and, where it aims with the discrepancy, kept near the trials behind that.
@@ -62,10 +60,8 @@ pub struct Lattice {
 pub struct Compared {
     /// The goals.
     pub wanted: TradeOffsWanted,
-    /// Those that no other beats in every goal, and the others.
+    /// Those that no other beats in every goal, and the others; none where no design can be compared.
     pub found: TradeOffs,
-    /// Some could be compared.
-    pub is_drawn: bool,
 }
 
 /// The pattern that does what `task` asks for, confirmed in time, with the chance that a cut sample is on target, what
@@ -145,14 +141,14 @@ pub fn run(
     let mut cut_short = found.cut_short.clone();
     cut_short.extend(probing.is_out_of_time().then_some("slopes and tolerances"));
     timings.uncertainty = probing.finish();
-    found.heed()?;
+    monitor.heed()?;
 
     let comparing = budget.stage("trade-offs");
     let selection = found.selection.as_ref();
     let traded = trade_offs::report(design, &found.model, (&pattern, value), selection, &comparing)?;
     cut_short.extend((comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"));
     timings.trade_offs = comparing.finish();
-    found.heed()?;
+    monitor.heed()?;
     let (traded, compared) = traded.unzip();
 
     let flat = found.flat_is_best(design);
@@ -219,7 +215,6 @@ pub fn run(
     Ok(DesignOutcome {
         report,
         status: found.status,
-        flat_suffices: suffices,
         pattern,
         loads,
         scene: confirming,

@@ -126,7 +126,7 @@ impl MultiFidelityLoop<'_> {
         let bar = self.stage("table");
         let compared = table(design, &self.model, &best, &bar);
         timings.table = bar.finish();
-        self.heed()?;
+        self.monitor.heed()?;
         let compared = compared?;
         if compared.is_none() {
             self.cut("table");

@@ -77,11 +77,6 @@ pub(super) const CONFIRMATION: &str = "confirmation";
 /// Standard error over dynamic friction at which a confirming run stops: a tenth of the usual tolerance.
 const CONFIRMED_STDERR: f64 = 0.001;
 
-/// Ends the job once `monitor` has cancelled.
-fn heed(monitor: &dyn Monitor) -> Result<(), DesignError> {
-    if monitor.cancelled() { Err(DesignError::Cancelled) } else { Ok(()) }
-}
-
 /// That the seconds allowed did not suffice for `stages`, where there are any.
 pub(super) fn time_statement(stages: &[&str]) -> Option<String> {
     (!stages.is_empty()).then(|| format!("cut short by max_seconds: {}", stages.join(", ")))
@@ -125,7 +120,7 @@ impl<'a> MultiFidelityLoop<'a> {
             Quantity::Ratio => None,
             Quantity::DynamicFriction => {
                 let flat = flat_friction(&scene, budget)?;
-                heed(monitor)?;
+                monitor.heed()?;
                 if budget.is_spent() {
                     let reason = "the seconds allowed were spent on the flat sample: nothing was searched";
                     return Err(DesignError::OutOfTime(reason.to_owned()));
@@ -237,14 +232,6 @@ impl<'a> MultiFidelityLoop<'a> {
         self.budget.stage(name)
     }
 
-    /// Ends the job between two stages, and after one that ended early.
-    ///
-    /// # Errors
-    /// [`DesignError::Cancelled`] once the monitor has cancelled.
-    pub(super) fn heed(&self) -> Result<(), DesignError> {
-        heed(self.monitor)
-    }
-
     /// How designs were searched in space, beside what the confirming run says of itself.
     pub(super) fn statements(&self) -> Vec<String> {
         if !self.model.is_spatial() {
@@ -289,7 +276,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let outcome = outcome.and_then(|found| robust_search::choose(design, &self.model, &options, found, &bar));
         let out_of_time = bar.is_out_of_time();
         timings.search += bar.finish();
-        self.heed()?;
+        self.monitor.heed()?;
         let failed = |error: SearchError| match error {
             SearchError::EveryTrialFailed { .. } | SearchError::CancelledAtStart if out_of_time => {
                 DesignError::OutOfTime(format!("the seconds allowed were spent before a design was found: {error}"))
@@ -313,7 +300,7 @@ impl<'a> MultiFidelityLoop<'a> {
             self.cut("search");
         }
         let outcome = self.choose(design, outcome, timings).map_err(failed)?;
-        self.heed()?;
+        self.monitor.heed()?;
         self.evaluations += outcome.evaluations.max(outcome.guide_evaluations);
         if self.model.is_spatial() {
             self.solid_evaluations += outcome.evaluations;

@@ -212,7 +212,7 @@ pub fn report(
         model: model_words(model),
         none_because: None,
     };
-    Ok(Some((report, Compared { wanted: input.clone(), found, is_drawn: true })))
+    Ok(Some((report, Compared { wanted: input.clone(), found })))
 }
 
 /// By what model designs are compared.
@@ -243,7 +243,7 @@ fn nothing(input: &TradeOffsWanted, model: &SteadyModel, left_out: usize, reason
         model: model_words(model),
         none_because: Some(reason.to_owned()),
     };
-    (report, Compared { wanted: input.clone(), found, is_drawn: false })
+    (report, Compared { wanted: input.clone(), found })
 }
 
 /// The designs on target, with their chances.

@@ -22,8 +22,6 @@
 //! assert!(stage.cancelled() && !stage.is_out_of_time());
 //! ```
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 /// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.
 pub trait Monitor: Sync {
     /// A stage called `name` begins; shares of [`Monitor::advance`] count from 0 again.
@@ -43,6 +41,14 @@ pub trait Monitor: Sync {
         false
     }
 
+    /// Ends work between two stages, and after one that ended early.
+    ///
+    /// # Errors
+    /// [`Cancelled`] once the monitor has cancelled.
+    fn heed(&self) -> Result<(), Cancelled> {
+        if self.cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
     /// Seconds from an arbitrary start; only differences count. Where it stands still no time limit is ever reached.
     fn seconds(&self) -> f64 {
         0.0
@@ -51,6 +57,10 @@ pub trait Monitor: Sync {
     /// Something worth a line to a person while the work goes on.
     fn note(&self, _text: &str) {}
 }
+
+/// The monitor has cancelled the work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cancelled;
 
 /// A monitor that watches nothing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,8 +73,6 @@ pub struct Stage<'a> {
     job: &'a dyn Monitor,
     started_s: f64,
     until_s: Option<f64>,
-    /// Share done, as the bits of an f64.
-    done: AtomicU64,
 }
 
 impl<'a> Stage<'a> {
@@ -72,19 +80,13 @@ impl<'a> Stage<'a> {
     #[must_use]
     pub fn new(job: &'a dyn Monitor, name: &str, until_s: Option<f64>) -> Self {
         job.stage(name);
-        Self { job, started_s: job.seconds(), until_s, done: AtomicU64::new(0.0_f64.to_bits()) }
+        Self { job, started_s: job.seconds(), until_s }
     }
 
     /// Whether the stage has no time left.
     #[must_use]
     pub fn is_out_of_time(&self) -> bool {
         self.until_s.is_some_and(|until_s| self.job.seconds() >= until_s)
-    }
-
-    /// Sets the share done, 0 to 1: for a loop that counts its own work.
-    pub fn set(&self, share: f64) {
-        let before = f64::from_bits(self.done.swap(share.to_bits(), Ordering::Relaxed));
-        self.job.advance(share - before);
     }
 
     /// Ends the stage and returns the seconds that it took.
@@ -94,35 +96,40 @@ impl<'a> Stage<'a> {
     }
 }
 
+/// What a part of the work passes on to the whole as it is.
+macro_rules! passed_on {
+    ($to:ident) => {
+        fn stage(&self, name: &str) {
+            self.$to.stage(name);
+        }
+
+        fn detail(&self, text: &str) {
+            self.$to.detail(text);
+        }
+
+        fn stage_ended(&self) {
+            self.$to.stage_ended();
+        }
+
+        fn seconds(&self) -> f64 {
+            self.$to.seconds()
+        }
+
+        fn note(&self, text: &str) {
+            self.$to.note(text);
+        }
+    };
+}
+
 impl Monitor for Stage<'_> {
-    fn stage(&self, name: &str) {
-        self.job.stage(name);
-    }
-
-    fn detail(&self, text: &str) {
-        self.job.detail(text);
-    }
-
-    fn stage_ended(&self) {
-        self.job.stage_ended();
-    }
+    passed_on!(job);
 
     fn advance(&self, share: f64) {
-        let add = |bits| Some((f64::from_bits(bits) + share).to_bits());
-        let _ = self.done.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
         self.job.advance(share);
     }
 
     fn cancelled(&self) -> bool {
         self.job.cancelled() || self.is_out_of_time()
-    }
-
-    fn seconds(&self) -> f64 {
-        self.job.seconds()
-    }
-
-    fn note(&self, text: &str) {
-        self.job.note(text);
     }
 }
 
@@ -141,13 +148,7 @@ impl<'a> Part<'a> {
 }
 
 impl Monitor for Part<'_> {
-    fn stage(&self, name: &str) {
-        self.stage.stage(name);
-    }
-
-    fn stage_ended(&self) {
-        self.stage.stage_ended();
-    }
+    passed_on!(stage);
 
     fn advance(&self, share: f64) {
         self.stage.advance(share * self.share);
@@ -156,20 +157,13 @@ impl Monitor for Part<'_> {
     fn cancelled(&self) -> bool {
         self.stage.cancelled()
     }
-
-    fn seconds(&self) -> f64 {
-        self.stage.seconds()
-    }
-
-    fn note(&self, text: &str) {
-        self.stage.note(text);
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::sync::Mutex;
+    use std::sync::atomic::{AtomicU64, Ordering};
 
     /// A clock that is turned by hand, and what it was told.
     #[derive(Default)]
@@ -213,7 +207,5 @@ mod tests {
         assert!((*watch.done.lock().unwrap() - 1.0).abs() < 1e-9);
         Part::new(&stage, 0.5).advance(0.1);
         assert!((*watch.done.lock().unwrap() - 1.05).abs() < 1e-9, "a tenth of a half");
-        stage.set(0.25);
-        assert!((*watch.done.lock().unwrap() - 0.25).abs() < 1e-9, "a share that is set counts from where it stood");
     }
 }

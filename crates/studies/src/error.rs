@@ -1,6 +1,7 @@
 //! Why a study ended without a result.
 
 use slipgrid_formats::Diagnostic;
+use slipgrid_monitor::Cancelled;
 use slipgrid_report::ChartError;
 
 /// Why a study ended without a result.
@@ -18,4 +19,10 @@ pub enum StudyError {
     /// Anything else.
     #[error("{0}")]
     Failed(String),
+}
+
+impl From<Cancelled> for StudyError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

@@ -64,9 +64,7 @@ pub fn compare(
     let progress = Stage::new(monitor, "accuracy", None);
     let runs = measure::measure_all(&rows, base, size == Size::Full, &progress);
     let wall_s = progress.finish();
-    if monitor.cancelled() {
-        return Err(StudyError::Cancelled);
-    }
+    monitor.heed()?;
     debug_assert!(rows.iter().filter(|row| row.role == Role::Judge).count() == 1);
     let size_name = match size {
         Size::Quick => "quick",

@@ -9,7 +9,6 @@ use slipgrid_springblock::{
     Extent, Fidelity, InterfacePoint, Load, RunOptions, Scene, Simulation, SurfaceOutcome, simulate,
 };
 
-use super::heed;
 use super::laws::ScaledLaw;
 use super::model::{FlatPoint, knowledge, squares};
 use super::report::{AreaTable, TimeReport};
@@ -60,7 +59,7 @@ impl Figures<'_> {
         }
         let sample = self.scene(self.pattern, Fidelity::Steady, Extent::Sample)?;
         let steady = self.solve(&sample, &Unwatched)?;
-        heed(monitor)?;
+        monitor.heed()?;
         self.interface(&sample, &steady, outputs)?;
         let cell = self.scene(squares(&self.pattern), Fidelity::Steady, Extent::Cell)?;
         let solid = self.solve(&cell, &Unwatched)?;
@@ -75,7 +74,7 @@ impl Figures<'_> {
         let progress = Stage::new(monitor, "friction in time", None);
         let simulation = self.solve(&scene, &progress);
         let wall_s = progress.finish();
-        heed(monitor)?;
+        monitor.heed()?;
         let simulation = simulation?;
         let knowledge = knowledge(self.calibration.modulus_relative_std(), scene.area_law.as_ref(), &[self.heaviest]);
         let slopes = Slopes::new(&scene, &knowledge);

@@ -4,7 +4,7 @@ use slipgrid_calibrate::area_law::{CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, are
 use slipgrid_contact::{AreaPoint, Status};
 use slipgrid_material::AreaLaw;
 
-use super::{ValidationTask, heed};
+use super::ValidationTask;
 use crate::StudyError;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{read_period, told};
@@ -95,7 +95,7 @@ pub fn scaled_laws(
             let progress = Stage::new(monitor, "area law", None);
             let curve = area_curve(&surface.map, contact_modulus_pa, &solved_pa, CONTACT_TOLERANCE, &progress);
             progress.finish();
-            heed(monitor)?;
+            monitor.heed()?;
             let curve = curve.map_err(|error| Diagnostic::file(map_path, error.to_string()))?;
             let mut notes = vec![format!(
                 "area law of {}: rms slope {}{}",

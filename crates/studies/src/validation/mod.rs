@@ -70,11 +70,6 @@ impl Patterns {
     }
 }
 
-/// Ends a study once `monitor` has cancelled.
-fn heed(monitor: &dyn Monitor) -> Result<(), StudyError> {
-    if monitor.cancelled() { Err(StudyError::Cancelled) } else { Ok(()) }
-}
-
 /// Models every measured condition of `task`; with the pictures and their numbers where these are wanted. Maps come from
 /// `source`.
 ///
@@ -178,7 +173,7 @@ fn compare(
     };
     let predicted = predict(task.path, body, &cases, &points, &progress);
     progress.finish();
-    heed(monitor)?;
+    monitor.heed()?;
     let predicted = predicted?;
 
     let by_measured_law = measured_law::ratios(task.path, calibration, body, patterns.modelled, pairs, monitor)?;

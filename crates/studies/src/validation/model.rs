@@ -8,7 +8,6 @@ use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_springblock::{CellOutcome, Layer, Load, Monitor, RunOptions, Scene, SteadyCell};
 
-use super::heed;
 use crate::StudyError;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::scene::DEFAULT_THICKNESS_M;
@@ -88,7 +87,7 @@ pub fn predict(
     cases
         .par_iter()
         .map(|case| {
-            heed(progress)?;
+            progress.heed()?;
             let predicted =
                 solve(body, case, points).map_err(|reason| StudyError::from(Diagnostic::file(path, reason)));
             progress.advance(share);

@@ -70,7 +70,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     console.report(args.json, report, || report.summary())?;
     console.kept(&outputs, &folder);
     Ok(match found.status {
-        Status::Met if found.flat_suffices => exit_code::UNREACHABLE,
+        Status::Met if found.report.flat.as_ref().is_some_and(|flat| flat.suffices) => exit_code::UNREACHABLE,
         Status::Met => exit_code::DONE,
         Status::Unreachable => exit_code::UNREACHABLE,
         Status::Budget => exit_code::BUDGET,
@@ -128,7 +128,7 @@ fn files(design: &Design, found: &DesignOutcome) -> Result<Outputs, CliError> {
     pictures::simulation(&found.scene, &found.confirmed, &report.errors, &mut outputs)?;
     if let Some(compared) = &found.compared {
         outputs.add("trade-offs.csv", trade_offs::csv(compared, &found.pattern));
-        if compared.is_drawn {
+        if !compared.found.front.is_empty() {
             outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
         }
     }
