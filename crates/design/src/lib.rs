@@ -84,7 +84,7 @@ pub use scene_errors::{Solved, of_scene};
 pub use specimen::{SpecimenError, simulate_on, solved_as};
 pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
-    TradeOffGoal, TradeOffsWanted, loads,
+    TradeOffGoal, TradeOffsWanted, check_pressures, loads,
 };
 
 /// What a [`DesignReport`] is made of: the records of result.json.

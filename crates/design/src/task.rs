@@ -263,12 +263,7 @@ impl DesignTask {
     /// # Errors
     /// [`Refusal`] of the condition if `material` has no coefficients for it, or of a pressure that is not below its modulus.
     pub fn loads(&self, material: &Material) -> Result<(Vec<Load>, Vec<bool>), Refusal> {
-        let modulus_pa = material.elastic.youngs_modulus_pa();
-        if let Some(place) = self.pressures_pa().iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
-            let reason = "MPa is not below Young's modulus, where nothing is linear elastic";
-            return Err(Refusal::new(TaskPart::Pressure(place), reason)
-                .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))));
-        }
+        check_pressures(&self.pressures_pa(), material)?;
         for condition in &self.also_at {
             self.loads_at(material, condition)?;
         }
@@ -296,6 +291,7 @@ impl DesignTask {
     /// # Errors
     /// [`Refusal`] of the first part that does not.
     pub fn check(&mut self, known: &KnownMaterial) -> Result<(), Refusal> {
+        check_pressures(&self.pressures_pa(), &known.material)?;
         self.resolve(&known.material.friction)?;
         self.loads(&known.material)?;
         self.check_discrepancy(&known.uncertainty)
@@ -352,6 +348,18 @@ impl DesignTask {
     pub fn block_um(&self) -> f64 {
         LENGTH_UM.from_si(self.layer.block_m)
     }
+}
+
+/// Whether every nominal pressure, in pascals, lies where `material` is linear elastic.
+///
+/// # Errors
+/// [`Refusal`] of the first that is not below Young's modulus.
+pub fn check_pressures(pressures_pa: &[f64], material: &Material) -> Result<(), Refusal> {
+    let modulus_pa = material.elastic.youngs_modulus_pa();
+    let Some(place) = pressures_pa.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) else { return Ok(()) };
+    let reason = "MPa is not below Young's modulus, where nothing is linear elastic";
+    Err(Refusal::new(TaskPart::Pressure(place), reason)
+        .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))))
 }
 
 /// The loads of a scene: coefficients of `friction` at each pressure, and whether each was taken from outside the measured

@@ -6,11 +6,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, KnownMaterial, Refusal, TaskPart};
+use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, Refusal, TaskPart};
 use slipgrid_material::ConditionRange;
 use slipgrid_optimize::{Constraints, DesignSpace};
 use slipgrid_pattern::Texture;
-use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, TIME_S};
+use slipgrid_units::{LENGTH_UM, TIME_S};
 use toml::Spanned;
 
 use read::{read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust};
@@ -22,11 +22,11 @@ use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specime
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
-use super::scene::{SampleFile, default_sample, read_layer, read_pressures};
+use super::scene::{SampleFile, default_sample, read_layer};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
-use super::values::{Number, Numbers, PathOr};
+use super::values::{Number, Numbers, PathOr, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 
@@ -78,22 +78,13 @@ struct SearchFile {
     dimensions: Option<Spanned<u64>>,
 }
 
-/// Where the material comes from.
-#[derive(Clone, Debug)]
-pub enum MaterialInput {
-    /// Known already.
-    Given(Box<KnownMaterial>),
-    /// To be calibrated from this file first.
-    Calibration(PathBuf),
-}
-
 /// A design as its file has it: the task, and where its parts stand in the file.
 #[derive(Clone, Debug)]
 pub struct Design {
-    /// The task. Where the material has to be calibrated first, [`Design::with_material`] completes it.
+    /// The task; without its material where that has to be calibrated first.
     pub task: DesignTask,
-    /// Where the material comes from.
-    pub material: MaterialInput,
+    /// The file that the material has to be calibrated from.
+    pub calibration: Option<PathBuf>,
     /// The design's file and that of its material.
     pub inputs: Vec<PathBuf>,
     document: Document,
@@ -162,14 +153,7 @@ impl Design {
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
-        let material = read_material_input(&document, &file.material)?;
-        let known = match &material {
-            MaterialInput::Given(known) => Some((**known).clone()),
-            MaterialInput::Calibration(_) => None,
-        };
-        if let Some(known) = &known {
-            read_pressures(&document, &file.target.get_ref().pressure_mpa, PRESSURE_MPA, &known.material)?;
-        }
+        let (known, calibration) = read_material_input(&document, &file.material)?;
         let max_evaluations = match &file.search.max_evaluations {
             None => DEFAULT_MAX_EVALUATIONS,
             Some(most) => {
@@ -220,7 +204,7 @@ impl Design {
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
         };
         let inputs = std::iter::once(document.path().to_owned()).chain(named).collect();
-        let mut design = Self { task, material, inputs, document, places };
+        let mut design = Self { task, calibration, inputs, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
         }
@@ -243,10 +227,7 @@ impl Design {
             TaskPart::ConditionRange(place) => self.places.ranges.get(place).map_or_else(whole, at),
             TaskPart::Condition => at(&self.places.condition),
             TaskPart::FurtherConditions => at(&self.places.also_at),
-            TaskPart::Pressure(place) => match self.places.pressures.get_ref() {
-                Numbers::Each(each) if place < each.len() => at(&each[place].span()),
-                _ => at(&self.places.pressures.span()),
-            },
+            TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
             TaskPart::Discrepancy => at(&self.places.discrepancy),
             TaskPart::BlockSize => match &self.places.block {
                 Some(place) => at(place),

@@ -15,11 +15,11 @@ use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, read_pattern, require_section};
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual;
-use super::values::{Number, Numbers, PathOr, list};
+use super::values::{Number, Numbers, PathOr, list, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_design::{SpecimenError, loads, solved_as};
+use slipgrid_design::{SpecimenError, TaskPart, check_pressures, loads, solved_as};
 use slipgrid_export::Specimen;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
 
@@ -386,23 +386,17 @@ pub fn read_layer(
 ///
 /// # Errors
 /// [`Diagnostic`] for numbers out of range.
-pub fn read_pressures(
+fn read_pressures(
     document: &Document,
     pressures: &Spanned<Numbers>,
     quantity: Quantity,
     material: &Material,
 ) -> Result<Vec<f64>, Diagnostic> {
     let read = list(document, pressures, quantity)?;
-    let modulus_pa = material.elastic.youngs_modulus_pa();
-    if let Some(place) = read.iter().position(|&pressure_pa| pressure_pa >= modulus_pa) {
-        let span = match pressures.get_ref() {
-            Numbers::One(_) => pressures.span(),
-            Numbers::Each(each) => each[place].span(),
-        };
-        return Err(document
-            .refuse(span, "MPa is not below Young's modulus, where nothing is linear elastic")
-            .expected(format!("a pressure below {} MPa", PRESSURE_MPA.from_si(modulus_pa))));
-    }
+    check_pressures(&read, material).map_err(|refused| {
+        let place = if let TaskPart::Pressure(place) = refused.part { place } else { 0 };
+        Diagnostic { expected: refused.expected, ..document.refuse(number_span(pressures, place), refused.reason) }
+    })?;
     Ok(read)
 }
 

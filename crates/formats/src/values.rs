@@ -1,6 +1,7 @@
 //! Values that a key may hold in more than one form.
 
 use std::fmt;
+use std::ops::Range;
 
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
@@ -75,6 +76,15 @@ pub fn list(document: &Document, values: &Spanned<Numbers>, quantity: Quantity) 
     match values.get_ref() {
         Numbers::One(value) => Ok(vec![document.number(&Spanned::new(values.span(), *value), quantity)?]),
         Numbers::Each(each) => document.numbers(&Spanned::new(values.span(), each.clone()), quantity),
+    }
+}
+
+/// Where number `place` of `values` stands; one number stands for all.
+#[must_use]
+pub fn number_span(values: &Spanned<Numbers>, place: usize) -> Range<usize> {
+    match values.get_ref() {
+        Numbers::Each(each) if place < each.len() => each[place].span(),
+        _ => values.span(),
     }
 }
 

@@ -1,12 +1,14 @@
 //! Reads the parts of a design file.
 
+use std::path::PathBuf;
+
 use slipgrid_design::KnownMaterial;
 use slipgrid_export::Laser;
 use slipgrid_material::ConditionRange;
 use slipgrid_pattern::{Arrangement, ManufacturingLimits};
 use toml::Spanned;
 
-use super::{DesignFile, MaterialInput};
+use super::DesignFile;
 use crate::condition_ranges::{ConditionRangeFile, read_conditions};
 use crate::diagnostic::Diagnostic;
 use crate::document::Document;
@@ -128,24 +130,25 @@ pub(super) fn read_limits(
     Ok(limits)
 }
 
+/// The material, where it is known already, or else the file that it has to be calibrated from.
 pub(super) fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
-) -> Result<MaterialInput, Diagnostic> {
+) -> Result<(Option<KnownMaterial>, Option<PathBuf>), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
             let (material, uncertainty) = read_known(document, table, &material.span())?;
-            Ok(MaterialInput::Given(Box::new(KnownMaterial { material, uncertainty })))
+            Ok((Some(KnownMaterial { material, uncertainty }), None))
         }
         PathOr::Path(path) => {
             let path = existing(document, material, path)?;
             let named = Document::read_any(document.source(), &path, FileKind::Material)?;
             if named.kind() == Some(FileKind::Calibration) {
-                return Ok(MaterialInput::Calibration(path));
+                return Ok((None, Some(path)));
             }
             named.require(FileKind::Material)?;
             let (material, uncertainty) = read_known(&named, &named.parse()?, &(0..0))?;
-            Ok(MaterialInput::Given(Box::new(KnownMaterial { material, uncertainty })))
+            Ok((Some(KnownMaterial { material, uncertainty }), None))
         }
     }
 }

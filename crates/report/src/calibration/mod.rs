@@ -1,6 +1,5 @@
 //! What a calibration found: text, tables, pictures.
 
-#[path = "fit.rs"]
 mod fit_details;
 mod patterned;
 

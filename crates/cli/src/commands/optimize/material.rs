@@ -5,7 +5,7 @@ use std::path::Path;
 use slipgrid_calibrate::Selection;
 use slipgrid_design::{DesignTask, KnownMaterial};
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::design::{Design, MaterialInput};
+use slipgrid_formats::design::Design;
 
 use crate::commands::calibrate::{outcome, provisional};
 use crate::input::disk;
@@ -16,7 +16,7 @@ use crate::{CliError, Console};
 /// # Errors
 /// [`CliError`] for a calibration that is refused or fails.
 pub fn complete(design: &mut Design, console: &mut Console<'_>) -> Result<(), CliError> {
-    if let MaterialInput::Calibration(path) = design.material.clone() {
+    if let Some(path) = design.calibration.clone() {
         design.task.material = Some(calibrated(&path, design, console)?);
     }
     Ok(())
