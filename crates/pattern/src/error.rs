@@ -44,6 +44,30 @@ pub enum PatternError {
         /// Extent of a cavity across its row, in metres.
         length_m: f64,
     },
+    /// A height of rims, or their scatter, that is out of range.
+    #[error("{quantity} of {} um: expected a number from 0 to 1000", um(*value_m))]
+    RimHeight {
+        /// `rim height` or `scatter of rim heights`.
+        quantity: &'static str,
+        /// The value given, in metres.
+        value_m: f64,
+    },
+    /// Heights of rims by depth that are no table.
+    #[error(
+        "{count} pairs of depth and rim height: expected 1 to {most} pairs whose depths ascend and are not below zero"
+    )]
+    RimHeights {
+        /// Number of pairs given.
+        count: usize,
+        /// Largest number accepted.
+        most: usize,
+    },
+    /// A rim profile that this version does not know.
+    #[error("unknown rim profile \"{name}\": expected \"round\", \"flat\" or \"ramp\"")]
+    UnknownRimProfile {
+        /// The name given.
+        name: String,
+    },
     /// A planform that this version does not know.
     #[error("unknown planform \"{name}\": expected \"groove\", \"square\", \"rectangle\" or \"disc\"")]
     UnknownPlanform {

@@ -18,8 +18,9 @@
 //!
 //! | type | role |
 //! |---|---|
-//! | [`Texture`] | shape, extent across, arrangement and directions: all but width, spacing and depth |
+//! | [`Texture`] | shape, extent across, arrangement, directions and rims: all but width, spacing and depth |
 //! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
+//! | [`Rim`], [`RimProfile`] | what stands up along the edge of a cavity |
 //! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | why a texture or a pattern was refused |
@@ -46,12 +47,14 @@ mod error;
 mod limits;
 mod pattern;
 mod planform;
+mod rim;
 mod texture;
 
 pub use error::PatternError;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use pattern::Pattern;
 pub use planform::{Arrangement, Planform};
+pub use rim::{Rim, RimProfile};
 pub use texture::Texture;
 
 #[cfg(test)]

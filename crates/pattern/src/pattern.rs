@@ -164,23 +164,7 @@ impl Pattern {
     #[must_use]
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
         const ROUNDING: f64 = 1e-12;
-        // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
-        let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
-        let proper = x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0;
-        if !proper {
-            return 0.0;
-        }
-        let cell_m = self.cell_m();
-        let shape = match (self.planform(), self.length_m()) {
-            (Planform::Disc, _) => Shape::Disc { diameter_m: self.width_m },
-            (_, Some(length_m)) => Shape::Rectangle { width_m: self.width_m, length_m },
-            (_, None) => Shape::Strip { width_m: self.width_m },
-        };
-        let covered_m2: f64 = self
-            .centres_m()
-            .map(|centre_m| covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m]))
-            .sum();
-        let share = covered_m2 / area_m2;
+        let share = self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]);
         if share < ROUNDING {
             0.0
         } else if share > 1.0 - ROUNDING {
@@ -188,6 +172,27 @@ impl Pattern {
         } else {
             share
         }
+    }
+
+    /// Share of a rectangle that lies in a cavity or within `distance_m` of one, at most half of the narrowest land; beside
+    /// squares and rectangles within as much along x and along y.
+    pub(crate) fn coverage_within(&self, distance_m: f64, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
+        // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
+        let area_m2 = (x_m[1] - x_m[0]) * (y_m[1] - y_m[0]);
+        let proper = x_m[1] > x_m[0] && y_m[1] > y_m[0] && area_m2.is_finite() && area_m2 > 0.0;
+        if !proper {
+            return 0.0;
+        }
+        let cell_m = self.cell_m();
+        let width_m = self.width_m + 2.0 * distance_m;
+        let shape = match (self.planform(), self.length_m()) {
+            (Planform::Disc, _) => Shape::Disc { diameter_m: width_m },
+            (_, Some(length_m)) => Shape::Rectangle { width_m, length_m: length_m + 2.0 * distance_m },
+            (_, None) => Shape::Strip { width_m },
+        };
+        let covered_m2: f64 =
+            self.centres_m().map(|centre_m| covered_area(shape, &Sublattice { centre_m, cell_m }, x_m, y_m)).sum();
+        covered_m2 / area_m2
     }
 
     /// Share of a vertical section along x through the cavities' centres that is cavity, width / pitch.

@@ -1,8 +1,8 @@
 use crate::error::length;
-use crate::{Arrangement, PatternError, Planform};
+use crate::{Arrangement, PatternError, Planform, Rim};
 
-/// Everything about a pattern but its width, spacing and depth: shape, extent across, arrangement
-/// and directions.
+/// Everything about a pattern but its width, spacing and depth: shape, extent across, arrangement,
+/// directions and rims.
 ///
 /// A texture lies on a specimen with axes X and Y. Its own axes x and y are turned from them by
 /// `orientation_deg`, anticlockwise: that of grooves is free, cavities of other planforms keep
@@ -15,6 +15,7 @@ pub struct Texture {
     arrangement: Arrangement,
     orientation_deg: f64,
     sliding_angle_deg: f64,
+    rim: Option<Rim>,
 }
 
 /// Grooves at 90 degrees and at -90 are the same.
@@ -33,6 +34,7 @@ impl Texture {
             arrangement: Arrangement::Square,
             orientation_deg: 0.0,
             sliding_angle_deg: 0.0,
+            rim: None,
         }
     }
 
@@ -106,6 +108,19 @@ impl Texture {
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.sliding_angle_deg = angle("sliding angle", angle_deg, MOST_SLIDING_ANGLE_DEG)?;
         Ok(self)
+    }
+
+    /// Cavities whose edges are raised by `rim`, or are not.
+    #[must_use]
+    pub fn with_rim(mut self, rim: impl Into<Option<Rim>>) -> Self {
+        self.rim = rim.into();
+        self
+    }
+
+    /// The rim of every cavity, where it has one.
+    #[must_use]
+    pub const fn rim(&self) -> Option<&Rim> {
+        self.rim.as_ref()
     }
 
     fn no(self, property: &'static str, expected: &'static str) -> Result<Self, PatternError> {
