@@ -161,6 +161,13 @@ impl SpaceLattice {
         self.relief.iter().any(|height| *height != 0.0)
     }
 
+    /// Height of the highest land towards the counterface, in lattice spacings.
+    #[must_use]
+    pub fn highest(&self) -> f64 {
+        let land = self.relief.iter().zip(&self.coverage).filter(|(_, coverage)| **coverage < 1.0);
+        land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
+    }
+
     /// Whether every block is whole and a cube.
     #[must_use]
     pub fn is_plain(&self) -> bool {
