@@ -56,6 +56,7 @@ pub fn polymer_scene(
         elastic: Elastic::new(0.38e9, 900.0)?,
         area_law: Some(persson_law()?),
         pattern,
+        relief: None,
         layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
         loads: pressures_mpa.iter().map(|p| Load { pressure_pa: p * 1e6, friction }).collect(),
         speed_m_s: 2e-3,

@@ -32,6 +32,7 @@ fn scene(material: [f64; 3], [pressure_pa, speed_m_s]: [f64; 2], groove_um: [f64
         elastic: Elastic::new(modulus_pa, density_kg_m3).unwrap(),
         area_law: None,
         pattern: Some(Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap()),
+        relief: None,
         layer: Layer { length_m: 1000e-6, height_m: 200e-6, block_m: 20e-6, thickness_m: None },
         loads: vec![Load { pressure_pa, friction: LocalFriction::new(mu, mu, 0.0).unwrap() }],
         speed_m_s,

@@ -78,6 +78,7 @@ fn scene(problem: &Problem, speed_m_s: f64, loads: Vec<Load>, run: RunOptions) -
         elastic: problem.elastic,
         area_law: problem.area_law.clone(),
         pattern: None,
+        relief: None,
         layer: problem.layer,
         loads,
         speed_m_s,

@@ -186,6 +186,7 @@ fn ratios(
         elastic: task.elastic,
         area_law,
         pattern: Some(pattern),
+        relief: None,
         layer: task.layer,
         loads,
         // Steady sliding does not depend on it.

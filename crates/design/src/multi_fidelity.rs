@@ -110,6 +110,7 @@ impl<'a> MultiFidelityLoop<'a> {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
             pattern: None,
+            relief: None,
             layer: design.layer,
             loads,
             speed_m_s: design.speed_m_s,

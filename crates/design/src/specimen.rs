@@ -166,6 +166,7 @@ mod tests {
             elastic: Elastic::new(0.38e9, 900.0).unwrap(),
             area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.4]).unwrap()),
             pattern: Some(pattern),
+            relief: None,
             layer: Layer { length_m: 10e-3, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
             loads: vec![Load { pressure_pa: 0.65e6, friction }, Load { pressure_pa: 2.6e6, friction }],
             speed_m_s: 2e-3,

@@ -181,6 +181,7 @@ impl SceneInput {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
             pattern,
+            relief: None,
             layer,
             loads,
             speed_m_s,
@@ -267,7 +268,7 @@ impl SceneInput {
                 Diagnostic::file(self.document.path(), format!("{what} is not available")).expected(*instead)
             }
             // Numbers out of range and empty lists are refused where they are read.
-            SceneError::OutOfRange { .. } | SceneError::NoLoads => {
+            SceneError::OutOfRange { .. } | SceneError::NoLoads | SceneError::Relief(_) => {
                 Diagnostic::file(self.document.path(), error.to_string())
             }
         }

@@ -62,6 +62,25 @@ pub enum PatternError {
         /// Largest number accepted.
         most: usize,
     },
+    /// Heights of a relief that are not those of its pixels.
+    #[error("{finite} finite heights of a relief of {expected} pixels: expected one for each")]
+    ReliefHeights {
+        /// Finite heights given.
+        finite: usize,
+        /// Pixels.
+        expected: usize,
+    },
+    /// A relief of another period than the pattern's.
+    #[error(
+        "a relief of {} x {} um for cells of {} x {} um: expected one period of the pattern, its sides within 2 %",
+        um(relief_m[0]), um(relief_m[1]), um(cell_m[0]), um(cell_m[1])
+    )]
+    ReliefMisfit {
+        /// Sides of the relief, in metres.
+        relief_m: [f64; 2],
+        /// Sides of the pattern's cell, in metres.
+        cell_m: [f64; 2],
+    },
     /// A rim profile that this version does not know.
     #[error("unknown rim profile \"{name}\": expected \"round\", \"flat\" or \"ramp\"")]
     UnknownRimProfile {

@@ -21,6 +21,7 @@
 //! | [`Texture`] | shape, extent across, arrangement, directions and rims: all but width, spacing and depth |
 //! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
 //! | [`Rim`], [`RimProfile`] | what stands up along the edge of a cavity |
+//! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands of a pattern on it |
 //! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | why a texture or a pattern was refused |
@@ -47,6 +48,7 @@ mod error;
 mod limits;
 mod pattern;
 mod planform;
+mod relief_map;
 mod rim;
 mod texture;
 
@@ -54,6 +56,7 @@ pub use error::PatternError;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use pattern::Pattern;
 pub use planform::{Arrangement, Planform};
+pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};
 pub use texture::Texture;
 

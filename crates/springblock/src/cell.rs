@@ -1,10 +1,11 @@
 //! The steady ratio of many patterns of one material under the same loads: what a search calls.
 
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 use slipgrid_material::{AreaLaw, Elastic};
-use slipgrid_pattern::{Pattern, Planform, Texture};
+use slipgrid_pattern::{Pattern, Planform, ReliefMap, Texture};
 
 use crate::columns;
 use crate::lattice::Lattice;
@@ -39,6 +40,7 @@ pub struct SteadyCell {
     layer: Layer,
     loads: Vec<Load>,
     liftoff: bool,
+    relief: Option<Arc<ReliefMap>>,
 }
 
 /// One load's answer for a pattern.
@@ -90,6 +92,7 @@ impl SteadyCell {
             layer: scene.layer,
             loads: scene.loads.clone(),
             liftoff: scene.run.liftoff,
+            relief: scene.relief.clone(),
         }
     }
 
@@ -159,7 +162,7 @@ impl SteadyCell {
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
         if self.is_spatial() {
-            let lattice = SpaceLattice::cell(pattern, self.layer.block_m, self.layer.thick_rows());
+            let lattice = self.space_lattice(pattern, self.layer.thick_rows());
             return self.solve_in_space(lattice, pattern);
         }
         let lattice = self.lattice(pattern);
@@ -192,7 +195,13 @@ impl SteadyCell {
     }
 
     fn lattice(&self, pattern: &Pattern) -> Lattice {
-        Lattice::new(columns::cell(pattern, self.layer.block_m), self.layer.thick_rows(), true)
+        let columns = columns::cell_on(pattern, self.layer.block_m, self.relief.as_deref());
+        Lattice::new(columns, self.layer.thick_rows(), true)
+    }
+
+    /// The cell of `pattern` in space, `rows` high.
+    pub(crate) fn space_lattice(&self, pattern: &Pattern, rows: usize) -> SpaceLattice {
+        SpaceLattice::cell_on(pattern, self.layer.block_m, rows, self.relief.as_deref())
     }
 
     fn steady_model(&self, lattice: Lattice) -> SteadyModel {

@@ -7,7 +7,7 @@
 //! divided into the nearest whole number of columns, whose common width departs from l by at most l/2 over
 //! that number. Depth is kept in fractions of a row, relief as the mean over what of a column's face is land.
 
-use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_pattern::{Pattern, ReliefMap, Texture};
 
 use crate::rims::Rims;
 
@@ -131,6 +131,12 @@ pub fn settled(share: f64) -> f64 {
 /// of c in m columns leaves floor((m - c)/2) before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
+    cell_on(pattern, block_m, None)
+}
+
+/// The same with the measured relief `map` of its lands.
+#[must_use]
+pub fn cell_on(pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let pitch = period.width + period.spacing;
     let repeated = Rims::periods(pattern);
@@ -139,7 +145,7 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     let covered = columns_in(period.width / width);
     let before = columns.saturating_sub(covered) / 2;
     let edge = before as f64 * width;
-    (0..columns)
+    let columns = (0..columns)
         .map(|i| {
             let (left, right) = (i as f64 * width - edge, (i + 1) as f64 * width - edge);
             // Cavities m pitches from the first one, on both sides of the cell's ends.
@@ -150,7 +156,32 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
             let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [period.width, pitch]));
             Column { width, coverage, cavity_rows, relief }
         })
-        .collect()
+        .collect();
+    measured(columns, pattern, block_m, map, edge)
+}
+
+/// `columns` with the measured relief `map` of the lands of `pattern`, where there is one; the left edge of a cavity lies at
+/// `edge` lattice spacings.
+fn measured(
+    mut columns: Vec<Column>,
+    pattern: &Pattern,
+    block_m: f64,
+    map: Option<&ReliefMap>,
+    edge: f64,
+) -> Vec<Column> {
+    // A map of another pattern is refused with the scene.
+    let Some(lands) = map.and_then(|map| map.lands(pattern).ok()) else { return columns };
+    let across_m = map.map_or(0.0, |map| map.sides_m()[1]);
+    let mut left = -edge - 0.5 * pattern.width_m() / block_m;
+    for column in &mut columns {
+        let right = left + column.width;
+        if column.is_land() {
+            let x_m = [left, right].map(|at| at * block_m);
+            column.relief = lands.mean_m(x_m, [-0.5 * across_m, 0.5 * across_m]) / block_m;
+        }
+        left = right;
+    }
+    columns
 }
 
 /// The whole specimen, `length` lattice spacings long: it begins with the same half land as a cell
@@ -158,6 +189,12 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
 /// the others; a sliver is added to the piece before.
 #[must_use]
 pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
+    sample_on(pattern, block_m, length, None)
+}
+
+/// The same with the measured relief `map` of its lands.
+#[must_use]
+pub fn sample_on(pattern: &Pattern, block_m: f64, length: usize, map: Option<&ReliefMap>) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let length = length as f64;
     let mut columns: Vec<Column> = Vec::new();
@@ -180,7 +217,7 @@ pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
             (period.land(), period.land_columns())
         };
     }
-    raised(columns, pattern, block_m)
+    raised(columns, pattern, block_m, map)
 }
 
 /// A strip of the specimen's face, `length` lattice spacings long, with cavities over the intervals `cavities`, ascending
@@ -226,9 +263,13 @@ pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) 
     whole
 }
 
-/// `columns`, each wholly land or wholly cavity, with the rims that the cavities of `pattern` have.
+/// `columns`, each wholly land or wholly cavity, with the measured relief `map` of `pattern` or the rims of its cavities.
 #[must_use]
-pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64) -> Vec<Column> {
+pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64, map: Option<&ReliefMap>) -> Vec<Column> {
+    if map.is_some() {
+        let edge = columns.iter().take_while(|column| column.is_land()).map(|column| column.width).sum();
+        return measured(columns, pattern, block_m, map, edge);
+    }
     let cavities = columns.chunk_by(|a, b| a.is_land() == b.is_land()).filter(|run| !run[0].is_land()).count();
     let Some(rims) = Rims::new(pattern, block_m, cavities) else { return columns };
     let (mut left, mut cavity) = (0.0, 0);

@@ -68,6 +68,9 @@ pub enum SceneError {
         /// Name of the integrator.
         scheme: &'static str,
     },
+    /// A relief that is not that of the pattern.
+    #[error("{0}")]
+    Relief(#[source] slipgrid_pattern::PatternError),
     /// A combination that no solver offers.
     #[error("{what} is not available: {instead}")]
     Unsupported {

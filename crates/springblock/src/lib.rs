@@ -32,6 +32,7 @@
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
 //!     area_law: None, // Amontons-Coulomb: no pattern changes friction
 //!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
+//!     relief: None,
 //!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
 //!     loads: vec![Load { pressure_pa: 2.6e6, friction: LocalFriction::new(0.30, 0.27, 0.05)? }],
 //!     speed_m_s: 2e-3,

@@ -1,7 +1,9 @@
 //! What is to be simulated: fixed parameters, validated once.
 
+use std::sync::Arc;
+
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, ReliefMap};
 
 use crate::SceneError;
 
@@ -166,6 +168,8 @@ pub struct Scene {
     pub area_law: Option<AreaLaw>,
     /// Texture; `None` is a flat surface.
     pub pattern: Option<Pattern>,
+    /// Measured heights of the textured face over one period, in place of rims.
+    pub relief: Option<Arc<ReliefMap>>,
     /// The modelled layer.
     pub layer: Layer,
     /// Loads, solved independently.
@@ -319,6 +323,7 @@ impl Scene {
                 instead: "ask for a steady or a dynamic cell, or for dimensions = 2",
             });
         }
+        self.validate_relief()?;
         if let Some(pattern) = &self.pattern {
             if pattern.depth_m() >= self.layer.height_m {
                 return Err(SceneError::CavityThroughLayer {
@@ -343,5 +348,29 @@ impl Scene {
             }
         }
         Ok(())
+    }
+
+    /// Checks that a measured relief is that of the pattern, and the only one.
+    fn validate_relief(&self) -> Result<(), SceneError> {
+        let Some(relief) = &self.relief else { return Ok(()) };
+        let Some(pattern) = &self.pattern else {
+            return Err(SceneError::Unsupported {
+                what: "a relief without a pattern, whose period it holds",
+                instead: "give the pattern, or no relief",
+            });
+        };
+        if pattern.texture().rim().is_some() {
+            return Err(SceneError::Unsupported {
+                what: "a measured relief beside rims, which it holds already",
+                instead: "give one of the two",
+            });
+        }
+        relief.lands(pattern).map(|_| ()).map_err(SceneError::Relief)
+    }
+
+    /// Whether the face of its pattern has heights.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.relief.is_some() || self.pattern.as_ref().is_some_and(|pattern| pattern.texture().rim().is_some())
     }
 }

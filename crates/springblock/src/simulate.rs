@@ -106,12 +106,15 @@ pub fn planned_steps(scene: &Scene) -> u64 {
 /// Columns of the scene's own surface and of its flat companion.
 fn surfaces(scene: &Scene, pattern: Option<&Pattern>) -> (Vec<Column>, Option<Vec<Column>>) {
     let (block_m, whole) = (scene.layer.block_m, scene.layer.columns());
+    let map = scene.relief.as_deref();
     match (pattern, scene.run.extent) {
         (None, Extent::Sample) => (columns::flat(whole), None),
         (None, Extent::Cell) => (columns::flat(whole.min(FLAT_CELL_COLUMNS)), None),
-        (Some(pattern), Extent::Sample) => (columns::sample(pattern, block_m, whole), Some(columns::flat(whole))),
+        (Some(pattern), Extent::Sample) => {
+            (columns::sample_on(pattern, block_m, whole, map), Some(columns::flat(whole)))
+        }
         (Some(pattern), Extent::Cell) => {
-            let cell = columns::cell(pattern, block_m);
+            let cell = columns::cell_on(pattern, block_m, map);
             // Steady sliding on a flat periodic layer is uniform: any number of columns gives it.
             let flat = if scene.run.fidelity == Fidelity::Steady { UNIFORM_COLUMNS } else { cell.len() };
             (cell, Some(columns::flat(flat)))
@@ -387,3 +390,6 @@ fn compare(load: &Load, surface: SurfaceOutcome, flat: Option<SurfaceOutcome>) -
         ratio_layer_error: None,
     }
 }
+
+#[cfg(test)]
+mod relief_tests;

@@ -328,6 +328,7 @@ fn planned_steps_are_those_that_a_run_takes() {
         elastic: problem.elastic,
         area_law: None,
         pattern: None,
+        relief: None,
         layer: problem.layer,
         loads: vec![Load { pressure_pa: 0.637e6, friction: pair }],
         speed_m_s: 2e-3,

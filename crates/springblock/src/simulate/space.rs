@@ -109,14 +109,14 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     if scene.run.warm_start && bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
-    let exact = SpaceLattice::cell(pattern, scene.layer.block_m, rows);
+    let cell = SteadyCell::in_dimensions(scene, 3);
+    let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();
     let own = if pattern.length_m().is_none() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
     let flat = SpaceLattice::flat(own.columns(), rows);
     let scheme = SpaceScheme::choose(scene, &own)?;
     SpaceScheme::choose(scene, &SpaceLattice::flat([FLAT_COLUMNS; 2], rows))?;
 
-    let cell = SteadyCell::in_dimensions(scene, 3);
     let steady = cell.ratios(pattern);
     let error = discretization_error(scene, pattern, &steady, monitor);
     let is_whole = exact == whole;

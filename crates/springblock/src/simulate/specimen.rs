@@ -358,7 +358,7 @@ fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattic
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
     let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
-    let own = columns::raised(own, pattern, block_m);
+    let own = columns::raised(own, pattern, block_m, scene.relief.as_deref());
     let flat = columns::flat(own.len());
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
@@ -399,7 +399,7 @@ fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) 
                 .to_owned(),
         );
     }
-    if pattern.texture().rim().is_some() {
+    if scene.is_raised() {
         model.push(RimDifference::statement());
     }
     if steady.shortened > 0 {

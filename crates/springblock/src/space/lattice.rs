@@ -8,7 +8,7 @@
 //! the first cavity lie between two columns, the others where the pattern puts them. A column that
 //! a cavity covers in part is there in part: its blocks' springs are weaker, and it carries on less area.
 
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, ReliefMap};
 
 use super::springs::{LEVEL, Spring, springs};
 use crate::columns::{divide, settled};
@@ -69,6 +69,12 @@ impl SpaceLattice {
     /// One period of `pattern` in blocks of `block_m`, `rows` high. Grooves take one column along y.
     #[must_use]
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
+        Self::cell_on(pattern, block_m, rows, None)
+    }
+
+    /// The same with the measured relief `map` of its lands.
+    #[must_use]
+    pub fn cell_on(pattern: &Pattern, block_m: f64, rows: usize, map: Option<&ReliefMap>) -> Self {
         let cell_m = repeated_cell_m(pattern);
         let extent_m = [Some(pattern.width_m()), pattern.length_m()];
         let axes = [0, 1].map(|axis| match extent_m[axis] {
@@ -93,7 +99,13 @@ impl SpaceLattice {
         let coverage =
             (0..count).map(sides).map(|[x0, x1, y0, y1]| pattern.coverage(x0, x1, y0, y1)).map(settled).collect();
         let periods = [0, 1].map(|axis| if extent_m[axis].is_none() { 1 } else { axes[axis].4 });
-        let relief = relief(pattern, block_m, periods, (0..count).map(sides));
+        // A map of another pattern is refused with the scene.
+        let relief = match map.and_then(|map| map.lands(pattern).ok()) {
+            None => relief(pattern, block_m, periods, (0..count).map(sides)),
+            Some(lands) => {
+                (0..count).map(sides).map(|[x0, x1, y0, y1]| lands.mean_m([x0, x1], [y0, y1]) / block_m).collect()
+            }
+        };
         let depth = pattern.depth_m() / block_m;
         let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
         Self { columns, rows, spacing, coverage, depth, relief }

@@ -40,6 +40,7 @@ pub fn paper_scene() -> Result<Scene, StudyError> {
         elastic,
         area_law: Some(area_law(&curve, THRESHOLD_PRESSURE_PA).map_err(|error| refuse(&error))?),
         pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6).map_err(|error| refuse(&error))?),
+        relief: None,
         layer: DEFAULT_LAYER,
         loads: vec![Load {
             pressure_pa: 1.3e6,

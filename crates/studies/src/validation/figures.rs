@@ -110,6 +110,7 @@ impl Figures<'_> {
             elastic: self.calibration.elastic,
             area_law: law.cloned(),
             pattern: Some(pattern),
+            relief: None,
             layer: DEFAULT_LAYER,
             loads: vec![Load { pressure_pa: self.heaviest.pressure_pa, friction }],
             speed_m_s: self.heaviest.speed_m_s,

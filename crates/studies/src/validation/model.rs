@@ -118,6 +118,7 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         elastic: body.elastic,
         area_law: case.law.cloned(),
         pattern: Some(case.pattern),
+        relief: None,
         layer: body.layer,
         loads,
         // Steady sliding does not depend on it.

@@ -1,0 +1,186 @@
+//! The measured relief of a face: heights over one period of its pattern.
+
+use crate::{Pattern, PatternError};
+
+/// Largest departure of the sides of a map from those of the pattern's cell, over them.
+const MOST_MISFIT: f64 = 0.02;
+
+/// Heights of a textured face over one period, the centre of a cavity at the centre of the map. What lies in cavities is there
+/// as well, and is left out where lands are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReliefMap {
+    sides_m: [f64; 2],
+    pixels: [usize; 2],
+    heights_m: Vec<f64>,
+}
+
+impl ReliefMap {
+    /// `heights_m`, x fastest, of `pixels` along x and y over a period of `sides_m`, positive towards the counterface.
+    ///
+    /// # Errors
+    /// [`PatternError::NotALength`] for sides that are none, [`PatternError::ReliefHeights`] unless there is a finite height
+    /// for every pixel.
+    pub fn new(sides_m: [f64; 2], pixels: [usize; 2], heights_m: Vec<f64>) -> Result<Self, PatternError> {
+        for side_m in sides_m {
+            crate::error::length("side of the relief", side_m)?;
+        }
+        let finite = heights_m.iter().filter(|height| height.is_finite()).count();
+        let expected = pixels[0].saturating_mul(pixels[1]);
+        if expected == 0 || heights_m.len() != expected || finite != expected {
+            return Err(PatternError::ReliefHeights { finite, expected });
+        }
+        Ok(Self { sides_m, pixels, heights_m })
+    }
+
+    /// Sides of the period along x and y, in metres.
+    #[must_use]
+    pub const fn sides_m(&self) -> [f64; 2] {
+        self.sides_m
+    }
+
+    /// The relief of the lands between the cavities of `pattern`, over whose cell the map is stretched.
+    ///
+    /// # Errors
+    /// [`PatternError::ReliefMisfit`] where its sides depart from those of the cell by more than 2 %, along y where cavities
+    /// end there.
+    pub fn lands(&self, pattern: &Pattern) -> Result<LandRelief, PatternError> {
+        let mut cell_m = pattern.cell_m();
+        if pattern.length_m().is_none() {
+            cell_m[1] = self.sides_m[1];
+        }
+        if (0..2).any(|axis| (self.sides_m[axis] / cell_m[axis] - 1.0).abs() > MOST_MISFIT) {
+            return Err(PatternError::ReliefMisfit { relief_m: self.sides_m, cell_m });
+        }
+        let [nx, ny] = self.pixels;
+        let pixel_m = [cell_m[0] / nx as f64, cell_m[1] / ny as f64];
+        let from_m = cell_m.map(|side_m| -0.5 * side_m);
+        // Sums over the pixels below and to the left, of the lands' area and of their height times it.
+        let mut sums = vec![[0.0; 2]; (nx + 1) * (ny + 1)];
+        for j in 0..ny {
+            let y_m = [0, 1].map(|end| from_m[1] + (j + end) as f64 * pixel_m[1]);
+            let mut row = [0.0; 2];
+            for i in 0..nx {
+                let x_m = [0, 1].map(|end| from_m[0] + (i + end) as f64 * pixel_m[0]);
+                let land = 1.0 - pattern.coverage(x_m[0], x_m[1], y_m[0], y_m[1]);
+                row[0] += land;
+                row[1] += land * self.heights_m[j * nx + i];
+                let below = sums[j * (nx + 1) + i + 1];
+                sums[(j + 1) * (nx + 1) + i + 1] = [below[0] + row[0], below[1] + row[1]];
+            }
+        }
+        Ok(LandRelief { pixels: self.pixels, pixel_m, from_m, sums })
+    }
+}
+
+/// The relief of the lands of one pattern.
+#[derive(Clone, Debug)]
+pub struct LandRelief {
+    pixels: [usize; 2],
+    pixel_m: [f64; 2],
+    /// Corner of the map in the pattern's axes.
+    from_m: [f64; 2],
+    sums: Vec<[f64; 2]>,
+}
+
+impl LandRelief {
+    /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size; 0 without land.
+    /// Continuous in the rectangle.
+    #[must_use]
+    pub fn mean_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
+        let [x, y] = [(x_m, 0), (y_m, 1)]
+            .map(|(ends_m, axis)| ends_m.map(|at_m| (at_m - self.from_m[axis]) / self.pixel_m[axis]));
+        let corner = |x: f64, y: f64| self.sum_to(x, y);
+        let [high, left, below, low] = [corner(x[1], y[1]), corner(x[0], y[1]), corner(x[1], y[0]), corner(x[0], y[0])];
+        let [land, height] = [0, 1].map(|n| high[n] - left[n] - below[n] + low[n]);
+        // In pixels, of which a block holds some: less land than this is rounding.
+        if land > 1e-9 { height / land } else { 0.0 }
+    }
+
+    /// Sums from the map's corner to (x, y), in pixels, the map being repeated.
+    fn sum_to(&self, x: f64, y: f64) -> [f64; 2] {
+        let [nx, ny] = self.pixels.map(|count| count as f64);
+        let (a, b) = ((x / nx).floor(), (y / ny).floor());
+        let (x, y) = (x - a * nx, y - b * ny);
+        let whole = self.within(nx, ny);
+        let (column, row) = (self.within(nx, y), self.within(x, ny));
+        let part = self.within(x, y);
+        [0, 1].map(|n| a * b * whole[n] + a * column[n] + b * row[n] + part[n])
+    }
+
+    /// The same within the map: pixels are of one height each.
+    fn within(&self, x: f64, y: f64) -> [f64; 2] {
+        let [nx, ny] = self.pixels;
+        // Both lie within the map: the casts are exact.
+        let (i, j) = ((x as usize).min(nx - 1), (y as usize).min(ny - 1));
+        let (s, t) = (x - i as f64, y - j as f64);
+        let at = |i: usize, j: usize| self.sums[j * (nx + 1) + i];
+        let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t];
+        [0, 1].map(|n| corners.iter().zip(weights).map(|(corner, weight)| weight * corner[n]).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Planform, Rim, RimProfile, Texture};
+
+    #[test]
+    fn means_over_rectangles_are_those_of_the_pixels_they_hold() {
+        let pattern = Pattern::new(Planform::Square, 40e-6, 60e-6, 10e-6).unwrap();
+        let height = |i: usize, j: usize| ((i * 7 + j * 13) as f64).sin() * 1e-6;
+        let map = ReliefMap::new([100e-6; 2], [50, 50], (0..2500).map(|n| height(n % 50, n / 50)).collect()).unwrap();
+        let lands = map.lands(&pattern).unwrap();
+        // Pixels of 2 um: the square takes 15 to 34.
+        let is_land = |i: usize, j: usize| !((15..35).contains(&i) && (15..35).contains(&j));
+        for (x, y) in
+            [([-50, -30], [-50, -40]), ([-24, 24], [-30, 10]), ([30, 70], [-10, 130]), ([-250, 170], [-70, 90])]
+        {
+            let (mut sum, mut land) = (0.0, 0.0);
+            for (i, j) in (x[0]..x[1]).step_by(2).flat_map(|i| (y[0]..y[1]).step_by(2).map(move |j| (i, j))) {
+                let [i, j] = [i, j].map(|at: i32| (at + 50).div_euclid(2).rem_euclid(50) as usize);
+                if is_land(i, j) {
+                    sum += height(i, j);
+                    land += 1.0;
+                }
+            }
+            let um = |ends: [i32; 2]| ends.map(|end| f64::from(end) * 1e-6);
+            let found = lands.mean_m(um(x), um(y));
+            assert!((found - sum / land).abs() < 1e-15, "{x:?} {y:?}: {found} {}", sum / land);
+        }
+        assert_eq!(lands.mean_m([-10e-6, 10e-6], [-10e-6, 10e-6]), 0.0);
+    }
+
+    #[test]
+    fn a_map_of_rims_is_as_the_rims() {
+        for planform in [Planform::Groove, Planform::Square] {
+            let rim = Rim::new(0.5e-6, 20e-6, RimProfile::Ramp).unwrap();
+            let pattern = Pattern::new(Texture::new(planform).with_rim(rim), 60e-6, 140e-6, 20e-6).unwrap();
+            let pixel = |n: usize| [n as f64 * 1e-6 - 100e-6, (n + 1) as f64 * 1e-6 - 100e-6];
+            let heights = (0..40_000).map(|n| {
+                let ([x0, x1], [y0, y1]) = (pixel(n % 200), pixel(n / 200));
+                0.5e-6 * pattern.rim_share(x0, x1, y0, y1)
+            });
+            let map = ReliefMap::new([200e-6; 2], [200; 2], heights.collect()).unwrap();
+            let lands = map.lands(&pattern).unwrap();
+            for (x, y) in [(28.0, 5.0), (33.0, 31.0), (40.0, -35.0), (-80.0, 45.0), (95.0, 10.0)] {
+                let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 10.0) * 1e-6]);
+                let expected = 0.5e-6 * pattern.rim_share(x[0], x[1], y[0], y[1]);
+                assert!((lands.mean_m(x, y) - expected).abs() < 2e-11, "{planform} {x:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn maps_that_are_none_or_of_another_period_are_refused() {
+        let map = |side_m: f64, heights: Vec<f64>| ReliefMap::new([side_m; 2], [2, 2], heights);
+        assert!(matches!(map(0.0, vec![0.0; 4]), Err(PatternError::NotALength { .. })));
+        for bad in [vec![0.0; 3], vec![f64::NAN; 4], Vec::new()] {
+            assert!(matches!(map(1e-4, bad), Err(PatternError::ReliefHeights { .. })));
+        }
+        let pattern = Pattern::new(Planform::Square, 50e-6, 50e-6, 1e-5).unwrap();
+        assert!(map(1.01e-4, vec![0.0; 4]).unwrap().lands(&pattern).is_ok());
+        let refused = map(1.1e-4, vec![0.0; 4]).unwrap().lands(&pattern).unwrap_err().to_string();
+        assert!(refused.contains("110 x 110") && refused.contains("100 x 100"), "{refused}");
+    }
+}
