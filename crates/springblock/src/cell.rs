@@ -16,6 +16,7 @@ use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::steady::{
     CondensedModel, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes,
 };
+use crate::{Monitor, Unwatched};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -161,9 +162,15 @@ impl SteadyCell {
     /// is condensed once, and loads help each other.
     #[must_use]
     pub fn solve(&self, pattern: &Pattern) -> Vec<CellOutcome> {
+        self.solve_heeding(pattern, &Unwatched)
+    }
+
+    /// The same; what is being solved in space when `monitor` cancels is given up.
+    #[must_use]
+    pub fn solve_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
         if self.is_spatial() {
             let lattice = self.space_lattice(pattern, self.layer.thick_rows());
-            return self.solve_in_space(lattice, pattern);
+            return self.solve_in_space(lattice, pattern, monitor);
         }
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
@@ -219,19 +226,30 @@ impl SteadyCell {
     }
 
     /// Steady sliding of `lattice` along the sliding direction of `pattern`, one answer per load.
-    pub(crate) fn solve_in_space(&self, lattice: SpaceLattice, pattern: &Pattern) -> Vec<CellOutcome> {
+    pub(crate) fn solve_in_space(
+        &self,
+        lattice: SpaceLattice,
+        pattern: &Pattern,
+        monitor: &dyn Monitor,
+    ) -> Vec<CellOutcome> {
         let area_law = self.area_law.as_ref();
         let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff);
         let loads: Vec<SpaceLoad<'_>> =
             self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern)).collect();
-        let outcomes = model.solve_all(&loads).into_iter().zip(&self.loads);
+        let outcomes = model.solve_all(&loads, monitor).into_iter().zip(&self.loads);
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }
 
     /// The ratios alone.
     #[must_use]
     pub fn ratios(&self, pattern: &Pattern) -> Vec<Option<f64>> {
-        self.solve(pattern).into_iter().map(|outcome| outcome.ratio).collect()
+        self.ratios_heeding(pattern, &Unwatched)
+    }
+
+    /// The same, as [`Self::solve_heeding`] solves.
+    #[must_use]
+    pub fn ratios_heeding(&self, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<Option<f64>> {
+        self.solve_heeding(pattern, monitor).into_iter().map(|outcome| outcome.ratio).collect()
     }
 
     /// The ratios of many patterns, in their order: in parallel on rayon's current pool, the same with any number of

@@ -59,7 +59,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     bounded(scene)?;
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
-        Behind::new(scene, pattern).tell(1.0, &mut simulation.loads, &mut simulation.model);
+        Behind::new(scene, pattern, monitor).tell(1.0, &mut simulation.loads, &mut simulation.model);
         blocks::refine(scene, pattern, 1.0, &mut simulation.loads, &mut simulation.model);
     }
     Ok(simulation)

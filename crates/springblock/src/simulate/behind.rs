@@ -13,6 +13,7 @@
 use slipgrid_pattern::Pattern;
 
 use super::{MOST_FACTOR_BYTES, widest};
+use crate::Monitor;
 use crate::cell::{CellOutcome, SteadyCell};
 use crate::outcome::{LoadOutcome, Status};
 use crate::scene::{Extent, Fidelity, Layer, Scene};
@@ -63,7 +64,7 @@ fn is_cell(scene: &Scene) -> bool {
 
 impl Behind {
     /// What is behind the layer of `scene` under `pattern`.
-    pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
+    pub fn new(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Self {
         let mut thick = scene.clone();
         let extent_m = pattern.pitch_m().max(if scene.dimensions() == 3 { pattern.cell_m()[1] } else { 0.0 });
         if !scene.layer.is_backed() {
@@ -80,7 +81,7 @@ impl Behind {
             thick.layer.block_m *= 2.0;
         }
         let alone = Scene { layer: thick.layer.alone(), ..thick.clone() };
-        let (thick, alone) = rayon::join(|| cells(&thick, pattern), || cells(&alone, pattern));
+        let (thick, alone) = rayon::join(|| cells(&thick, pattern, monitor), || cells(&alone, pattern, monitor));
         let each = thick.iter().zip(&alone).map(|(thick, alone)| difference(thick, alone)).collect();
         let in_time = if scene.run.fidelity == Fidelity::Steady { 0.0 } else { OPEN };
         let by_ends = match scene.run.extent {
@@ -141,9 +142,9 @@ impl Behind {
 }
 
 /// Steady cells of `pattern` by load; none where they do not fit in memory.
-fn cells(scene: &Scene, pattern: &Pattern) -> Vec<CellOutcome> {
+fn cells(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Vec<CellOutcome> {
     let model = SteadyCell::in_dimensions(scene, scene.dimensions());
-    if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve(pattern) }
+    if model.bytes(pattern) > MOST_FACTOR_BYTES { Vec::new() } else { model.solve_heeding(pattern, monitor) }
 }
 
 fn difference(thick: &CellOutcome, alone: &CellOutcome) -> Option<Difference> {

@@ -32,7 +32,7 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     if bytes > most_bytes {
         return Err(SceneError::TooLarge { bytes, most_bytes });
     }
-    let outcomes = model.solve(pattern);
+    let outcomes = model.solve_heeding(pattern, monitor);
     let ratios: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
     let error = discretization_error(scene, pattern, &ratios, monitor);
     monitor.advance(1.0);
@@ -91,7 +91,8 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], monitor: &dyn Monitor) -> Option<f64> {
     blocks::block_error(scene, own, |scene| {
         let model = SteadyCell::in_dimensions(scene, 3);
-        (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled()).then(|| model.ratios(pattern))
+        (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled())
+            .then(|| model.ratios_heeding(pattern, monitor))
     })
 }
 
@@ -117,11 +118,11 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     let scheme = SpaceScheme::choose(scene, &own)?;
     SpaceScheme::choose(scene, &SpaceLattice::flat([FLAT_COLUMNS; 2], rows))?;
 
-    let steady = cell.ratios(pattern);
+    let steady = cell.ratios_heeding(pattern, monitor);
     let error = discretization_error(scene, pattern, &steady, monitor);
     let is_whole = exact == whole;
     let corrections =
-        if is_whole { vec![0.0; scene.loads.len()] } else { corrections(&cell, pattern, &whole, &steady) };
+        if is_whole { vec![0.0; scene.loads.len()] } else { corrections(&cell, pattern, &whole, &steady, monitor) };
 
     let lattices = [&own, &flat];
     let surfaces = lattices.len();
@@ -168,9 +169,15 @@ fn steady_model(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.
-fn corrections(cell: &SteadyCell, pattern: &Pattern, whole: &SpaceLattice, exact: &[Option<f64>]) -> Vec<f64> {
+fn corrections(
+    cell: &SteadyCell,
+    pattern: &Pattern,
+    whole: &SpaceLattice,
+    exact: &[Option<f64>],
+    monitor: &dyn Monitor,
+) -> Vec<f64> {
     let whole: Vec<Option<f64>> =
-        cell.solve_in_space(whole.clone(), pattern).iter().map(|outcome| outcome.ratio).collect();
+        cell.solve_in_space(whole.clone(), pattern, monitor).iter().map(|outcome| outcome.ratio).collect();
     differences(exact, &whole)
 }
 

@@ -79,7 +79,7 @@ pub fn simulate_specimen(scene: &Scene, face: &Face, monitor: &dyn Monitor) -> R
         load.ratio_discretization_error = error.filter(|_| load.ratio.is_some()).map(|error| error * share);
     }
     model.extend(describe(scene, face, pattern, &steady));
-    Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern)
+    Behind::new(&Scene { run: RunOptions { extent: Extent::Sample, ..scene.run }, ..scene.clone() }, pattern, monitor)
         .tell(share, &mut loads, &mut model);
     super::blocks::refine(scene, pattern, share, &mut loads, &mut model);
     describe_draws(scene, &mut model);

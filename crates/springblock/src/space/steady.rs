@@ -16,6 +16,7 @@ use super::interface::{Interface, Response};
 use super::lattice::SpaceLattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::Load;
+use crate::{Monitor, Unwatched};
 
 /// Sum of the forces out of balance over the load below which the solve has converged.
 const TOLERANCE: f64 = 1e-10;
@@ -82,6 +83,7 @@ struct State {
 /// A sequence of loads on one cell.
 struct Solver<'a> {
     model: &'a SpaceSteadyModel,
+    monitor: &'a dyn Monitor,
     interface: Cow<'a, Interface>,
     response: Response,
     directions: Directions,
@@ -136,10 +138,10 @@ impl SpaceSteadyModel {
         Solver::new(self).outcome(load)
     }
 
-    /// Steady sliding under each of `loads`, one helping the next.
+    /// Steady sliding under each of `loads`, one helping the next, until `monitor` has cancelled.
     #[must_use]
-    pub fn solve_all(&self, loads: &[SpaceLoad]) -> Vec<SurfaceOutcome> {
-        let mut solver = Solver::new(self);
+    pub fn solve_all(&self, loads: &[SpaceLoad], monitor: &dyn Monitor) -> Vec<SurfaceOutcome> {
+        let mut solver = Solver { monitor, ..Solver::new(self) };
         loads.iter().map(|load| solver.outcome(load)).collect()
     }
 
@@ -209,6 +211,7 @@ impl<'a> Solver<'a> {
         let elastic = interface.elastic_unknowns();
         let mut solver = Self {
             model,
+            monitor: &Unwatched,
             response: interface.response(),
             directions: Directions::default(),
             state: State {
@@ -329,14 +332,15 @@ impl<'a> Solver<'a> {
                 .zip(&solver.state.normal)
                 .map(|(height, normal)| height.map_or(*normal < 0.0, |height| height >= 0.0))
                 .collect();
-            if next == lifted {
+            if next == lifted || end.status == Status::Cancelled {
                 return (end, latest);
             }
             if next.iter().all(|lifted| *lifted) {
                 break;
             }
             lifted = next;
-            let mut solver = Self::on(self.model, Cow::Owned(self.model.interface.with_lifted(&lifted)));
+            let interface = Cow::Owned(self.model.interface.with_lifted(&lifted));
+            let mut solver = Self { monitor: self.monitor, ..Self::on(self.model, interface) };
             let latest_end = solver.iterate(load);
             end = End { directions: end.directions + latest_end.directions, ..latest_end };
             latest = Some(solver);
@@ -356,6 +360,9 @@ impl<'a> Solver<'a> {
             let mut end = self.iterate(load);
             directions += end.directions;
             end.directions = directions;
+            if end.status == Status::Cancelled {
+                return end;
+            }
             let heights: Vec<Option<f64>> = self.interface.lifted(&self.state.unknowns).collect();
             let reliefs = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
             let next: Vec<bool> = reliefs
@@ -435,6 +442,9 @@ impl<'a> Solver<'a> {
                 Self::advance(&mut self.state, &mut residual, direction);
             }
             while norm(&residual) > target && applied < MOST_DIRECTIONS {
+                if self.monitor.cancelled() {
+                    return End { status: Status::Cancelled, residual: size, directions: applied };
+                }
                 if self.directions.all().len() >= MOST_KEPT {
                     self.directions.clear();
                 }
