@@ -342,7 +342,7 @@ fn loads_one_after_the_other_and_alone_agree_and_few_responses_are_enough() {
     let law = persson_law();
     let model = model(&pattern(Planform::Square, 130.0, 370.0, 20.0), 10.0, 200.0);
     let loads = [0.65, 1.3, 1.95, 2.6].map(|pressure| load(pressure, Some(&law)));
-    let together = model.solve_all(&loads);
+    let together = model.solve_all(&loads, &crate::Unwatched);
     for (load, outcome) in loads.iter().zip(&together) {
         let alone = model.solve(load).mu_dynamic.unwrap();
         assert!((outcome.mu_dynamic.unwrap() - alone).abs() < 1e-9);

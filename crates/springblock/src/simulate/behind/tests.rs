@@ -189,7 +189,7 @@ fn a_thick_specimen_costs_a_search_what_its_layer_does() {
         let [thin, thick] = [None, Some(7e-3)].map(|thickness_m| {
             let layer = Layer { thickness_m, ..scene.layer };
             let scene = Scene { layer, ..scene.clone() };
-            fastest(&|| cells(&scene, &pattern))
+            fastest(&|| cells(&scene, &pattern, &crate::Unwatched))
         });
         println!("{pattern:?}: {:.3} ms, {:.3} ms, {:.2} times", thin * 1e3, thick * 1e3, thick / thin);
         assert!(thick < 1.3 * thin, "{pattern:?}");
