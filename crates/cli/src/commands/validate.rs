@@ -22,11 +22,12 @@ const TRAVEL_UM: Quantity = LENGTH_UM.at_most(100.0);
 const SLOPE_FACTORS: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
 /// What is written.
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "report.html",
     "result.json",
     "timings.json",
     "ratios.*",
+    "rims.*",
     "area-law.*",
     "friction.*",
     "interface.*",
@@ -53,6 +54,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         slope_factors,
         all: args.all,
         sliding_m,
+        rims: true,
         figures: args.output.is_some(),
     };
     let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;
@@ -60,6 +62,10 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         outputs.add_record(&report)?;
         outputs.add("ratios.csv", validation::csv(&report));
         outputs.add("ratios.svg", validation::picture(&report)?);
+        if let Some(rims) = &report.rims {
+            outputs.add("rims.csv", validation::rims_csv(rims));
+            outputs.add("rims.svg", validation::rims_picture(rims)?);
+        }
         let page = validation::page(&report, &outputs);
         outputs.add("report.html", page);
         console.keep(&outputs, folder)?;

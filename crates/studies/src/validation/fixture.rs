@@ -78,6 +78,7 @@ pub fn report() -> ValidationReport {
             area_fraction: vec![0.01, 0.03],
             factor: vec![1.0, 0.75],
         }],
+        rims: None,
         in_time: Some(TimeReport {
             pressure_mpa: 2.5,
             speed_mm_s: 2.0,

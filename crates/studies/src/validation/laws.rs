@@ -38,6 +38,13 @@ pub struct ScaledLaws {
     pub notes: Vec<String>,
 }
 
+impl ScaledLaws {
+    /// The law of the surface as given.
+    pub fn given(&self) -> Option<&AreaLaw> {
+        self.laws.iter().find(|law| law.slope_factor == 1.0)?.law.as_ref()
+    }
+}
+
 /// The area law of the surface of `task` for each of its slope factors.
 ///
 /// # Errors

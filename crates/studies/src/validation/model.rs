@@ -96,19 +96,15 @@ pub fn predict(
         .collect()
 }
 
-fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
-    let coefficients: Vec<[f64; 2]> = points
-        .iter()
-        .map(|point| {
-            // A flat cell slides at mu_flat = mu_d f(P).
-            let area_law_factor = case.law.map_or(1.0, |law| law.factor(point.pressure_pa));
-            [area_law_factor, point.mu_flat / area_law_factor]
-        })
-        .collect();
+/// The steady scene of `pattern` under `law` at every point.
+///
+/// # Errors
+/// What makes the numbers no scene.
+pub fn scene(body: Body, law: Option<&AreaLaw>, pattern: Pattern, points: &[FlatPoint]) -> Result<Scene, String> {
     let loads = points
         .iter()
-        .zip(&coefficients)
-        .map(|(point, &[_, dynamic_mean])| {
+        .map(|point| {
+            let [_, dynamic_mean] = coefficients(law, point);
             // Steady sliding knows no static coefficient, and a cell takes the mean.
             let friction = LocalFriction::new(dynamic_mean, dynamic_mean, 0.0).map_err(|error| error.to_string())?;
             Ok(Load { pressure_pa: point.pressure_pa, friction })
@@ -116,8 +112,8 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         .collect::<Result<Vec<_>, String>>()?;
     let scene = Scene {
         elastic: body.elastic,
-        area_law: case.law.cloned(),
-        pattern: Some(case.pattern),
+        area_law: law.cloned(),
+        pattern: Some(pattern),
         relief: None,
         layer: body.layer,
         loads,
@@ -126,6 +122,18 @@ fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Predic
         run: RunOptions::default(),
     };
     scene.validate().map_err(|error| error.to_string())?;
+    Ok(scene)
+}
+
+/// f and the local dynamic coefficient at `point`: a flat cell slides at mu_flat = mu_d f(P).
+fn coefficients(law: Option<&AreaLaw>, point: &FlatPoint) -> [f64; 2] {
+    let area_law_factor = law.map_or(1.0, |law| law.factor(point.pressure_pa));
+    [area_law_factor, point.mu_flat / area_law_factor]
+}
+
+fn solve(body: Body, case: &Case<'_>, points: &[FlatPoint]) -> Result<Vec<Prediction>, String> {
+    let coefficients: Vec<[f64; 2]> = points.iter().map(|point| coefficients(case.law, point)).collect();
+    let scene = scene(body, case.law, case.pattern, points)?;
     let in_space = Scene { pattern: Some(squares(&case.pattern)), ..scene.clone() };
     let solved = |layer: Layer| {
         let of = |pattern: Pattern| {

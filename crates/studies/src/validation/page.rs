@@ -32,6 +32,7 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     }
     solves(&mut page, report);
     friction(&mut page, &report.results);
+    super::rims::section(&mut page, report, outputs);
     published(&mut page, &report.published);
     areas(&mut page, &report.area_laws, outputs);
     interface(&mut page, outputs);

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 use super::ratios::{MeasuredReport, RatioReport};
+use super::rims::RimsReport;
 use super::summary::Summary;
 use slipgrid_results::PatternReport;
 
@@ -46,6 +47,9 @@ pub struct ValidationReport {
     pub measured: Vec<MeasuredReport>,
     /// The area laws, one per slope factor.
     pub area_laws: Vec<AreaTable>,
+    /// What rims of several heights would make of the ratios at the condition of the first row; null where that is not asked.
+    #[serde(default)]
+    pub rims: Option<RimsReport>,
     /// The run in time at the heaviest load; null where none was made.
     pub in_time: Option<TimeReport>,
     /// Seconds, which stand in timings.json.

@@ -31,6 +31,13 @@ pub fn table(report: &ValidationReport) -> String {
     for statement in &report.statements {
         text += &format!("{statement}\n");
     }
+    if let Some(rims) = &report.rims {
+        text +=
+            &format!("\nRims of unknown height, cavities {} um deep\n\n{}\n", rims.depth_um, super::rims::table(rims));
+        for statement in &rims.statements {
+            text += &format!("{statement}\n");
+        }
+    }
     for warning in warnings(report) {
         text += &format!("! {warning}\n");
     }
