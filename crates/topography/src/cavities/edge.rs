@@ -200,20 +200,21 @@ mod tests {
     #[test]
     fn distances_from_a_disc_are_radial_whatever_the_pixels() {
         for pixel_m in [[1.0, 1.0], [1.0, 2.0]] {
-            let radius = |x: f64, y: f64| (x - 50.3).hypot(y - 49.6);
-            let edges = edges(|x, y| radius(x, y) - 20.0, 101, (101.0 / pixel_m[1]) as usize, pixel_m);
+            let radius = |x: f64, y: f64| (x - 100.3).hypot(y - 99.6);
+            let edges = edges(|x, y| radius(x, y) - 60.0, 201, (201.0 / pixel_m[1]) as usize, pixel_m);
             let length: f64 = edges.points.iter().map(|point| point.length_m).sum();
-            assert!((length / (std::f64::consts::TAU * 20.0) - 1.0).abs() < 0.08, "{length}");
+            assert!((length / (std::f64::consts::TAU * 60.0) - 1.0).abs() < 0.08, "{length}");
             let (mut found, mut all) = (0, 0);
             for n in 0..edges.nearest.len() {
-                let exact = radius((n / edges.cols) as f64, (n % edges.cols) as f64 * pixel_m[1]) - 20.0;
+                let exact = radius((n / edges.cols) as f64, (n % edges.cols) as f64 * pixel_m[1]) - 60.0;
                 if exact.abs() > 15.0 {
                     continue;
                 }
                 all += 1;
                 if let Some((_, distance)) = edges.distance_m(n) {
                     found += 1;
-                    assert!((distance - exact).abs() < 0.25, "{pixel_m:?} {n}: {distance} {exact}");
+                    // Straight lines through seven places of a circle, the farthest 6 from the middle one.
+                    assert!((distance - exact).abs() < 0.3, "{pixel_m:?} {n}: {distance} {exact}");
                 }
             }
             assert!(10 * found > 9 * all, "{found} of {all}");

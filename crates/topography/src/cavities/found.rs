@@ -7,13 +7,15 @@ use slipgrid_statistics::median;
 use super::components::{Chord, Regions};
 use super::edge::{AXES, Edges};
 use super::land::Land;
-use super::{MARGIN, SPECK};
+use super::{MARGIN, RimMetrology, SPECK};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
 /// The cavities of a map.
 pub(super) struct Found {
     pub(super) land: Land,
+    /// Heights above the land, missing points bridged.
+    filled_m: Vec<f64>,
     pub(super) regions: Regions,
     /// Chords along x and y, ending at each cavity's own half depth.
     pub(super) chords: [Vec<Chord>; 2],
@@ -22,7 +24,6 @@ pub(super) struct Found {
     pub(super) floors: Vec<Option<Floor>>,
     /// Points in the middle thirds of cavities.
     pub(super) middle: Vec<bool>,
-    pub(super) cols: usize,
     pub(super) pixel_m: [f64; 2],
 }
 
@@ -53,16 +54,38 @@ impl Found {
         // Edges are sought on a complete map: instruments lose the steep walls first.
         let mut filled = HeightMap::new(map.rows(), map.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
         filled.fill_missing();
-        let (cols, heights) = (map.cols(), filled.heights_m());
-        let regions = Regions::find(heights, cols, land.threshold_m, SPECK);
-        let chords = AXES.map(|axis| regions.chords(heights, |_| land.threshold_m, axis));
+        let filled_m = filled.heights_m().to_vec();
+        let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK);
+        Ok(Self::complete(land, filled_m, regions, None, pixel_m))
+    }
+
+    /// The same with floors below a land from which the rim is subtracted: what reaches into the land beside a cavity
+    /// would make it look deeper.
+    pub(super) fn without_rim(self, edges: &Edges, rim: &RimMetrology) -> Self {
+        let bare = |(n, &height_m): (usize, &f64)| match edges.distance_m(n) {
+            Some((_, distance_m)) if self.regions.label[n] == 0 => height_m - rim.fitted_m(distance_m),
+            _ => height_m,
+        };
+        let bare_m: Vec<f64> = self.land.height_m.iter().enumerate().map(bare).collect();
+        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m)
+    }
+
+    /// Floors and chords of `regions`; the land beside cavities is that of `bare_m` where it is given.
+    fn complete(land: Land, filled_m: Vec<f64>, regions: Regions, bare_m: Option<&[f64]>, pixel_m: [f64; 2]) -> Self {
+        let chords = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis));
         // Each cavity has its own half depth.
-        let (floors, middle) = floors(&regions, &chords, &Along::gather(&chords, regions.count()), &land, cols);
+        let along = Along::gather(&chords, regions.count());
+        let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m));
         let half_m =
             |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
-        let chords = AXES.map(|axis| regions.chords(heights, half_m, axis));
+        let chords = AXES.map(|axis| regions.chords(&filled_m, half_m, axis));
         let along = Along::gather(&chords, regions.count());
-        Ok(Self { land, regions, chords, along, floors, middle, cols, pixel_m })
+        Self { land, filled_m, regions, chords, along, floors, middle, pixel_m }
+    }
+
+    /// Points along y.
+    pub(super) fn cols(&self) -> usize {
+        self.regions.cols()
     }
 
     /// Whether a region counts along an axis: it ends within the map there and is, across, either whole or a groove.
@@ -97,8 +120,8 @@ impl Found {
             let region = region as usize;
             self.counts(axis, region) || !self.counts(1 - axis, region)
         };
-        let rows = self.regions.label.len() / self.cols;
-        Edges::find(&self.chords, counts, [rows, self.cols], self.pixel_m)
+        let rows = self.regions.label.len() / self.cols();
+        Edges::find(&self.chords, counts, [rows, self.cols()], self.pixel_m)
     }
 }
 
@@ -180,9 +203,9 @@ fn floors(
     regions: &Regions,
     chords: &[Vec<Chord>; 2],
     along: &[Vec<Along>; 2],
-    land: &Land,
-    cols: usize,
+    height_m: &[f64],
 ) -> (Vec<Option<Floor>>, Vec<bool>) {
+    let cols = regions.cols();
     // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
     // the lines in its walls meet it in short chords: what lies between those is wall, not land.
     let mut middle = vec![true; regions.label.len()];
@@ -212,13 +235,13 @@ fn floors(
             for (side, [first, last]) in [[first, from - margin], [to + margin, last]].into_iter().enumerate() {
                 // The casts saturate at zero.
                 for k in first.ceil() as usize..(last.floor() + 1.0).max(0.0) as usize {
-                    sides[2 * axis + side].add(land.height_m[at(k.min(length - 1))]);
+                    sides[2 * axis + side].add(height_m[at(k.min(length - 1))]);
                 }
             }
         }
     }
     let mut floor = vec![Mean::default(); regions.count() + 1];
-    for ((&region, &middle), &height) in regions.label.iter().zip(&middle).zip(&land.height_m) {
+    for ((&region, &middle), &height) in regions.label.iter().zip(&middle).zip(height_m) {
         if middle {
             floor[region as usize].add(height);
         }

@@ -9,8 +9,8 @@
 //! form fitted to all land takes its place.
 //!
 //! Rims along the edges are measured from the mean of all heights at equal distances from an edge ([`RimMetrology`]). A
-//! rim that reaches into the land beside its cavity would make it look deeper: its mean height there is subtracted from
-//! the depth. Widths and spacings at half depth do not depend on rims where walls were measured; where they are missing, the
+//! rim that reaches into the land beside its cavity would make it look deeper: depths are counted from that land less the
+//! fitted rim. Widths and spacings at half depth do not depend on rims where walls were measured; where they are missing, the
 //! smooth surface that bridges them begins on the rim, and a width grows by at most the share that the rim's height has in
 //! the missing part of the wall.
 
@@ -26,9 +26,13 @@ mod rims;
 mod share;
 mod walls;
 
+use std::collections::BTreeMap;
+
+use edge::Edges;
 use found::Found;
 use rims::Scene;
 use slipgrid_statistics::median;
+use walls::Walls;
 
 pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
 pub use period::{Arrangement, MeanPeriod};
@@ -139,81 +143,108 @@ impl HeightMap {
     /// [`MapError::NoCavities`] if heights do not part into land and floors; [`MapError::FormUndetermined`] if
     /// the land does not determine the form.
     pub fn measure_cavities(&self, form: Form) -> Result<CavityMetrology, MapError> {
-        Ok(measure(&Found::find(self, form)?))
+        let (found, sought) = Sought::with_rims(Found::find(self, form)?);
+        Ok(measure(&found, sought))
     }
 }
 
-fn measure(found: &Found) -> CavityMetrology {
-    let (regions, floors, cols, pixel_m) = (&found.regions, &found.floors, found.cols, found.pixel_m);
-    let spacing = [0, 1]
-        .map(|axis| Spread::of(&found.neighbours(axis).into_iter().map(|(_, gap_m)| gap_m).collect::<Vec<f64>>()));
+/// What is found along the edges of cavities.
+struct Sought {
+    /// Regions, from 1 on, that end within the map along an axis.
+    counts: Vec<bool>,
+    /// Width of each region along x and y.
+    width_m: Vec<[Option<f64>; 2]>,
+    spacing: [Option<Spread>; 2],
+    edges: Edges,
+    walls: Walls,
+    rim: RimMetrology,
+    /// Rim heights by region.
+    rim_heights: BTreeMap<u32, Estimate>,
+}
 
+impl Sought {
+    /// Edges, walls and rims of `found`; where there are rims, depths are counted from the land without them.
+    fn with_rims(found: Found) -> (Found, Self) {
+        let sought = Self::along_edges(&found);
+        if sought.rim.width_m.is_none() {
+            return (found, sought);
+        }
+        let found = found.without_rim(&sought.edges, &sought.rim);
+        let sought = Self::along_edges(&found);
+        (found, sought)
+    }
+
+    fn along_edges(found: &Found) -> Self {
+        let regions = 0..=found.regions.count();
+        let counts: Vec<bool> =
+            regions.clone().map(|region| region > 0 && (found.counts(0, region) || found.counts(1, region))).collect();
+        let width_m: Vec<[Option<f64>; 2]> = regions
+            .map(|region| {
+                [0, 1].map(|axis| {
+                    let mut lengths = found.along[axis][region].lengths.clone();
+                    let width = median(&mut lengths).filter(|_| region > 0 && found.counts(axis, region));
+                    width.map(|length| length * found.pixel_m[axis])
+                })
+            })
+            .collect();
+        let spacing = [0, 1]
+            .map(|axis| Spread::of(&found.neighbours(axis).into_iter().map(|(_, gap_m)| gap_m).collect::<Vec<f64>>()));
+        let widths =
+            [0, 1].map(|axis| Spread::of(&width_m.iter().filter_map(|width| width[axis]).collect::<Vec<f64>>()));
+        let least_m =
+            |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
+        let edges = found.edges();
+        let walls = walls::measure(found, &edges, &counts);
+        let scene = Scene {
+            edges: &edges,
+            height_m: &found.land.height_m,
+            label: &found.regions.label,
+            threshold_m: found.land.threshold_m,
+            counts: &counts,
+            pixel_m: found.pixel_m,
+            start_m: walls.top_m,
+            width_m: least_m(widths).unwrap_or(0.0),
+            spacing_m: least_m(spacing),
+        };
+        let (rim, rim_heights) = rims::measure(&scene);
+        Self { counts, width_m, spacing, edges, walls, rim, rim_heights }
+    }
+}
+
+fn measure(found: &Found, sought: Sought) -> CavityMetrology {
+    let (regions, cols, pixel_m) = (&found.regions, found.cols(), found.pixel_m);
     let mut center = vec![[0.0; 2]; regions.count() + 1];
     for (n, &region) in regions.label.iter().enumerate() {
         center[region as usize][0] += (n / cols) as f64 + 0.5;
         center[region as usize][1] += (n % cols) as f64 + 0.5;
     }
-    let counts: Vec<bool> = (0..=regions.count())
-        .map(|region| region > 0 && (found.counts(0, region) || found.counts(1, region)))
-        .collect();
-    let mut cavities: Vec<Cavity> = (1..=regions.count())
+    let cavities: Vec<Cavity> = (1..=regions.count())
         .map(|region| {
             let points = regions.points[region] as f64;
-            let width_m = [0, 1].map(|axis| {
-                let mut lengths = found.along[axis][region].lengths.clone();
-                median(&mut lengths).filter(|_| found.counts(axis, region)).map(|length| length * pixel_m[axis])
-            });
+            let measured = |value: Option<f64>| value.filter(|_| sought.counts[region]);
             Cavity {
                 center_m: [0, 1].map(|axis| center[region][axis] / points * pixel_m[axis]),
-                width_m,
-                depth_m: floors[region].filter(|_| counts[region]).map(|floor| floor.depth_m),
+                width_m: sought.width_m[region],
+                depth_m: measured(found.floors[region].map(|floor| floor.depth_m)),
                 area_m2: points * pixel_m[0] * pixel_m[1],
-                rim_height_m: None,
-                wall_angle_deg: None,
-                floor_sq_m: None,
+                // At most 2^25 regions: the cast is exact.
+                rim_height_m: sought.rim_heights.get(&(region as u32)).copied(),
+                wall_angle_deg: measured(sought.walls.angle_deg[region]),
+                floor_sq_m: measured(sought.walls.floor_sq_m[region]),
             }
         })
         .collect();
-    let spread = |cavities: &[Cavity], value: &dyn Fn(&Cavity) -> Option<f64>| {
-        Spread::of(&cavities.iter().filter_map(value).collect::<Vec<f64>>())
-    };
-    let width = [0, 1].map(|axis| spread(&cavities, &|cavity| cavity.width_m[axis]));
-    let least_m =
-        |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
-
-    let edges = found.edges();
-    let walls = walls::measure(found, &edges, &counts);
-    let rim = Scene {
-        edges: &edges,
-        height_m: &found.land.height_m,
-        label: &regions.label,
-        threshold_m: found.land.threshold_m,
-        counts: &counts,
-        pixel_m,
-        start_m: walls.top_m,
-        width_m: least_m(width).unwrap_or(0.0),
-        spacing_m: least_m(spacing),
-    };
-    let (rim, rim_heights) = rims::measure(&rim);
-    let raised_m = land_raised_m(&rim, least_m(width), least_m(spacing));
-    for (region, cavity) in (1..).zip(&mut cavities) {
-        if raised_m > 0.0 {
-            cavity.depth_m = cavity.depth_m.map(|depth_m| depth_m - raised_m);
-        }
-        // At most 2^25 regions: the cast is exact.
-        cavity.rim_height_m = rim_heights.get(&(region as u32)).copied();
-        cavity.wall_angle_deg = walls.angle_deg[region];
-        cavity.floor_sq_m = walls.floor_sq_m[region].filter(|_| counts[region]);
-    }
-    let depth = spread(&cavities, &|cavity| cavity.depth_m);
+    let spread =
+        |value: &dyn Fn(&Cavity) -> Option<f64>| Spread::of(&cavities.iter().filter_map(value).collect::<Vec<f64>>());
+    let depth = spread(&|cavity| cavity.depth_m);
     CavityMetrology {
-        width,
-        spacing,
+        width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
+        spacing: sought.spacing,
         depth,
         area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,
         threshold_m: -found.land.threshold_m,
         land_sq_m: found.land.sq_m(),
-        rim,
+        rim: sought.rim,
         wall_angle_deg: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.wall_angle_deg)),
         wall_resolved_deg: depth.map(|depth| walls::resolved_deg(depth.mean_m, pixel_m)),
         floor_sq_m: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.floor_sq_m)),
@@ -221,22 +252,7 @@ fn measure(found: &Found) -> CavityMetrology {
     }
 }
 
-/// Mean height of the rim over the land that depths are counted from, in metres.
-fn land_raised_m(rim: &RimMetrology, width_m: Option<f64>, spacing_m: Option<f64>) -> f64 {
-    let (Some(height), Some(rim_width), Some(profile), Some(width_m)) =
-        (rim.height_m, rim.width_m, rim.profile, width_m)
-    else {
-        return 0.0;
-    };
-    let from_m = MARGIN * width_m;
-    let to_m = spacing_m.map_or(width_m, |spacing_m| width_m.min(spacing_m - from_m));
-    if rim.start_m + rim_width.value <= from_m || to_m <= from_m {
-        return 0.0;
-    }
-    height.value * profile.mean(rim_width.value, from_m - rim.start_m, to_m - rim.start_m)
-}
-
-#[cfg(test)]
-mod tests;
 #[cfg(test)]
 mod rim_tests;
+#[cfg(test)]
+mod tests;

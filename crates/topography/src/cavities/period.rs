@@ -4,9 +4,9 @@ use std::fmt;
 
 use slipgrid_statistics::median;
 
+use super::Sought;
 use super::edge::Edges;
 use super::found::Found;
-use super::measure;
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
@@ -87,8 +87,7 @@ impl HeightMap {
     /// [`MapError`] as [`Self::measure_cavities`], and [`MapError::NoPeriod`] for fewer than two whole cavities and for
     /// arrangements other than those of [`Arrangement`].
     pub fn mean_cavity_period(&self, form: Form) -> Result<MeanPeriod, MapError> {
-        let found = Found::find(self, form)?;
-        let (rim, edges) = (measure(&found).rim, found.edges());
+        let (found, Sought { edges, rim, .. }) = Sought::with_rims(Found::find(self, form)?);
         let rim_end_m = rim.width_m.map_or(0.0, |width| rim.start_m + width.value);
         let is_land = far_land(&found, &edges, rim_end_m);
 
@@ -154,16 +153,16 @@ impl Cells {
     /// Adds the height at the place (in pixels, from the first one's centre) between the points of the map around it,
     /// those missing left out.
     fn add(&mut self, cell: usize, found: &Found, is_land: &[bool], place: [f64; 2]) {
-        let rows = found.land.height_m.len() / found.cols;
+        let rows = found.land.height_m.len() / found.cols();
         let inside = |place: f64, count: usize| (0.0..=(count - 1) as f64).contains(&place);
-        if !inside(place[0], rows) || !inside(place[1], found.cols) {
+        if !inside(place[0], rows) || !inside(place[1], found.cols()) {
             return;
         }
         let near = place.map(f64::floor);
         for (di, dj) in [(0.0, 0.0), (0.0, 1.0), (1.0, 0.0), (1.0, 1.0)] {
             // 1 - |distance| along both axes
             let weight = (1.0 - (near[0] + di - place[0]).abs()) * (1.0 - (near[1] + dj - place[1]).abs());
-            let n = (near[0] + di) as usize * found.cols + (near[1] + dj) as usize;
+            let n = (near[0] + di) as usize * found.cols() + (near[1] + dj) as usize;
             if weight > 0.0 && !found.land.height_m[n].is_nan() {
                 self.sum[cell] += weight * found.land.height_m[n];
                 self.weight[cell] += weight;
@@ -201,8 +200,8 @@ fn pixels(pitch_m: f64, pixel_m: f64) -> (usize, f64) {
 
 /// The mean period of grooves across `axis`.
 fn of_grooves(found: &Found, is_land: &[bool], axis: usize, grooves: &[usize]) -> Result<MeanPeriod, MapError> {
-    let rows = found.land.height_m.len() / found.cols;
-    let lines = if axis == 0 { found.cols } else { rows };
+    let rows = found.land.height_m.len() / found.cols();
+    let lines = if axis == 0 { found.cols() } else { rows };
     // The middle line of each groove: a + b line.
     let middle: Vec<[f64; 2]> = grooves.iter().map(|&groove| line(&middles(found, axis, groove))).collect();
     let mut centers: Vec<f64> = middle.iter().map(|[a, b]| a + b * 0.5 * (lines - 1) as f64).collect();
@@ -311,4 +310,145 @@ fn of_cells(found: &Found, is_land: &[bool], whole: &[usize]) -> Result<MeanPeri
         cavities: whole.len(),
         relief_left_m,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{CutPattern, CutRim, CutShape, RimProfile, SelfAffine};
+
+    const PATTERN: CutPattern = CutPattern {
+        shape: CutShape::Square,
+        width_m: 60e-6,
+        spacing_m: 141e-6,
+        depth_m: 5.2e-6,
+        wall_m: 10e-6,
+        width_std_m: 0.0,
+        pitch_std_m: 2e-6,
+        depth_std_m: 0.0,
+        rim: Some(CutRim { height_m: 1e-6, width_m: 16e-6, profile: RimProfile::Flat, height_std_m: 0.0 }),
+        seed: 5,
+    };
+
+    /// A rough, tilted map of 2 um pixels, 1.024 mm wide, a point in 17 missing.
+    fn rough(pattern: &CutPattern) -> HeightMap {
+        let mut map = SelfAffine { side_m: 1.024e-3, ..SelfAffine::STAND_IN }.map().unwrap();
+        map.cut_cavities(pattern).unwrap();
+        let tilted =
+            map.heights_m().iter().enumerate().map(|(n, height)| {
+                if n * 7919 % 17 == 0 { f64::NAN } else { height + 10e-6 * (n / 512) as f64 / 512.0 }
+            });
+        HeightMap::new(512, 512, map.dx_m(), map.dy_m(), tilted.collect()).unwrap()
+    }
+
+    /// The least and the greatest height within a square ring of distances from the middle, along x and y.
+    fn range_um(map: &HeightMap, [from_um, to_um]: [f64; 2], axes: &[usize]) -> [f64; 2] {
+        let (rows, cols) = (map.rows() as f64, map.cols());
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for (n, &height) in map.heights_m().iter().enumerate() {
+            let place = [
+                ((n / cols) as f64 + 0.5 - 0.5 * rows) * map.dx_m() * 1e6,
+                ((n % cols) as f64 + 0.5 - 0.5 * cols as f64) * map.dy_m() * 1e6,
+            ];
+            let distance_um = axes.iter().map(|&axis| place[axis].abs()).fold(0.0, f64::max);
+            let beside_um = axes.iter().map(|&axis| place[axis].abs()).fold(f64::INFINITY, f64::min);
+            // Rims go round corners: only what lies before a side.
+            if (from_um..to_um).contains(&distance_um) && (axes.len() == 1 || beside_um < 30.0 || to_um <= 30.0) {
+                range = [range[0].min(height * 1e6), range[1].max(height * 1e6)];
+            }
+        }
+        range
+    }
+
+    #[test]
+    fn squares_have_a_cell_with_floor_rim_and_land_where_they_belong() {
+        let period = rough(&PATTERN).mean_cavity_period(Form::Plane).unwrap();
+        assert_eq!((period.arrangement, period.cavities), (Arrangement::Rectangular, 25));
+        let map = &period.map;
+        for (count, pixel_m) in [(map.rows(), map.dx_m()), (map.cols(), map.dy_m())] {
+            // Centres stray by 2/sqrt 2 um: five of them say their pitch to 0.45 um.
+            assert!((count as f64 * pixel_m * 1e6 - 201.0).abs() < 1.0 && (pixel_m / 2e-6 - 1.0).abs() < 0.02);
+        }
+        // What is left of 0.2 um of roughness in 25 cells.
+        let left_um = period.relief_left_m.unwrap() * 1e6;
+        assert!((0.015..0.06).contains(&left_um), "{left_um}");
+        let off = 4.0 * left_um;
+        for (ring, height) in [([0.0, 22.0], -5.2), ([38.0, 48.0], 1.0), ([55.0, 95.0], 0.0)] {
+            let [low, high] = range_um(map, ring, &[0, 1]);
+            assert!(low > height - off && high < height + off, "{ring:?}: {low} to {high}");
+        }
+        assert_eq!(map.missing(), 0);
+        assert!(
+            period.description()[1].starts_with("25 cavities averaged about their centres, a rectangular grid: x 20")
+        );
+    }
+
+    #[test]
+    fn grooves_have_one_profile_on_a_square_whichever_way_they_run() {
+        let along_y = rough(&CutPattern { shape: CutShape::Groove, ..PATTERN });
+        let turned = (0..512 * 512).map(|n| along_y.heights_m()[n % 512 * 512 + n / 512]).collect();
+        let along_x = HeightMap::new(512, 512, along_y.dy_m(), along_y.dx_m(), turned).unwrap();
+        let period = along_y.mean_cavity_period(Form::Plane).unwrap();
+        assert_eq!((period.arrangement, period.cavities), (Arrangement::GroovesAlongY, 5));
+        assert_eq!(period.map.rows(), period.map.cols());
+        let row = period.map.heights_m()[40 * period.map.cols()..41 * period.map.cols()].to_vec();
+        assert!(row.iter().all(|height| *height == row[0]));
+        for (ring, height) in [([0.0, 22.0], -5.2), ([38.0, 48.0], 1.0), ([55.0, 95.0], 0.0)] {
+            let [low, high] = range_um(&period.map, ring, &[0]);
+            assert!(low > height - 0.2 && high < height + 0.2, "{ring:?}: {low} to {high}");
+        }
+        let other = along_x.mean_cavity_period(Form::Plane).unwrap();
+        assert_eq!(other.arrangement, Arrangement::GroovesAlongX);
+        let size = period.map.rows();
+        for n in 0..size * size {
+            let difference = other.map.heights_m()[n] - period.map.heights_m()[n % size * size + n / size];
+            assert!(difference.abs() < 1e-12, "{difference}");
+        }
+    }
+
+    /// Discs of 20 um about places in micrometres, on 200 x 300 pixels of 1 um.
+    fn discs(places: &[[f64; 2]]) -> HeightMap {
+        let height = |n: usize| {
+            let (x, y) = ((n / 300) as f64 + 0.5, (n % 300) as f64 + 0.5);
+            let near = places.iter().map(|[px, py]| (x - px).hypot(y - py)).fold(f64::INFINITY, f64::min);
+            -5e-6 * (10.5 - near).clamp(0.0, 1.0)
+        };
+        HeightMap::new(200, 300, 1e-6, 1e-6, (0..60_000).map(height).collect()).unwrap()
+    }
+
+    #[test]
+    fn staggered_grids_have_a_rectangle_with_two_cavities() {
+        let mut places = Vec::new();
+        for row in 0..4 {
+            // The first of every other row is cut by the map's side.
+            for col in -1..5 {
+                let half = if row % 2 == 0 { 0.0 } else { 29.8 };
+                places.push([25.3 + 45.0 * f64::from(row), 30.0 + 59.6 * f64::from(col) + half]);
+            }
+        }
+        let period = discs(&places).mean_cavity_period(Form::Plane).unwrap();
+        assert_eq!(period.arrangement, Arrangement::Staggered);
+        let map = &period.map;
+        assert_eq!((map.rows(), map.cols()), (90, 60));
+        assert!((map.dy_m() * 60.0 - 59.6e-6).abs() < 0.1e-6);
+        let at = |i: usize, j: usize| map.heights_m()[i * 60 + j] * 1e6;
+        for deep in [at(45, 30), at(0, 0), at(89, 59), at(0, 59), at(89, 0)] {
+            assert!((deep + 5.0).abs() < 0.01, "{deep}");
+        }
+        assert!(at(45, 0).abs() < 0.01 && at(0, 30).abs() < 0.01);
+    }
+
+    #[test]
+    fn what_has_no_period_is_refused_with_the_arrangement() {
+        let refused = |places: &[[f64; 2]]| discs(places).mean_cavity_period(Form::Plane).unwrap_err().to_string();
+        assert!(refused(&[[100.0, 150.0]]).contains("expected at least two"));
+        assert!(refused(&[[100.0, 100.0], [100.0, 200.0]]).contains("two along y"));
+        let slanted: Vec<[f64; 2]> = (0..12)
+            .map(|n| [40.0 + 50.0 * f64::from(n / 4), 40.0 + 60.0 * f64::from(n % 4) + 20.0 * f64::from(n / 4)])
+            .collect();
+        let said = refused(&slanted);
+        assert!(said.starts_with("the 12 whole cavities have no mean period"), "{said}");
+        let flat = HeightMap::new(20, 20, 1e-6, 1e-6, vec![0.0; 400]).unwrap();
+        assert!(flat.mean_cavity_period(Form::Plane).unwrap_err().to_string().contains("no cavities found"));
+    }
 }

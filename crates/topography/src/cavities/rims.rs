@@ -24,8 +24,10 @@ const LEAST_COVERED: f64 = 0.3;
 /// Height over its standard error from which a rim is one: the best of a hundred profiles and widths without a rim
 /// seldom reaches 3.5.
 const LEAST_SIGNIFICANCE: f64 = 4.0;
-/// Least width of a rim, in bins: the product of height and width is all that narrower ones show.
+/// Least width of a rim that is sought, and of one whose height is told, in bins: the product of height and width is all
+/// that narrower ones show.
 const LEAST_WIDTH: f64 = 2.0;
+const LEAST_TOLD_WIDTH: f64 = 4.0;
 /// Greatest width over the profile's reach: what goes on to its end is land.
 const MOST_WIDTH: f64 = 0.75;
 /// Widths that are tried, in bins.
@@ -55,13 +57,13 @@ pub struct RimMetrology {
     /// Greatest height that the rim adds to the land, in metres, a mean over the edges of all cavities, stretches without
     /// a rim among them. Where no rim stands out from the roughness (below 4 standard errors) it is the mean relief that
     /// a round rim a tenth of a cavity wide would need, which may lie below zero. `None` where the profile is too short
-    /// for a rim and land beside it, stretches of edge are fewer than four, or the rim is narrower than two pixels.
+    /// for a rim and land beside it, stretches of edge are fewer than four, or the rim is narrower than four pixels.
     pub height_m: Option<Estimate>,
     /// Standard deviation of the heights from cavity to cavity, in metres, sampling noise subtracted; `None` without a
     /// rim and for a single cavity.
     pub height_std_m: Option<Estimate>,
     /// Standard deviation from side to side of one cavity, in metres, sampling noise subtracted; `None` without a rim, and
-    /// where the sides are too short for two stretches.
+    /// where the sides are too short for four stretches each.
     pub side_std_m: Option<Estimate>,
     /// Distance from the upper end of the wall at which the rim ends, in metres; `None` without a rim.
     pub width_m: Option<Estimate>,
@@ -311,7 +313,7 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
     }
     let values = fit.values(scene, &profile, best.profile, best.width_m);
     let edge_profile = edge_profile(level_m(&values, height_m));
-    if best.width_m <= (LEAST_WIDTH + 0.5 * WIDTH_STEP) * scene.bin_m() {
+    if best.width_m < (LEAST_TOLD_WIDTH - 0.5 * WIDTH_STEP) * scene.bin_m() {
         return (RimMetrology { edge_profile, ..nothing }, BTreeMap::new());
     }
     let [height_error_m, width_error_m] = bootstrap(&profile, &fit);
@@ -319,12 +321,9 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
         height_m: Some(Estimate { value: height_m, error: Some(height_error_m.max(heights.error_m())) }),
         height_std_m: heights.std_m(),
         side_std_m: heights.side_std_m(),
-        width_m: Some(Estimate {
-            value: best.width_m,
-            error: Some(width_error_m.max(0.5 * WIDTH_STEP * scene.bin_m())),
-        }),
+        width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m())) }),
         profile: Some(best.profile),
-        share_of_edge: share_of_edge(scene, best.profile, best.width_m, height_m),
+        share_of_edge: share_of_edge(scene, best.profile, best.width_m),
         edge_profile,
         ..nothing
     };
@@ -434,8 +433,10 @@ struct Heights {
     /// Region, side, weight, height; in order along the edges.
     stretches: Vec<(u32, (usize, bool), f64, f64)>,
     mean_m: f64,
-    /// Variance of a stretch about its cavity, times its weight.
+    /// Variance of a stretch about its cavity, times its weight and `inflation`.
     unit_variance: f64,
+    /// How much more a mean of neighbouring stretches scatters than one of independent ones.
+    inflation: f64,
 }
 
 impl Heights {
@@ -446,7 +447,7 @@ impl Heights {
             .iter()
             .map(|stretch| (stretch.region, stretch.side, stretch.length_m, height_m(&stretch.residual)))
             .collect();
-        let mut heights = Self { stretches, mean_m, unit_variance: 0.0 };
+        let mut heights = Self { stretches, mean_m, unit_variance: 0.0, inflation: 1.0 };
         let cavities = heights.grouped(|&(region, ..)| region);
         let about = |region: u32, value: f64| value - cavities.get(&region).map_or(mean_m, |group| group.1);
         let (mut square, mut beside) = (0.0, 0.0);
@@ -459,10 +460,10 @@ impl Heights {
             }
         }
         let free = heights.stretches.len().saturating_sub(cavities.len());
+        // Neighbouring stretches that agree are not independent: 1 + 2 rho
+        heights.inflation = if square > 0.0 { 1.0 + 2.0 * (beside / square).max(0.0) } else { 1.0 };
         if free > 0 {
-            // Neighbouring stretches that agree are not independent: 1 + 2 rho
-            let correlation = if square > 0.0 { (beside / square).max(0.0) } else { 0.0 };
-            heights.unit_variance = square / free as f64 * (1.0 + 2.0 * correlation);
+            heights.unit_variance = heights.inflation * square / free as f64;
         }
         heights
     }
@@ -520,16 +521,15 @@ impl Heights {
     fn side_std_m(&self) -> Option<Estimate> {
         let sides = self.grouped(|&(region, side, ..)| (region, side));
         // Sides of two stretches and more show the noise of their mean.
-        let (mut noise_square, mut free) = (0.0, 0);
+        let mut noise_square = 0.0;
         for &(region, side, weight, value) in &self.stretches {
             let (_, mean_m, _) = sides[&(region, side)];
             noise_square += weight * (value - mean_m).powi(2);
         }
-        free += self.stretches.len() - sides.len();
-        if 2 * free < sides.len() {
+        if self.stretches.len() < LEAST_STRETCHES * sides.len() {
             return None;
         }
-        let unit_variance = noise_square / free as f64;
+        let unit_variance = self.inflation * noise_square / (self.stretches.len() - sides.len()) as f64;
         let mut cavities: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
         for ((region, _), (weight, mean_m, _)) in sides {
             cavities.entry(region).or_default().push((weight, mean_m));
@@ -554,8 +554,9 @@ fn beyond_noise(square: f64, free: usize, noise: f64) -> Option<Estimate> {
     }
     let variance = square / free as f64;
     let std = (variance - noise).max(0.0).sqrt();
-    // The variance strays by v sqrt(2/n): half of that over the standard deviation, at most the root.
+    // The variance strays by v sqrt(2/n): half of that over the standard deviation, at most the root. Waves that raise all
+    // sides of a cavity make the noise up to as large again.
     let stray = variance * (2.0 / free as f64).sqrt();
-    let error = if std > 0.0 { (0.5 * stray / std).min(stray.sqrt()) } else { stray.sqrt() };
+    let error = if std > 0.0 { (0.5 * stray / std).min(stray.sqrt()) } else { stray.sqrt() }.hypot(noise.sqrt());
     Some(Estimate { value: std, error: Some(error) })
 }

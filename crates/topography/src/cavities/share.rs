@@ -7,10 +7,10 @@ use super::{Estimate, RimProfile};
 const CORE: f64 = 0.5;
 /// Least length of a piece of edge, in bins.
 const LEAST_PIECE: f64 = 8.0;
-/// Most wrong decisions, of pieces with a rim and of those without together, from which a share can be told.
-const MOST_WRONG: f64 = 0.6;
-/// Rounds in which the height of pieces with a rim is found.
-const ROUNDS: usize = 20;
+/// Greatest standard error of a share that is told.
+const MOST_ERROR: f64 = 0.25;
+/// Shares that are tried.
+const STEPS: u32 = 200;
 
 /// Sums of heights in a band of distances before an edge.
 #[derive(Clone, Copy, Default)]
@@ -33,7 +33,7 @@ impl Band {
 /// The share of pieces of edge whose relief, core less the land beyond, exceeds half of a rim's; the same bands moved
 /// outward onto the land say how often roughness decides wrongly. `None` where there is no land for them, or it decides
 /// too often.
-pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64, height_m: f64) -> Option<Estimate> {
+pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<Estimate> {
     let bin_m = scene.bin_m();
     // The core of the profile in steps of a hundredth.
     let core: Vec<f64> = (0..=100).map(|n| f64::from(n) / 100.0).filter(|&s| profile.height(s) >= CORE).collect();
@@ -87,31 +87,32 @@ pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64
         return None;
     }
     let all_m: f64 = pieces.iter().map(|piece| piece.0).sum();
-    // Height of the pieces that have a rim, which is more than the mean where some have none.
-    let mut rim_m = height_m;
-    for _ in 0..ROUNDS {
-        let high = || pieces.iter().filter(|piece| piece.1 > 0.5 * rim_m);
-        let length_m: f64 = high().map(|piece| piece.0).sum();
-        if length_m == 0.0 {
-            break;
-        }
-        rim_m = high().map(|piece| piece.0 * piece.1).sum::<f64>() / length_m;
-    }
-    let found = pieces.iter().filter(|piece| piece.1 > 0.5 * rim_m).map(|piece| piece.0).sum::<f64>() / all_m;
-    // Roughness lifts a piece of land above half a rim's height, or lowers a rim below it, as often as land farther out.
+    let mean_m = pieces.iter().map(|piece| piece.0 * piece.1).sum::<f64>() / all_m;
     let center_m = land.iter().sum::<f64>() / land.len() as f64;
-    let share = |wrong: &dyn Fn(f64) -> bool| {
-        land.iter().filter(|relief_m| wrong(**relief_m - center_m)).count() as f64 / land.len() as f64
+    let of_land = |decides: &dyn Fn(f64) -> bool| {
+        land.iter().filter(|relief_m| decides(**relief_m - center_m)).count() as f64 / land.len() as f64
     };
-    let wrong = [share(&|relief_m| relief_m > 0.5 * rim_m), share(&|relief_m| relief_m < -0.5 * rim_m)];
-    let right = 1.0 - wrong[0] - wrong[1];
-    if right < 1.0 - MOST_WRONG {
-        return None;
-    }
-    // found = p (1 - missed) + (1 - p) false
-    let value = ((found - wrong[0]) / right).clamp(0.0, 1.0);
-    // Pieces count singly; roughness and rims are longer than they are, by about two.
-    let independent = 0.5 * pieces.len() as f64;
-    let error = (found * (1.0 - found)).max(1.0 / independent / independent) / independent;
-    Some(Estimate { value, error: Some(error.sqrt() / right) })
+    // With rims along the share p, each of the height mean/p, pieces above half of that are found as often as
+    //     p (1 - missed) + (1 - p) false,
+    // roughness missing and making as many as it does on land farther out.
+    let balance = |p: f64| {
+        let half_m = 0.5 * mean_m / p;
+        let found = pieces.iter().filter(|piece| piece.1 > half_m).map(|piece| piece.0).sum::<f64>() / all_m;
+        let (missed, false_rims) = (of_land(&|relief_m| relief_m < -half_m), of_land(&|relief_m| relief_m > half_m));
+        (found - p * (1.0 - missed) - (1.0 - p) * false_rims, found, 1.0 - missed - false_rims)
+    };
+    let shares = || (1..=STEPS).rev().map(|step| f64::from(step) / f64::from(STEPS));
+    let value = shares().find(|&p| balance(p).0 >= 0.0)?;
+    // Pieces count by halves: roughness and gaps are longer than they are.
+    let binomial = |share: f64, count: usize| {
+        let count = 0.5 * count as f64;
+        (share * (1.0 - share)).max(1.0 / count) / count
+    };
+    let (_, found, right) = balance(value);
+    let stray = (binomial(found, pieces.len()) + binomial(0.5 * (1.0 - right), land.len())).sqrt();
+    // The shares that are balanced within a standard error.
+    let low = shares().find(|&p| balance(p).0 > stray).unwrap_or(0.0);
+    let high = shares().find(|&p| balance(p).0 >= -stray).unwrap_or(1.0);
+    let error = (value - low).max(high - value);
+    (error <= MOST_ERROR).then_some(Estimate { value, error: Some(error) })
 }

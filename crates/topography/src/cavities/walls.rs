@@ -108,7 +108,7 @@ fn floors_sq_m(found: &Found) -> Vec<Option<f64>> {
         let labels = found.regions.label.iter().zip(&found.middle).enumerate();
         labels.filter(|(n, (label, middle))| **label != 0 && **middle && !found.land.height_m[*n].is_nan()).map(
             |(n, (label, _))| {
-                (*label as usize, [(n / found.cols) as f64, (n % found.cols) as f64, found.land.height_m[n]])
+                (*label as usize, [(n / found.cols()) as f64, (n % found.cols()) as f64, found.land.height_m[n]])
             },
         )
     };
