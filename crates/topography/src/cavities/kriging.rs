@@ -56,22 +56,26 @@ impl Variogram {
     }
 }
 
-/// Generalised least squares of level + h f for profiles over bins whose noise a variogram says (universal kriging).
+/// Generalised least squares of level + slope x + h f for profiles over bins whose noise a variogram says (universal
+/// kriging). Waves longer than a profile lend it a slope, which the same waves lend to all cavities of a pattern whose
+/// pitch is theirs: the slope is fitted with the level.
 pub(super) struct Kriging {
     /// Lower half of the Cholesky factor of the covariance, row by row.
     factor: Vec<Vec<f64>>,
     /// The constant, whitened.
     ones: Vec<f64>,
+    /// Constant and slope, whitened, of length 1 and perpendicular to each other.
+    drift: Vec<Vec<f64>>,
 }
 
-/// A shape f made ready: whitened, without its share of the constant.
+/// A shape f made ready: whitened, without its share of constant and slope.
 pub(super) struct Shape {
     whitened: Vec<f64>,
     square: f64,
 }
 
 impl Shape {
-    /// Whether its height can be told from the level.
+    /// Whether its height can be told from level and slope.
     pub(super) fn is_determined(&self) -> bool {
         self.square > 0.0
     }
@@ -91,22 +95,27 @@ impl Kriging {
         let mut factor: Vec<Vec<f64>> = Vec::new();
         for i in 0..bins.len() {
             let mut row: Vec<f64> = Vec::new();
-            for j in 0..=i {
-                let known = if j < i { &factor[j] } else { &row };
-                let sum = (0..j).fold(covariance(i, j), |sum, k| sum - row[k] * known[k]);
-                let value = if j < i {
-                    sum / factor[j][j]
-                } else if sum > 0.0 {
-                    sum.sqrt()
-                } else {
-                    return None;
-                };
-                row.push(value);
+            for (j, above) in factor.iter().enumerate() {
+                let sum = (0..j).fold(covariance(i, j), |sum, k| sum - row[k] * above[k]);
+                row.push(sum / above[j]);
             }
+            let square = row.iter().fold(covariance(i, i), |sum, value| sum - value * value);
+            if square <= 0.0 {
+                return None;
+            }
+            row.push(square.sqrt());
             factor.push(row);
         }
-        let mut kriging = Self { factor, ones: Vec::new() };
+        let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new() };
         kriging.ones = kriging.whiten(&vec![1.0; bins.len()]);
+        for power in [0, 1] {
+            let share = |bin: usize| (bin - bins[0]) as f64 / span.max(1) as f64;
+            let values: Vec<f64> = bins.iter().map(|&bin| share(bin).powi(power)).collect();
+            let mut whitened = kriging.whiten(&values);
+            kriging.strip(&mut whitened);
+            let length = dot(&whitened, &whitened).sqrt();
+            kriging.drift.push(whitened.iter().map(|value| value / length).collect());
+        }
         Some(kriging)
     }
 
@@ -121,13 +130,20 @@ impl Kriging {
         white
     }
 
+    /// Takes constant and slope away.
+    fn strip(&self, whitened: &mut [f64]) {
+        for direction in &self.drift {
+            let share = dot(whitened, direction);
+            for (value, part) in whitened.iter_mut().zip(direction) {
+                *value -= share * part;
+            }
+        }
+    }
+
     pub(super) fn shape(&self, values: &[f64]) -> Shape {
         let mut whitened = self.whiten(values);
         let whole = dot(&whitened, &whitened);
-        let share = dot(&whitened, &self.ones) / dot(&self.ones, &self.ones);
-        for (value, one) in whitened.iter_mut().zip(&self.ones) {
-            *value -= share * one;
-        }
+        self.strip(&mut whitened);
         let square = dot(&whitened, &whitened);
         Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
     }
@@ -184,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn the_height_of_a_step_on_any_level_is_exact_and_that_of_its_weights() {
+    fn the_height_of_a_step_on_any_level_and_slope_is_exact_and_that_of_its_weights() {
         let bins: Vec<usize> = (0..40).filter(|bin| bin % 7 != 3).collect();
         let step: Vec<f64> = bins.iter().map(|&bin| if bin < 9 { 1.0 } else { 0.0 }).collect();
         for twice_hurst in [0.2, 1.0, 1.9] {
@@ -195,6 +211,8 @@ mod tests {
             assert!((height - 0.7).abs() < 1e-9, "{height}");
             let weights = kriging.weights(&shape);
             assert!((dot(&weights, &profile) - 0.7).abs() < 1e-9 && weights.iter().sum::<f64>().abs() < 1e-9);
+            let slope: Vec<f64> = bins.iter().map(|&bin| bin as f64).collect();
+            assert!(dot(&weights, &slope).abs() < 1e-7 && !kriging.shape(&slope).is_determined());
             assert!(!kriging.shape(&vec![1.0; bins.len()]).is_determined());
             let level: Vec<f64> = profile.iter().zip(&step).map(|(height, step)| height - 0.7 * step).collect();
             assert!((kriging.level(&level) - 5.0).abs() < 1e-9);

@@ -18,6 +18,7 @@ mod components;
 mod cut;
 mod edge;
 mod found;
+mod heights;
 mod kriging;
 mod land;
 mod period;

@@ -212,7 +212,8 @@ fn walls_steeper_than_pixels_resolve_say_so_and_floors_have_their_roughness() {
     let found = smooth.measure_cavities(Form::Plane).unwrap();
     let rim = found.rim.height_m.unwrap();
     assert!((rim.value - 0.5e-6).abs() < 5e-9 && (found.rim.width_m.unwrap().value - 8e-6).abs() < 0.2e-6, "{rim:?}");
-    assert!((found.depth.unwrap().mean_m - 5.2e-6).abs() < 1e-9, "{:?}", found.depth);
+    // The land beside is that without the rim, to a hundredth of its height.
+    assert!((found.depth.unwrap().mean_m - 5.2e-6).abs() < 5e-9, "{:?}", found.depth);
     assert!(found.floor_sq_m.unwrap().value < 1e-12);
     let angle_deg = found.wall_angle_deg.unwrap().value;
     assert!((angle_deg - (5.2_f64 / 4.0).atan().to_degrees()).abs() < 0.02, "{angle_deg}");

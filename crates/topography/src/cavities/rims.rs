@@ -9,6 +9,7 @@
 use std::collections::BTreeMap;
 
 use super::edge::Edges;
+use super::heights::Heights;
 use super::kriging::{Kriging, Shape, Variogram};
 use super::share::share_of_edge;
 use super::{Estimate, RimProfile};
@@ -18,7 +19,9 @@ use crate::synthetic::splitmix64;
 const MOST_BINS: usize = 160;
 /// Least bins and stretches from which a rim can be sought.
 const LEAST_BINS: usize = 5;
-const LEAST_STRETCHES: usize = 4;
+pub(super) const LEAST_STRETCHES: usize = 4;
+/// Parts of a bin by which it is known where in it points lie: edges cross pixels where they happen to.
+const PARTS: usize = 8;
 /// Share of the edges that a bin of the mean profile stands for at least.
 const LEAST_COVERED: f64 = 0.3;
 /// Height over its standard error from which a rim is one: the best of a hundred profiles and widths without a rim
@@ -32,7 +35,7 @@ const LEAST_TOLD_WIDTH: f64 = 4.0;
 const MOST_WIDTH: f64 = 0.75;
 /// Widths that are tried, in bins.
 const WIDTH_STEP: f64 = 0.25;
-/// What profiles of real rims may differ by from the fitted family, over the range of heights.
+/// What profiles, as edges and pixels blur them, differ by from the fitted family, over the range of heights.
 const MODEL_ERROR: f64 = 0.02;
 /// Width that the height of no rim refers to, over that of the cavity.
 const NOMINAL_WIDTH: f64 = 0.1;
@@ -140,13 +143,13 @@ impl Scene<'_> {
 }
 
 /// A stretch of edge with its mean profile.
-struct Stretch {
-    region: u32,
+pub(super) struct Stretch {
+    pub(super) region: u32,
     /// Which side of the region.
-    side: (usize, bool),
-    length_m: f64,
+    pub(super) side: (usize, bool),
+    pub(super) length_m: f64,
     /// Height less the mean over all stretches, bin by bin; 0 where nothing was measured.
-    residual: Vec<f64>,
+    pub(super) residual: Vec<f64>,
 }
 
 /// The mean profile with its stretches, in order along the edges.
@@ -156,6 +159,8 @@ struct Profile {
     bins: Vec<usize>,
     distance_m: Vec<f64>,
     mean_m: Vec<f64>,
+    /// Shares of each bin's points that lie in its parts, and their mean distances beyond the wall, in metres.
+    parts: Vec<Vec<[f64; 2]>>,
 }
 
 impl Profile {
@@ -181,9 +186,14 @@ impl Profile {
         }
         // Points, their distances and heights in each bin of each stretch.
         let mut sums = vec![vec![[0.0; 3]; count]; numbers.len()];
+        let mut points = vec![[[0.0; 2]; PARTS]; count];
         scene.for_land(|number, distance_m, height_m| {
             let bin = ((distance_m - first_m) / bin_m).floor();
             if bin >= 0.0 && bin < count as f64 {
+                let part = ((distance_m - first_m) / bin_m - bin) * PARTS as f64;
+                let part = &mut points[bin as usize][(part as usize).min(PARTS - 1)];
+                part[0] += 1.0;
+                part[1] += distance_m - scene.start_m;
                 for (sum, term) in sums[of_point[number]][bin as usize].iter_mut().zip([1.0, distance_m, height_m]) {
                     *sum += term;
                 }
@@ -191,7 +201,7 @@ impl Profile {
         });
         let counted = numbers.iter().filter(|((region, ..), _)| scene.counts[*region as usize]);
         let total_m: f64 = counted.map(|(_, &number)| length_m[number]).sum();
-        let (mut bins, mut distance_m, mut mean_m) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut bins, mut distance_m, mut mean_m, mut parts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for bin in 0..count {
             let mut weighted = [0.0; 3];
             for (sums, length_m) in sums.iter().zip(&length_m) {
@@ -207,6 +217,9 @@ impl Profile {
                 bins.push(bin);
                 distance_m.push(weighted[1] / weighted[0]);
                 mean_m.push(weighted[2] / weighted[0]);
+                let all: f64 = points[bin].iter().map(|part| part[0]).sum();
+                let known = points[bin].iter().filter(|part| part[0] > 0.0);
+                parts.push(known.map(|[count, beyond_m]| [count / all, beyond_m / count]).collect());
             }
         }
         let stretches = numbers
@@ -223,7 +236,7 @@ impl Profile {
                 Stretch { region, side: (axis, behind), length_m: length_m[number], residual: residual.collect() }
             })
             .collect();
-        Self { stretches, bins, distance_m, mean_m }
+        Self { stretches, bins, distance_m, mean_m, parts }
     }
 
     /// Semivariances of the stretches about their mean at lags from one bin on.
@@ -288,7 +301,7 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
     let Some(fit) = Fit::new(scene, &profile) else { return (nothing, BTreeMap::new()) };
     let ready = fit.kriging.ready(&profile.mean_m);
     let Some((best, height_m)) = fit.best(&ready) else { return (nothing, BTreeMap::new()) };
-    let heights = Heights::new(&profile, &fit.kriging.weights(&best.shape), height_m);
+    let heights = Heights::new(&profile.stretches, &fit.kriging.weights(&best.shape), height_m);
     let level_m = |shape: &[f64], height_m: f64| {
         let land: Vec<f64> = profile.mean_m.iter().zip(shape).map(|(mean, shape)| mean - height_m * shape).collect();
         fit.kriging.level(&land)
@@ -302,7 +315,7 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
             return (nothing, BTreeMap::new());
         }
         let (height_m, _) = fit.kriging.height(&shape, &ready);
-        let error_m = Heights::new(&profile, &fit.kriging.weights(&shape), height_m).error_m();
+        let error_m = Heights::new(&profile.stretches, &fit.kriging.weights(&shape), height_m).error_m();
         let none = RimMetrology {
             height_m: Some(Estimate { value: height_m, error: Some(error_m) }),
             share_of_edge: Some(Estimate { value: 0.0, error: None }),
@@ -317,8 +330,9 @@ pub(super) fn measure(scene: &Scene<'_>) -> (RimMetrology, BTreeMap<u32, Estimat
         return (RimMetrology { edge_profile, ..nothing }, BTreeMap::new());
     }
     let [height_error_m, width_error_m] = bootstrap(&profile, &fit);
+    let error_m = height_error_m.max(heights.error_m()).hypot(MODEL_ERROR * height_m);
     let found = RimMetrology {
-        height_m: Some(Estimate { value: height_m, error: Some(height_error_m.max(heights.error_m())) }),
+        height_m: Some(Estimate { value: height_m, error: Some(error_m) }),
         height_std_m: heights.std_m(),
         side_std_m: heights.side_std_m(),
         width_m: Some(Estimate { value: best.width_m, error: Some(width_error_m.max(WIDTH_STEP * scene.bin_m())) }),
@@ -365,14 +379,11 @@ impl Fit {
         Some(fit)
     }
 
-    /// Heights of a rim of height 1 in the bins of `profile`, means over a pixel.
+    /// Heights of a rim of height 1 in the bins of `profile`, means over a pixel about each of their points.
     fn values(&self, scene: &Scene<'_>, profile: &Profile, shape: RimProfile, width_m: f64) -> Vec<f64> {
         let half_m = 0.5 * scene.bin_m();
-        let value = |distance_m: &f64| {
-            let beyond_m = distance_m - scene.start_m;
-            shape.mean(width_m, beyond_m - half_m, beyond_m + half_m)
-        };
-        profile.distance_m.iter().map(value).collect()
+        let mean = |[share, at_m]: &[f64; 2]| share * shape.mean(width_m, at_m - half_m, at_m + half_m);
+        profile.parts.iter().map(|parts| parts.iter().map(mean).sum()).collect()
     }
 
     /// The candidate that lessens the squares most with a height above zero, and that height.
@@ -426,137 +437,4 @@ fn bootstrap(profile: &Profile, fit: &Fit) -> [f64; 2] {
     }
     drawn
         .map(|values| slipgrid_statistics::mean_and_std(values.iter().copied()).and_then(|(_, std)| std).unwrap_or(0.0))
-}
-
-/// Rim heights of all stretches for one profile and width.
-struct Heights {
-    /// Region, side, weight, height; in order along the edges.
-    stretches: Vec<(u32, (usize, bool), f64, f64)>,
-    mean_m: f64,
-    /// Variance of a stretch about its cavity, times its weight and `inflation`.
-    unit_variance: f64,
-    /// How much more a mean of neighbouring stretches scatters than one of independent ones.
-    inflation: f64,
-}
-
-impl Heights {
-    fn new(profile: &Profile, weights: &[f64], mean_m: f64) -> Self {
-        let height_m = |residual: &[f64]| mean_m + residual.iter().zip(weights).map(|(r, a)| r * a).sum::<f64>();
-        let stretches: Vec<_> = profile
-            .stretches
-            .iter()
-            .map(|stretch| (stretch.region, stretch.side, stretch.length_m, height_m(&stretch.residual)))
-            .collect();
-        let mut heights = Self { stretches, mean_m, unit_variance: 0.0, inflation: 1.0 };
-        let cavities = heights.grouped(|&(region, ..)| region);
-        let about = |region: u32, value: f64| value - cavities.get(&region).map_or(mean_m, |group| group.1);
-        let (mut square, mut beside) = (0.0, 0.0);
-        for (number, &(region, side, weight, value)) in heights.stretches.iter().enumerate() {
-            square += weight * about(region, value).powi(2);
-            if let Some(&(next, next_side, next_weight, next_value)) = heights.stretches.get(number + 1)
-                && (next, next_side) == (region, side)
-            {
-                beside += (weight * next_weight).sqrt() * about(region, value) * about(next, next_value);
-            }
-        }
-        let free = heights.stretches.len().saturating_sub(cavities.len());
-        // Neighbouring stretches that agree are not independent: 1 + 2 rho
-        heights.inflation = if square > 0.0 { 1.0 + 2.0 * (beside / square).max(0.0) } else { 1.0 };
-        if free > 0 {
-            heights.unit_variance = heights.inflation * square / free as f64;
-        }
-        heights
-    }
-
-    /// Weight, mean and number of the stretches by `key`.
-    fn grouped<K: Ord>(&self, key: impl Fn(&(u32, (usize, bool), f64, f64)) -> K) -> BTreeMap<K, (f64, f64, usize)> {
-        let mut groups: BTreeMap<K, (f64, f64, usize)> = BTreeMap::new();
-        for stretch in &self.stretches {
-            let group = groups.entry(key(stretch)).or_insert((0.0, 0.0, 0));
-            group.0 += stretch.2;
-            group.1 += stretch.2 * stretch.3;
-            group.2 += 1;
-        }
-        for group in groups.values_mut() {
-            group.1 /= group.0;
-        }
-        groups
-    }
-
-    /// Standard error of the mean: that of stretches about their cavities, or of cavities where they scatter by more.
-    fn error_m(&self) -> f64 {
-        let total: f64 = self.stretches.iter().map(|stretch| stretch.2).sum();
-        let within = self.unit_variance / total;
-        let cavities = self.grouped(|&(region, ..)| region);
-        let count = cavities.len() as f64;
-        let square: f64 =
-            cavities.values().map(|(weight, mean_m, _)| (weight / total * (mean_m - self.mean_m)).powi(2)).sum();
-        let between = if count >= LEAST_STRETCHES as f64 { square * count / (count - 1.0) } else { 0.0 };
-        within.max(between).sqrt()
-    }
-
-    fn of_cavities(&self) -> BTreeMap<u32, Estimate> {
-        let cavities = self.grouped(|&(region, ..)| region).into_iter();
-        cavities
-            .map(|(region, (weight, mean_m, _))| {
-                let error = (self.unit_variance > 0.0).then(|| (self.unit_variance / weight).sqrt());
-                (region, Estimate { value: mean_m, error })
-            })
-            .collect()
-    }
-
-    /// Standard deviation between cavities.
-    fn std_m(&self) -> Option<Estimate> {
-        let cavities: Vec<_> = self.grouped(|&(region, ..)| region).into_values().collect();
-        if self.unit_variance == 0.0 && self.stretches.len() == cavities.len() {
-            return None;
-        }
-        let mean_m = cavities.iter().map(|cavity| cavity.1).sum::<f64>() / cavities.len() as f64;
-        let square: f64 = cavities.iter().map(|cavity| (cavity.1 - mean_m).powi(2)).sum();
-        let noise = cavities.iter().map(|cavity| self.unit_variance / cavity.0).sum::<f64>() / cavities.len() as f64;
-        beyond_noise(square, cavities.len().checked_sub(1)?, noise)
-    }
-
-    /// Standard deviation between the sides of a cavity.
-    fn side_std_m(&self) -> Option<Estimate> {
-        let sides = self.grouped(|&(region, side, ..)| (region, side));
-        // Sides of two stretches and more show the noise of their mean.
-        let mut noise_square = 0.0;
-        for &(region, side, weight, value) in &self.stretches {
-            let (_, mean_m, _) = sides[&(region, side)];
-            noise_square += weight * (value - mean_m).powi(2);
-        }
-        if self.stretches.len() < LEAST_STRETCHES * sides.len() {
-            return None;
-        }
-        let unit_variance = self.inflation * noise_square / (self.stretches.len() - sides.len()) as f64;
-        let mut cavities: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
-        for ((region, _), (weight, mean_m, _)) in sides {
-            cavities.entry(region).or_default().push((weight, mean_m));
-        }
-        let (mut square, mut free, mut noise, mut count) = (0.0, 0, 0.0, 0.0);
-        for sides in cavities.values() {
-            let mean_m = sides.iter().map(|side| side.1).sum::<f64>() / sides.len() as f64;
-            square += sides.iter().map(|side| (side.1 - mean_m).powi(2)).sum::<f64>();
-            free += sides.len() - 1;
-            noise += sides.iter().map(|side| unit_variance / side.0).sum::<f64>();
-            count += sides.len() as f64;
-        }
-        beyond_noise(square, free, noise / count)
-    }
-}
-
-/// The standard deviation of a sum of squares of `free` degrees of freedom, less the variance of the noise, and its
-/// error.
-fn beyond_noise(square: f64, free: usize, noise: f64) -> Option<Estimate> {
-    if free == 0 {
-        return None;
-    }
-    let variance = square / free as f64;
-    let std = (variance - noise).max(0.0).sqrt();
-    // The variance strays by v sqrt(2/n): half of that over the standard deviation, at most the root. Waves that raise all
-    // sides of a cavity make the noise up to as large again.
-    let stray = variance * (2.0 / free as f64).sqrt();
-    let error = if std > 0.0 { (0.5 * stray / std).min(stray.sqrt()) } else { stray.sqrt() }.hypot(noise.sqrt());
-    Some(Estimate { value: std, error: Some(error) })
 }
