@@ -110,6 +110,8 @@ mod tests {
             ("report.html", "<!DOCTYPE html>\n<title>my report</title>", false),
             ("map.asc", "# Channel: altitude\n# synthetic self-affine map, not a measurement\n", true),
             ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
+            ("period.asc", "# Channel: mean period\n# mean period of measured cavities, by slipgrid\n", true),
+            ("edge-profile.csv", "distance_um,height_um,height_error_um,rim_um\n", true),
             ("pattern.dxf", "0\nSECTION", false),
         ] {
             assert_eq!(begins_as_ours(name, head.as_bytes()), ours, "{name} {head}");

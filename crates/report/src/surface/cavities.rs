@@ -152,7 +152,7 @@ impl CavityReport {
         };
         let wall = match (self.wall_angle_deg, self.wall_resolved_deg) {
             (Some(angle), Some(resolved)) if angle.value >= resolved => {
-                format!("; walls are as steep or steeper: {resolved:.1} deg is what the pixels resolve")
+                format!("; walls are at least as steep as that: the pixels resolve up to {resolved:.1} deg")
             }
             _ => String::new(),
         };
