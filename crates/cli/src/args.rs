@@ -10,7 +10,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_report::LaserFile;
 
-pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, SurfaceArgs, SynthesizeArgs};
+pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, RimName, SurfaceArgs, SynthesizeArgs};
 
 /// Designs laser-textured surfaces for a target dry friction.
 #[derive(Debug, Parser)]

@@ -58,6 +58,8 @@ fn a_patterned_map_is_measured_drawn_and_written() {
 
     let files = [
         "cavities.csv",
+        "edge-profile.csv",
+        "edge-profile.svg",
         "histogram.svg",
         "map.svg",
         "result.json",
@@ -81,6 +83,79 @@ fn a_patterned_map_is_measured_drawn_and_written() {
     for word in ["Sa", "Smr2", "width along x", "spacing along x", "depth", "cavities take"] {
         assert!(table.contains(word), "{word}: {table}");
     }
+}
+
+/// The columns of a matrix text, in um.
+fn matrix(text: &str) -> Vec<Vec<f64>> {
+    let rows = text.lines().filter(|line| !line.starts_with('#'));
+    rows.map(|row| row.split('\t').map(|height| height.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn rims_are_found_and_stand_in_the_mean_period() {
+    let place = Place::with(&[]);
+    let made = "synthesize --side-mm 1.024 --waves 4:64 --cavities 60,140,5.2 --wall-um 10 --cavity-std 1,3,0.2 \
+                --cavity-shape square --rims 1,16 --rim-profile round --rim-std-um 0.1 -o rims.asc --quiet";
+    place.succeed(&made.split_whitespace().collect::<Vec<_>>());
+    let header = fs::read_to_string(place.path("rims.asc")).unwrap();
+    assert!(header.contains("# rims raised: round, height 1 +- 0.1 um, width 16 um"), "{}", &header[..700]);
+
+    let given = ["surface", "rims.asc", "--cavities", "--period-out", "period.asc", "--json", "-o", "out"];
+    let result = json(&place.succeed(&given));
+    let rim = &result["cavities"]["rim"];
+    let part = |key: &str, part: &str| rim[key][part].as_f64().unwrap_or_else(|| panic!("{key}: {rim}"));
+    // 25 rims drawn from 1 +- 0.1 um have a mean within 0.02 um of it.
+    assert!((part("height_um", "value") - 1.0).abs() < 0.04 + 2.0 * part("height_um", "error"), "{rim}");
+    assert!(part("height_um", "error") < 0.1 && part("height_std_um", "value") < 0.25, "{rim}");
+    assert!((part("width_um", "value") - 16.0).abs() < 3.0 * part("width_um", "error"), "{rim}");
+    assert!(part("share_of_edge", "value") > 0.95 && rim["profile"] == "round", "{rim}");
+    let angle = result["cavities"]["wall_angle_deg"]["value"].as_f64().unwrap();
+    assert!((angle - (5.2_f64 / 10.0).atan().to_degrees()).abs() < 1.5, "{angle}");
+
+    // Cavity in the middle, land at 0, rims between.
+    let text = fs::read_to_string(place.path("period.asc")).unwrap();
+    assert!(text.contains("one period") && text.contains("synthetic") && text.contains("# Value units: um"));
+    let period = matrix(&text);
+    let (rows, cols) = (period.len(), period[0].len());
+    assert_eq!((rows, cols), (100, 100));
+    let line = &period[rows / 2];
+    assert!((line[cols / 2] + 5.2).abs() < 0.15, "{}", line[cols / 2]);
+    // Pixels of 2 um: the wall ends 35 um from the middle, the rim 51 um.
+    let mean = |from: usize, to: usize| line[50 + from..50 + to].iter().sum::<f64>() / (to - from) as f64;
+    // 1 - s^2 between 1 and 7 um of 16: 0.93
+    assert!((mean(18, 21) - 0.93).abs() < 0.15, "{}", mean(18, 21));
+    assert!(mean(27, 49).abs() < 0.12, "{}", mean(27, 49));
+    let read = json(&place.succeed(&["surface", "period.asc", "--json"]));
+    assert_eq!(read["synthetic_surface"], Value::from(true));
+    let width_um = read["pixel_um"][0].as_f64().unwrap() * rows as f64;
+    assert!((width_um - 200.0).abs() < 2.0, "{width_um}");
+    assert!(read["model"].as_array().unwrap().iter().any(|note| note.as_str().unwrap().contains("one whole period")));
+
+    let csv = fs::read_to_string(place.path("out").join("cavities.csv")).unwrap();
+    let first = csv.lines().next().unwrap();
+    assert!(first.ends_with("area_um2,rim_height_um,rim_height_error_um,wall_angle_deg,floor_sq_um"), "{first}");
+    assert_eq!(csv.lines().count(), 26);
+    let svg = fs::read_to_string(place.path("out").join("edge-profile.svg")).unwrap();
+    assert!(svg.contains("round rim") && svg.contains("height above the land"));
+    let table = place.succeed(&["surface", "rims.asc", "--cavities"]);
+    for word in ["rim height", "rim width", "share of edge", "wall angle", "floor Sq", "profile is round"] {
+        assert!(table.contains(word), "{word}: {table}");
+    }
+    // It is replaced as slipgrid's own; the map that it comes from is not.
+    place.succeed(&["surface", "rims.asc", "--cavities", "--period-out", "period.asc"]);
+    assert_eq!(fs::read_to_string(place.path("period.asc")).unwrap(), text);
+    let said = place.refuse(&["surface", "rims.asc", "--cavities", "--period-out", "rims.asc"]);
+    assert!(said.contains("--period-out") && said.contains("input of this run"), "{said}");
+}
+
+#[test]
+fn a_map_with_one_whole_cavity_has_no_period() {
+    let place = Place::with(&[]);
+    let made = "synthesize --pixels 128 --side-mm 0.4 --waves 2:16 --cavities 100,200,5 -o one.asc";
+    place.succeed(&made.split_whitespace().collect::<Vec<_>>());
+    let said = place.refuse(&["surface", "one.asc", "--cavities", "--period-out", "period.asc", "-o", "out"]);
+    assert!(said.contains("the 1 whole cavities have no mean period: expected at least two"), "{said}");
+    assert_eq!(place.names(), ["one.asc"]);
 }
 
 #[test]
@@ -156,6 +231,10 @@ fn what_cannot_be_measured_is_refused_and_nothing_is_written() {
         (vec!["synthesize", "--cavities", "130,370", "-o", "m"], "error: invalid value '130,370'"),
         (vec!["synthesize", "--wall-um", "5", "-o", "m"], "error: the following required arguments"),
         (vec!["synthesize", "--cavities", "130,370,5", "--wall-um", "131", "-o", "m"], "error: wall width is"),
+        (vec!["synthesize", "--cavities", "130,370,5", "--rims", "1", "-o", "m"], "error: invalid value '1'"),
+        (vec!["synthesize", "--cavities", "130,370,5", "--rims", "1,200", "-o", "m"], "error: rim width is"),
+        (vec!["synthesize", "--rims", "1,20", "-o", "m"], "error: the following required arguments"),
+        (vec!["surface", "holed.asc", "--period-out", "p.asc"], "error: the following required arguments"),
         (vec!["synthesize", "--rms-slope", "-1", "-o", "m"], "error: "),
     ] {
         let mut args = args;

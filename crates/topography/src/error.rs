@@ -65,6 +65,14 @@ pub enum MapError {
         /// Why.
         reason: &'static str,
     },
+    /// No mean period of a pattern.
+    #[error("the {whole} whole cavities have no mean period: {reason}")]
+    NoPeriod {
+        /// Cavities that the map's sides do not cut off.
+        whole: usize,
+        /// Why.
+        reason: &'static str,
+    },
     /// The points present lie on one line.
     #[error("the {points} heights present lie on one line: expected points that span a plane")]
     PlaneUndetermined {

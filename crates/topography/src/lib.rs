@@ -17,7 +17,8 @@
 //! | [`HeightParameters`], [`CorrelationLengths`] | Sa to Sz; Sal and Str; [`HeightMap::sdq`] and [`HeightMap::sdr`] |
 //! | [`MaterialRatioCurve`], [`CoreParameters`] | bearing curve; Sk, Spk, Svk, Smr1, Smr2 |
 //! | [`SpectrumBin`] | the radial power spectrum in m^4 |
-//! | [`CavityMetrology`] | width, spacing and depth of cavities with their spread |
+//! | [`CavityMetrology`], [`RimMetrology`] | width, spacing and depth of cavities with their spread; rims, walls, floors |
+//! | [`MeanPeriod`] | the mean period of a pattern of cavities, as a map |
 //! | [`SelfAffine`], [`CutPattern`] | synthetic self-affine maps and cavities, the same on every platform |
 //! | [`Fourier`](fourier::Fourier) | the periodic transform behind spectral parameters and contact solvers |
 //!
@@ -53,7 +54,10 @@ mod synthetic;
 mod unit;
 mod write;
 
-pub use cavities::{Cavity, CavityMetrology, CutCavity, CutPattern, CutShape, Spread};
+pub use cavities::{
+    Arrangement, Cavity, CavityMetrology, CutCavity, CutPattern, CutRim, CutShape, EdgeHeight, Estimate, MeanPeriod,
+    RimMetrology, RimProfile, Spread,
+};
 pub use despike::{Spike, Spikes};
 pub use error::{MapError, MapOption, ReadError};
 pub use fill::Filling;

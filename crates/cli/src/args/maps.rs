@@ -87,12 +87,17 @@ pub enum FormName {
 #[command(after_help = "Examples:\n  \
     slipgrid surface flat.x3p\n  \
     slipgrid surface textured.sur --cavities -o out/textured\n  \
+    slipgrid surface textured.sur --cavities --period-out period.asc\n  \
     slipgrid surface scan.csv --pixel-um 0.5 --height-unit um --decimate 4 --json\n\n\
     Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content.\n\
     Writes map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv,\n\
-    spectrum.csv and result.json, with --cavities also cavities.csv. x runs along the file's rows.\n\n\
+    spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and\n\
+    edge-profile.svg. x runs along the file's rows.\n\n\
     Cavities: connected regions below half depth. Widths and gaps at half depth; depth from the land\n\
     beside a cavity to the middle third of its width, as ISO 5436-1 has it.\n\n\
+    Rims: the mean height of all points at equal distances from an edge, above the land farther out, fitted\n\
+    by a round, flat, ramp or half-sine profile: its greatest height and its width in um. A rim narrower than\n\
+    four pixels has no height. Walls in degrees from the horizontal, between 20 % and 80 % of the depth.\n\n\
     Fourier transforms add in another order with AVX than without: spectrum, rms slope, Sal and Str differ by\n\
     1e-14 of themselves between processors that have it and others.")]
 pub struct SurfaceArgs {
@@ -101,9 +106,13 @@ pub struct SurfaceArgs {
     /// How the map is read.
     #[command(flatten)]
     pub reading: MapArgs,
-    /// Measure the cavities of a patterned sample
+    /// Measure the cavities of a patterned sample: width, spacing, depth and rims in um, walls in degrees
     #[arg(long)]
     pub cavities: bool,
+    /// Write the mean period of the pattern as matrix text in um: cavities averaged about their centres, heights above
+    /// the land, cavity in the middle; grooves as a square with their pitch as its side
+    #[arg(long, requires = "cavities", value_name = "FILE")]
+    pub period_out: Option<PathBuf>,
     /// Where the section runs along x: distance from the side y = 0; the middle by default
     #[arg(long, value_name = "UM")]
     pub section_um: Option<f64>,
@@ -151,9 +160,18 @@ pub struct SynthesizeArgs {
     /// Shape of the cavities seen from above
     #[arg(long, value_enum, default_value_t = CutName::Groove, requires = "cavities", value_name = "SHAPE")]
     pub cavity_shape: CutName,
-    /// Horizontal extent of the cavities' walls
+    /// Horizontal extent of the cavities' walls: they slope by atan(depth/extent)
     #[arg(long, default_value_t = 0.0, requires = "cavities", value_name = "UM")]
     pub wall_um: f64,
+    /// Rims along the cavities' edges: greatest height above the land, and width from the upper end of the wall
+    #[arg(long, requires = "cavities", value_name = "UM,UM", value_parser = parse_two)]
+    pub rims: Option<[f64; 2]>,
+    /// How rims fall outward: as a parabola, not at all, in a straight line, or as an arch
+    #[arg(long, value_enum, default_value_t = RimName::Round, requires = "rims", value_name = "PROFILE")]
+    pub rim_profile: RimName,
+    /// Standard deviation of the rims' heights from cavity to cavity
+    #[arg(long, default_value_t = 0.0, requires = "rims", value_name = "UM")]
+    pub rim_std_um: f64,
     /// Standard deviations of the cavities' width, pitch and depth
     #[arg(long, requires = "cavities", value_name = "UM,UM,UM", value_parser = parse_three)]
     pub cavity_std: Option<[f64; 3]>,
@@ -169,6 +187,32 @@ pub enum CutName {
     Groove,
     /// Squares, repeated in both directions
     Square,
+    /// Discs, repeated in both directions
+    Disc,
+}
+
+/// Profile of synthetic rims.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RimName {
+    /// 1 - s^2 at the share s of the width
+    Round,
+    /// 1
+    Flat,
+    /// 1 - s
+    Ramp,
+    /// sin(pi s)
+    HalfSine,
+}
+
+impl From<RimName> for slipgrid_topography::RimProfile {
+    fn from(name: RimName) -> Self {
+        match name {
+            RimName::Round => Self::Round,
+            RimName::Flat => Self::Flat,
+            RimName::Ramp => Self::Ramp,
+            RimName::HalfSine => Self::HalfSine,
+        }
+    }
 }
 
 fn parse_waves(text: &str) -> Result<(u32, u32), String> {
@@ -181,11 +225,17 @@ fn parse_waves(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+fn parse_two(text: &str) -> Result<[f64; 2], String> {
+    parse_list(text).ok_or_else(|| "expected two numbers, for instance 0.5,15".to_owned())
+}
+
 fn parse_three(text: &str) -> Result<[f64; 3], String> {
+    parse_list(text).ok_or_else(|| "expected three numbers, for instance 130,370,5.2".to_owned())
+}
+
+fn parse_list<const COUNT: usize>(text: &str) -> Option<[f64; COUNT]> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-    numbers
-        .and_then(|numbers| numbers.try_into().ok())
-        .ok_or_else(|| "expected three numbers, for instance 130,370,5.2".to_owned())
+    numbers.and_then(|numbers| numbers.try_into().ok())
 }
 
 fn parse_crop(text: &str) -> Result<[usize; 4], String> {
@@ -204,6 +254,8 @@ mod tests {
     fn crops_and_cavities_are_lists_of_numbers() {
         assert_eq!(parse_crop("0, 10,512,256"), Ok([0, 10, 512, 256]));
         assert_eq!(parse_three("130,370,5.2"), Ok([130.0, 370.0, 5.2]));
+        assert_eq!(parse_two("0.5, 15"), Ok([0.5, 15.0]));
+        assert!(parse_two("0.5").is_err() && parse_two("0.5,15,1").is_err());
         for bad in ["1,2,3", "0,0,1,5", "-1,0,5,5", "a,b,c,d", ""] {
             assert!(parse_crop(bad).is_err() && parse_three(&format!("{bad},x")).is_err(), "{bad}");
         }

@@ -1,39 +1,57 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
-use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
+use std::path::Path;
+
+use slipgrid_topography::{
+    CORRELATION_THRESHOLD, LengthUnit, MapError, MaterialRatioCurve, MatrixStyle, MeanPeriod, PreparedMap, Sides,
+    SpectrumWindow,
+};
 
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
-use crate::output::{Place, check_folder};
+use crate::output::{Place, check_file, check_folder, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
 use slipgrid_report::Outputs;
-use slipgrid_report::surface::{SurfaceReport, cavities_csv, pictures, section_csv, spectrum_csv};
+use slipgrid_report::surface::{
+    SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv,
+};
 use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
 
 /// What is written.
-const FILES: [&str; 6] = ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*"];
+const FILES: [&str; 7] =
+    ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*", "edge-profile.*"];
+/// Digits of a mean period's heights after the point, in um.
+const PERIOD_DECIMALS: u8 = 6;
 
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.map))?;
     }
+    if let Some(file) = &args.period_out {
+        check_file(Place { flag: "--period-out", path: file }, std::slice::from_ref(&args.map))?;
+    }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
     let read = open(&crate::input::disk(), &args.map, &options.read)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
-    let cavities = args.cavities.then(|| {
+    let measured = args.cavities.then(|| {
         let mut measured = read.map.clone();
         if options.despike {
             measured.despike();
         }
-        measured.measure_cavities(options.form)
+        measured
     });
-    let cavities = cavities.transpose().map_err(refuse)?;
+    let cavities = measured.as_ref().map(|map| map.measure_cavities(options.form)).transpose().map_err(refuse)?;
+    let period = args.period_out.as_deref().zip(measured.as_ref());
+    let period = period
+        .map(|(file, map)| map.mean_cavity_period(options.form).map(|period| (file, period)))
+        .transpose()
+        .map_err(refuse)?;
     let surface = PreparedMap::new(read, options.preparation()).map_err(|error| refuse_map(&args.map, &error))?;
     let map = &surface.map;
     let column = match section_m {
@@ -62,12 +80,62 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         outputs.add("spectrum.csv", spectrum_csv(&spectrum));
         if let Some(cavities) = &cavities {
             outputs.add("cavities.csv", cavities_csv(cavities));
+            outputs.add("edge-profile.csv", edge_profile_csv(&cavities.rim));
+            if let Some(svg) = edge_profile_svg(&cavities.rim, surface.synthetic)? {
+                outputs.add("edge-profile.svg", svg);
+            }
         }
         pictures(&mut outputs, &surface, &curve, &spectrum, column)?;
         console.keep(&outputs, folder)?;
     }
+    if let Some((file, period)) = &period {
+        write_file(file, period_text(period, surface.synthetic).as_bytes())?;
+        console.note(&period_note(file, period));
+    }
     console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)
+}
+
+/// The mean period as matrix text.
+fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
+    let mut comments = period.description().to_vec();
+    comments.extend(synthetic.then(|| "of a synthetic surface, not a measurement".to_owned()));
+    comments.push(period_relief(period));
+    let style = MatrixStyle {
+        channel: "mean period".to_owned(),
+        comments,
+        unit: LengthUnit::Micrometre,
+        decimals: PERIOD_DECIMALS,
+    };
+    period.map.to_matrix_text(&style)
+}
+
+/// What is left of the roughness.
+fn period_relief(period: &MeanPeriod) -> String {
+    match period.relief_left_m {
+        Some(left_m) => format!("roughness left in the mean, on land: {:.4} um", LENGTH_UM.from_si(left_m)),
+        None => "no land lies beyond the rims: roughness left in the mean is not known".to_owned(),
+    }
+}
+
+fn period_note(file: &Path, period: &MeanPeriod) -> String {
+    let map = &period.map;
+    let side_um = |count: usize, pixel_m: f64| LENGTH_UM.from_si(count as f64 * pixel_m);
+    let missing = match map.missing() {
+        0 => String::new(),
+        missing => format!("; {missing} of its points are missing in every period"),
+    };
+    format!(
+        "{}: mean period of {} cavities, {}, {:.2} x {:.2} um, {} x {} pixels; {}{missing}",
+        file.display(),
+        period.cavities,
+        period.arrangement,
+        side_um(map.rows(), map.dx_m()),
+        side_um(map.cols(), map.dy_m()),
+        map.rows(),
+        map.cols(),
+        period_relief(period),
+    )
 }
 
 fn section_um(args: &SurfaceArgs) -> String {

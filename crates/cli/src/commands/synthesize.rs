@@ -1,6 +1,6 @@
 //! `synthesize`: a synthetic self-affine altitude map, with cavities if wanted.
 
-use slipgrid_topography::{CutPattern, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
+use slipgrid_topography::{CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
 
 use super::area_law::checked;
 use crate::args::{CutName, SynthesizeArgs};
@@ -74,6 +74,7 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
         shape: match args.cavity_shape {
             CutName::Groove => CutShape::Groove,
             CutName::Square => CutShape::Square,
+            CutName::Disc => CutShape::Disc,
         },
         width_m: width_m?,
         spacing_m: spacing_m?,
@@ -82,7 +83,19 @@ fn pattern(args: &SynthesizeArgs) -> Result<Option<CutPattern>, Diagnostic> {
         width_std_m: width_std_m?,
         pitch_std_m: pitch_std_m?,
         depth_std_m: depth_std_m?,
+        rim: rim(args)?,
         seed: args.seed.into(),
+    }))
+}
+
+/// The rims that the flags ask for.
+fn rim(args: &SynthesizeArgs) -> Result<Option<CutRim>, Diagnostic> {
+    let Some([height_um, width_um]) = args.rims else { return Ok(None) };
+    Ok(Some(CutRim {
+        height_m: checked("--rims", height_um, LENGTH_UM)?,
+        width_m: checked("--rims", width_um, LENGTH_UM)?,
+        profile: args.rim_profile.into(),
+        height_std_m: checked("--rim-std-um", args.rim_std_um, LENGTH_UM.or_least())?,
     }))
 }
 
@@ -104,6 +117,7 @@ fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) ->
         match pattern.shape {
             CutShape::Groove => "grooves",
             CutShape::Square => "squares",
+            CutShape::Disc => "discs",
         },
         um(pattern.width_m),
         um(pattern.width_std_m),
@@ -113,5 +127,14 @@ fn cut(map: &mut HeightMap, pattern: &CutPattern, comments: &mut Vec<String>) ->
         um(pattern.depth_std_m),
         um(pattern.wall_m),
     ));
+    if let Some(rim) = pattern.rim {
+        comments.push(format!(
+            "rims raised: {}, height {} +- {} um, width {} um",
+            rim.profile,
+            um(rim.height_m),
+            um(rim.height_std_m),
+            um(rim.width_m),
+        ));
+    }
     Ok(count)
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 const HEAD: u64 = 1024;
 
 /// How the tables begin that slipgrid writes.
-const TABLES: [&str; 16] = [
+const TABLES: [&str; 17] = [
     "# By slipgrid traces ",
     "load_mpa,surface,",
     "index,centre_x_mm,centre_y_mm,",
@@ -18,6 +18,7 @@ const TABLES: [&str; 16] = [
     "x_um,height_um",
     "q_per_um,psd_um4,",
     "x_um,y_um,width_x_um,",
+    "distance_um,height_um,",
     "pressure_mpa,area_fraction,",
     "slope_factor,rms_slope,pressure_mpa,",
     "force_n,pressure_mpa,speed_mm_s,",
@@ -31,6 +32,8 @@ const TABLES: [&str; 16] = [
 const MATERIAL: &str = "# Material, by slipgrid ";
 /// What an altitude map says that was made, not measured.
 const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
+/// What a mean period says that was averaged from a map.
+const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
 /// How its other files begin, by their name or its ending.
 const BEGINNINGS: [(&str, &[&str]); 12] = [
@@ -76,7 +79,10 @@ fn begins_as_ours(name: &str, head: &[u8]) -> bool {
     match named {
         Some((_, beginnings)) => beginnings.iter().any(|beginning| text.starts_with(beginning)),
         // Materials and altitude maps may have any name.
-        None => text.starts_with(MATERIAL) || (text.starts_with("# Channel: ") && text.contains(SYNTHETIC)),
+        None => {
+            text.starts_with(MATERIAL)
+                || (text.starts_with("# Channel: ") && [SYNTHETIC, MEAN_PERIOD].iter().any(|says| text.contains(says)))
+        }
     }
 }
 
@@ -104,6 +110,8 @@ mod tests {
             ("report.html", "<!DOCTYPE html>\n<title>my report</title>", false),
             ("map.asc", "# Channel: altitude\n# synthetic self-affine map, not a measurement\n", true),
             ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
+            ("period.asc", "# Channel: mean period\n# mean period of measured cavities, by slipgrid\n", true),
+            ("edge-profile.csv", "distance_um,height_um,height_error_um,rim_um\n", true),
             ("pattern.dxf", "0\nSECTION", false),
         ] {
             assert_eq!(begins_as_ours(name, head.as_bytes()), ours, "{name} {head}");

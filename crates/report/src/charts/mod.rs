@@ -13,6 +13,7 @@
 //! | [`surface_map`] | a surface from above, heights as colours |
 //! | [`height_histogram`] | how often heights occur, and the bearing curve |
 //! | [`section`] | height along a line |
+//! | [`edge_profile`] | height against the distance from the edges of cavities, with the rim |
 //! | [`spectrum`] | power against wave number |
 //! | [`work_precision`] | wall time against error, with the front |
 //!
@@ -22,6 +23,7 @@
 
 mod area_law;
 mod canvas;
+mod edge_profile;
 mod friction_trace;
 mod height_histogram;
 mod interface_pressure;
@@ -37,6 +39,7 @@ mod tribometer;
 mod work_precision;
 
 pub use area_law::{AreaLawChart, OtherSurface, area_law};
+pub use edge_profile::{EdgeProfileChart, edge_profile};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};

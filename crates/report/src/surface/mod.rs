@@ -1,14 +1,17 @@
 //! An altitude map: parameters, cavities, pictures.
 
+mod cavities;
 mod pictures;
 
+pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
 pub use pictures::add as pictures;
 
 use std::fmt::Write as _;
 
+use cavities::CavityReport;
 use serde::Serialize;
 use slipgrid_topography::{
-    CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin, Spread,
+    CavityMetrology, CorrelationLengths, HeightMap, MaterialRatioCurve, PreparedMap, SpectrumBin,
 };
 
 use slipgrid_formats::altitude_map::told;
@@ -73,33 +76,8 @@ struct SpectrumReport {
     waves: f64,
 }
 
-#[derive(Clone, Debug, Serialize)]
-struct CavityReport {
-    width_x: Option<SpreadReport>,
-    width_y: Option<SpreadReport>,
-    spacing_x: Option<SpreadReport>,
-    spacing_y: Option<SpreadReport>,
-    depth: Option<SpreadReport>,
-    area_fraction: f64,
-    land_sq_um: f64,
-    count: usize,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct SpreadReport {
-    mean_um: f64,
-    std_um: f64,
-    count: usize,
-}
-
 fn um(length_m: f64) -> f64 {
     LENGTH_UM.from_si(length_m)
-}
-
-impl From<Spread> for SpreadReport {
-    fn from(spread: Spread) -> Self {
-        Self { mean_um: um(spread.mean_m), std_um: um(spread.std_m), count: spread.count }
-    }
 }
 
 impl SurfaceReport {
@@ -156,16 +134,7 @@ impl SurfaceReport {
                 smr1_pct: tidy(100.0 * core.smr1),
                 smr2_pct: tidy(100.0 * core.smr2),
             },
-            cavities: cavities.map(|found| CavityReport {
-                width_x: found.width[0].map(SpreadReport::from),
-                width_y: found.width[1].map(SpreadReport::from),
-                spacing_x: found.spacing[0].map(SpreadReport::from),
-                spacing_y: found.spacing[1].map(SpreadReport::from),
-                depth: found.depth.map(SpreadReport::from),
-                area_fraction: tidy(found.area_fraction),
-                land_sq_um: um(found.land_sq_m),
-                count: found.cavities.len(),
-            }),
+            cavities: cavities.map(CavityReport::from),
             spectrum: spectrum
                 .iter()
                 .map(|bin| SpectrumReport {
@@ -230,30 +199,6 @@ impl SurfaceReport {
     }
 }
 
-impl CavityReport {
-    fn table(&self) -> String {
-        let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
-        for (name, spread) in [
-            ("width along x", &self.width_x),
-            ("width along y", &self.width_y),
-            ("spacing along x", &self.spacing_x),
-            ("spacing along y", &self.spacing_y),
-            ("depth", &self.depth),
-        ] {
-            if let Some(spread) = spread {
-                let number = |value: f64| fixed(Some(value), 2);
-                table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
-            }
-        }
-        format!(
-            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n",
-            self.count,
-            100.0 * self.area_fraction,
-            fixed(Some(self.land_sq_um), 3)
-        )
-    }
-}
-
 /// Four significant digits.
 fn significant(value: f64) -> String {
     const DIGITS: i32 = 4;
@@ -279,26 +224,6 @@ pub fn spectrum_csv(spectrum: &[SpectrumBin]) -> String {
     let mut text = String::from("q_per_um,psd_um4,waves\n");
     for bin in spectrum {
         let _ = writeln!(text, "{},{},{}", tidy(bin.q_per_m * 1e-6), tidy(bin.psd_m4 * 1e24), bin.waves);
-    }
-    text
-}
-
-/// The cavities, one row each; empty fields where the map's sides cut a cavity off.
-pub fn cavities_csv(metrology: &CavityMetrology) -> String {
-    let mut text = String::from("x_um,y_um,width_x_um,width_y_um,depth_um,area_um2\n");
-    let field = |length_m: Option<f64>| length_m.map_or_else(String::new, |length_m| um(length_m).to_string());
-    for cavity in &metrology.cavities {
-        let [x_m, y_m] = cavity.center_m;
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{}",
-            um(x_m),
-            um(y_m),
-            field(cavity.width_m[0]),
-            field(cavity.width_m[1]),
-            field(cavity.depth_m),
-            tidy(cavity.area_m2 * 1e12)
-        );
     }
     text
 }

@@ -82,6 +82,11 @@ impl Regions {
         self.points.len() - 1
     }
 
+    /// Points of a row of the grid.
+    pub(super) fn cols(&self) -> usize {
+        self.cols
+    }
+
     /// The chords along `axis`, line by line in order: from the first to the last point of a region on a line,
     /// ending where the height crosses the region's own threshold.
     pub(super) fn chords(&self, height: &[f64], threshold: impl Fn(u32) -> f64, axis: Axis) -> Vec<Chord> {

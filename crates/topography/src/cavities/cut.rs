@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::RimProfile;
 use crate::synthetic::splitmix64;
 use crate::{HeightMap, MapError};
 
@@ -13,6 +14,21 @@ pub enum CutShape {
     Groove,
     /// As long as wide, repeated along x and y.
     Square,
+    /// Round, repeated along x and y.
+    Disc,
+}
+
+/// The rim that stands on the land around every cavity, outward from the upper end of its wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutRim {
+    /// Greatest height above the land, in metres.
+    pub height_m: f64,
+    /// Distance from the upper end of the wall at which it ends, in metres; at most half of the spacing.
+    pub width_m: f64,
+    /// How it falls outward.
+    pub profile: RimProfile,
+    /// Standard deviation of the heights from cavity to cavity, in metres.
+    pub height_std_m: f64,
 }
 
 /// A pattern to cut. The map begins with half a spacing of land; cavities are clipped by its sides.
@@ -26,7 +42,8 @@ pub struct CutPattern {
     pub spacing_m: f64,
     /// Depth, in metres.
     pub depth_m: f64,
-    /// Horizontal extent of a wall from the surface to the floor, in metres; less than a pixel becomes a pixel.
+    /// Horizontal extent of a wall from the surface to the floor, in metres; less than a pixel becomes a pixel. A wall
+    /// of a cavity of depth d slopes by atan(d/wall).
     pub wall_m: f64,
     /// Standard deviation of the widths, in metres.
     pub width_std_m: f64,
@@ -34,6 +51,8 @@ pub struct CutPattern {
     pub pitch_std_m: f64,
     /// Standard deviation of the depths, in metres.
     pub depth_std_m: f64,
+    /// Rims, if there are any; the same cavities are cut with them and without.
+    pub rim: Option<CutRim>,
     /// Seed of the deviations.
     pub seed: u64,
 }
@@ -47,6 +66,8 @@ pub struct CutCavity {
     pub width_m: f64,
     /// Depth, in metres.
     pub depth_m: f64,
+    /// Height of its rim, in metres; 0 without one.
+    pub rim_height_m: f64,
 }
 
 impl CutPattern {
@@ -67,7 +88,11 @@ impl CutPattern {
             0.0..=0.2 * self.spacing_m,
             "at most a fifth of the spacing",
         )?;
-        check("deviation of the depth", self.depth_std_m, 0.0..=0.35 * self.depth_m, "at most 0.35 of the mean")
+        check("deviation of the depth", self.depth_std_m, 0.0..=0.35 * self.depth_m, "at most 0.35 of the mean")?;
+        let Some(rim) = self.rim else { return Ok(()) };
+        check("rim height", rim.height_m, 1e-12..=1e-3, "a length from 1e-12 to 1e-3 m")?;
+        check("rim width", rim.width_m, 1e-9..=0.5 * self.spacing_m, "a length from 1e-9 m to half of the spacing")?;
+        check("deviation of the rim height", rim.height_std_m, 0.0..=0.35 * rim.height_m, "at most 0.35 of the mean")
     }
 }
 
@@ -108,9 +133,11 @@ impl HeightMap {
         let count = |side: f64| (side / pitch_m).ceil() as usize;
         let [along_x, along_y] = match pattern.shape {
             CutShape::Groove => [count(sides[0]), 1],
-            CutShape::Square => [count(sides[0]), count(sides[1])],
+            CutShape::Square | CutShape::Disc => [count(sides[0]), count(sides[1])],
         };
         let mut deviates = Deviates { state: splitmix64(pattern.seed) };
+        // Rims draw from a stream of their own.
+        let mut rim_deviates = Deviates { state: splitmix64(!pattern.seed) };
         let mut cavities = Vec::new();
         for i in 0..along_x {
             for j in 0..along_y {
@@ -119,13 +146,14 @@ impl HeightMap {
                 let mut stray = || pattern.pitch_std_m * deviates.next() / 2_f64.sqrt();
                 let center_m = match pattern.shape {
                     CutShape::Groove => [middle(i) + stray(), 0.5 * sides[1]],
-                    CutShape::Square => [middle(i) + stray(), middle(j) + stray()],
+                    CutShape::Square | CutShape::Disc => [middle(i) + stray(), middle(j) + stray()],
                 };
                 let width_m = pattern.width_m + pattern.width_std_m * deviates.next();
                 let depth_m = pattern.depth_m + pattern.depth_std_m * deviates.next();
+                let rim_height_m = pattern.rim.map_or(0.0, |rim| rim.height_m + rim.height_std_m * rim_deviates.next());
                 let begins_within = |axis: usize| center_m[axis] - 0.5 * width_m < sides[axis] * (1.0 - 1e-9);
                 if begins_within(0) && (pattern.shape == CutShape::Groove || begins_within(1)) {
-                    let cavity = CutCavity { center_m, width_m, depth_m };
+                    let cavity = CutCavity { center_m, width_m, depth_m, rim_height_m };
                     self.cut(pattern, &cavity);
                     cavities.push(cavity);
                 }
@@ -136,22 +164,45 @@ impl HeightMap {
 
     fn cut(&mut self, pattern: &CutPattern, cavity: &CutCavity) {
         let (cols, pixel_m) = (self.cols(), [self.dx_m(), self.dy_m()]);
-        // The share of the depth at distance d within the edge: 1/2 + d/wall, from 0 to 1.
-        let share = |axis: usize, index: usize| {
-            let d = 0.5 * cavity.width_m - ((index as f64 + 0.5) * pixel_m[axis] - cavity.center_m[axis]).abs();
-            (0.5 + d / pattern.wall_m.max(pixel_m[axis])).clamp(0.0, 1.0)
+        let place = |axis: usize, index: usize| (index as f64 + 0.5) * pixel_m[axis] - cavity.center_m[axis];
+        // Distance from the edge at half depth along one axis, positive outside.
+        let beyond = |axis: usize, index: usize| place(axis, index).abs() - 0.5 * cavity.width_m;
+        // The share of the depth at the distance d outside the edge: 1/2 - d/wall, from 0 to 1.
+        let wall_m = [0, 1].map(|axis| pattern.wall_m.max(pixel_m[axis]));
+        let share = |d: f64, wall_m: f64| (0.5 - d / wall_m).clamp(0.0, 1.0);
+        // The mean of the rim over a pixel at the distance d outside the upper end of the wall.
+        let rim_m = |d: f64, pixel_m: f64| {
+            let mean = |rim: CutRim| rim.profile.mean(rim.width_m, d - 0.5 * pixel_m, d + 0.5 * pixel_m);
+            pattern.rim.map_or(0.0, |rim| cavity.rim_height_m * mean(rim))
         };
-        let along_y: Vec<f64> = match pattern.shape {
-            CutShape::Groove => vec![1.0; cols],
-            CutShape::Square => (0..cols).map(|j| share(1, j)).collect(),
-        };
+        let mean_m = |of_m: [f64; 2]| 0.5 * (of_m[0] + of_m[1]);
+        let reach_m = 0.5 * wall_m[0] + pattern.rim.map_or(0.0, |rim| rim.width_m) + pixel_m[0];
         for (i, row) in self.heights_mut().chunks_exact_mut(cols).enumerate() {
-            let along_x = share(0, i);
-            if along_x > 0.0 {
-                for (height, share) in row.iter_mut().zip(&along_y) {
-                    // Walls meet in mitred corners.
-                    *height -= cavity.depth_m * along_x.min(*share);
-                }
+            let along_x = beyond(0, i);
+            if along_x > reach_m {
+                continue;
+            }
+            for (j, height) in row.iter_mut().enumerate() {
+                let (taken, raised_m) = match pattern.shape {
+                    CutShape::Groove => (share(along_x, wall_m[0]), rim_m(along_x - 0.5 * wall_m[0], pixel_m[0])),
+                    CutShape::Square => {
+                        let along_y = beyond(1, j);
+                        // Walls meet in mitred corners, rims go round them.
+                        let taken = share(along_x, wall_m[0]).min(share(along_y, wall_m[1]));
+                        let out = [along_x - 0.5 * wall_m[0], along_y - 0.5 * wall_m[1]];
+                        let raised_m = match out {
+                            [x, y] if x > 0.0 && y > 0.0 => rim_m(x.hypot(y), mean_m(pixel_m)),
+                            [x, y] if x >= y => rim_m(x, pixel_m[0]),
+                            [_, y] => rim_m(y, pixel_m[1]),
+                        };
+                        (taken, raised_m)
+                    }
+                    CutShape::Disc => {
+                        let radial = place(0, i).hypot(place(1, j)) - 0.5 * cavity.width_m;
+                        (share(radial, mean_m(wall_m)), rim_m(radial - 0.5 * mean_m(wall_m), mean_m(pixel_m)))
+                    }
+                };
+                *height += raised_m - cavity.depth_m * taken;
             }
         }
     }
@@ -170,6 +221,7 @@ mod tests {
         width_std_m: 0.0,
         pitch_std_m: 0.0,
         depth_std_m: 0.0,
+        rim: None,
         seed: 1,
     };
 

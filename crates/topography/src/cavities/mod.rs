@@ -7,18 +7,38 @@
 //! edge, above the middle third of its width (after ISO 5436-1, type A1: rims and walls count for neither, and
 //! waves of the surface longer than a cavity do not count as depth). Where neighbours leave no such land, the
 //! form fitted to all land takes its place.
+//!
+//! Rims along the edges are measured from the mean of all heights at equal distances from an edge ([`RimMetrology`]). A
+//! rim that reaches into the land beside its cavity would make it look deeper: depths are counted from that land less the
+//! fitted rim. Widths and spacings at half depth do not depend on rims where walls were measured; where they are missing, the
+//! smooth surface that bridges them begins on the rim, and a width grows by at most the share that the rim's height has in
+//! the missing part of the wall.
 
 mod components;
 mod cut;
+mod edge;
+mod found;
+mod heights;
+mod kriging;
 mod land;
+mod period;
+mod profile;
+mod rims;
+mod share;
+mod walls;
 
 use std::collections::BTreeMap;
 
-use components::{Axis, Chord, Regions};
-use land::Land;
+use edge::Edges;
+use found::Found;
+use rims::Scene;
 use slipgrid_statistics::median;
+use walls::Walls;
 
-pub use cut::{CutCavity, CutPattern, CutShape};
+pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
+pub use period::{Arrangement, MeanPeriod};
+pub use profile::RimProfile;
+pub use rims::{EdgeHeight, RimMetrology};
 
 use crate::form::Form;
 use crate::{HeightMap, MapError};
@@ -49,6 +69,24 @@ impl Spread {
     }
 }
 
+/// A quantity with its standard error, both in the unit that ends its name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The quantity.
+    pub value: f64,
+    /// Its standard error; `None` where one sample shows no scatter.
+    pub error: Option<f64>,
+}
+
+impl Estimate {
+    /// Mean of independent samples, with its error from their scatter.
+    fn mean(values: impl Iterator<Item = f64> + Clone) -> Option<Self> {
+        let count = values.clone().count() as f64;
+        let (value, std) = slipgrid_statistics::mean_and_std(values)?;
+        Some(Self { value, error: std.map(|std| std / count.sqrt()) })
+    }
+}
+
 /// A cavity as it was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cavity {
@@ -60,6 +98,12 @@ pub struct Cavity {
     pub depth_m: Option<f64>,
     /// Area at half depth within the map, in square metres.
     pub area_m2: f64,
+    /// Height of its rim, a mean along its edge, in metres; `None` where no cavity has a rim, and at the map's sides.
+    pub rim_height_m: Option<Estimate>,
+    /// Slope of its wall between 20 % and 80 % of its depth, in degrees from the horizontal.
+    pub wall_angle_deg: Option<f64>,
+    /// Root mean square height of its floor's middle third about its plane, in metres.
+    pub floor_sq_m: Option<f64>,
 }
 
 /// What was measured.
@@ -77,6 +121,17 @@ pub struct CavityMetrology {
     pub threshold_m: f64,
     /// Root mean square height of the land about its form, in metres.
     pub land_sq_m: f64,
+    /// The rims along their edges.
+    pub rim: RimMetrology,
+    /// Slope of the walls between 20 % and 80 % of the depth, in degrees from the horizontal, a mean over cavities;
+    /// `None` where no depth was measured, or no heights on the walls' way down.
+    pub wall_angle_deg: Option<Estimate>,
+    /// The slope of a wall that is two pixels wide, in degrees: from there on pixels show how steep a wall is at least, not
+    /// how steep it is. `None` where no depth was measured.
+    pub wall_resolved_deg: Option<f64>,
+    /// Root mean square height of the floors' middle thirds about their planes, in metres, a mean over cavities; `None`
+    /// where no floor holds the points that a plane needs.
+    pub floor_sq_m: Option<Estimate>,
     /// Every cavity.
     pub cavities: Vec<Cavity>,
 }
@@ -89,117 +144,76 @@ impl HeightMap {
     /// [`MapError::NoCavities`] if heights do not part into land and floors; [`MapError::FormUndetermined`] if
     /// the land does not determine the form.
     pub fn measure_cavities(&self, form: Form) -> Result<CavityMetrology, MapError> {
-        let land = Land::find(self, form)?;
-        let regions = Regions::find(&land.height_m, self.cols(), land.threshold_m, SPECK);
-        if regions.count() == 0 {
-            return Err(MapError::NoCavities { reason: "nothing lies below the land" });
+        let (found, sought) = Sought::with_rims(Found::find(self, form)?);
+        Ok(measure(&found, sought))
+    }
+}
+
+/// What is found along the edges of cavities.
+struct Sought {
+    /// Regions, from 1 on, that end within the map along an axis.
+    counts: Vec<bool>,
+    /// Width of each region along x and y.
+    width_m: Vec<[Option<f64>; 2]>,
+    spacing: [Option<Spread>; 2],
+    edges: Edges,
+    walls: Walls,
+    rim: RimMetrology,
+    /// Rim heights by region.
+    rim_heights: BTreeMap<u32, Estimate>,
+}
+
+impl Sought {
+    /// Edges, walls and rims of `found`; where there are rims, depths are counted from the land without them.
+    fn with_rims(found: Found) -> (Found, Self) {
+        let sought = Self::along_edges(&found);
+        if sought.rim.width_m.is_none() {
+            return (found, sought);
         }
-        // A third of a typical width keeps rims out of the land.
-        let pixel_m = [self.dx_m(), self.dy_m()];
-        let typical_m = [Axis::X, Axis::Y]
-            .into_iter()
-            .zip(pixel_m)
-            .filter_map(|(axis, pixel_m)| {
-                let chords = regions.chords(&land.height_m, |_| land.threshold_m, axis);
-                let mut lengths: Vec<f64> = chords.iter().filter_map(length).collect();
-                median(&mut lengths).map(|length| length * pixel_m)
+        let found = found.without_rim(&sought.edges, &sought.rim);
+        let sought = Self::along_edges(&found);
+        (found, sought)
+    }
+
+    fn along_edges(found: &Found) -> Self {
+        let regions = 0..=found.regions.count();
+        let counts: Vec<bool> =
+            regions.clone().map(|region| region > 0 && (found.counts(0, region) || found.counts(1, region))).collect();
+        let width_m: Vec<[Option<f64>; 2]> = regions
+            .map(|region| {
+                [0, 1].map(|axis| {
+                    let mut lengths = found.along[axis][region].lengths.clone();
+                    let width = median(&mut lengths).filter(|_| region > 0 && found.counts(axis, region));
+                    width.map(|length| length * found.pixel_m[axis])
+                })
             })
-            .fold(f64::INFINITY, f64::min);
-        let land = if typical_m.is_finite() {
-            land.refined(self, form, pixel_m.map(|pixel_m| (MARGIN * typical_m / pixel_m).ceil() as usize))
-        } else {
-            land
-        };
-        // Edges are sought on a complete map: instruments lose the steep walls first.
-        let mut filled = Self::new(self.rows(), self.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
-        filled.fill_missing();
-        Ok(measure(&filled, &land))
-    }
-}
-
-fn length(chord: &Chord) -> Option<f64> {
-    chord.from.zip(chord.to).map(|(from, to)| to - from)
-}
-
-/// What is gathered about a region along one axis.
-#[derive(Clone, Default)]
-struct Along {
-    lengths: Vec<f64>,
-    /// Lines that meet the region; those on which the map cuts it off before, behind.
-    lines: usize,
-    cut: [usize; 2],
-}
-
-impl Along {
-    /// Share of the lines on which a region must end within the map to have a width.
-    const WITHIN: f64 = 0.9;
-
-    /// Gathers the chords along both axes for regions 0 to `count`.
-    fn gather(chords: &[Vec<Chord>; 2], count: usize) -> [Vec<Self>; 2] {
-        let mut along = [vec![Self::default(); count + 1], vec![Self::default(); count + 1]];
-        for (along, chords) in along.iter_mut().zip(chords) {
-            for chord in chords {
-                let along = &mut along[chord.region as usize];
-                along.lines += 1;
-                along.cut[0] += usize::from(chord.from.is_none());
-                along.cut[1] += usize::from(chord.to.is_none());
-                along.lengths.extend(length(chord));
-            }
-        }
-        along
-    }
-
-    /// The map does not cut it off.
-    fn is_within(&self) -> bool {
-        self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
-    }
-
-    /// It runs through the whole map.
-    fn runs_through(&self) -> bool {
-        self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)
-    }
-}
-
-fn measure(filled: &HeightMap, land: &Land) -> CavityMetrology {
-    let (cols, pixel_m) = (filled.cols(), [filled.dx_m(), filled.dy_m()]);
-    let heights = filled.heights_m();
-    let regions = Regions::find(heights, cols, land.threshold_m, SPECK);
-    let chords = [Axis::X, Axis::Y].map(|axis| regions.chords(heights, |_| land.threshold_m, axis));
-    // Each cavity has its own half depth.
-    let floors = floors(&regions, &chords, &Along::gather(&chords, regions.count()), land, cols);
-    let half_m =
-        |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
-    let chords = [Axis::X, Axis::Y].map(|axis| regions.chords(heights, half_m, axis));
-
-    let along = Along::gather(&chords, regions.count());
-    // A region counts along an axis if it ends within the map there and is, across, either whole or a groove.
-    let counts = |axis: usize, region: usize| {
-        let across = &along[1 - axis][region];
-        along[axis][region].is_within() && (across.is_within() || across.runs_through())
-    };
-
-    let spacing = [0, 1].map(|axis| {
-        // Gaps of each pair of neighbours, line by line.
-        let mut gaps: BTreeMap<(u32, u32), Vec<f64>> = BTreeMap::new();
-        for pair in chords[axis].windows(2) {
-            if let (Some(from), Some(to)) = (pair[0].to, pair[1].from)
-                && pair[0].line == pair[1].line
-            {
-                gaps.entry((pair[0].region, pair[1].region)).or_default().push(to - from);
-            }
-        }
-        let values: Vec<f64> = gaps
-            .into_iter()
-            .filter(|((one, other), gaps)| {
-                // Neighbours face each other on most of their lines.
-                let lines = along[axis][*one as usize].lines.min(along[axis][*other as usize].lines);
-                2 * gaps.len() >= lines
-            })
-            .filter_map(|(_, mut gaps)| median(&mut gaps).map(|gap| gap * pixel_m[axis]))
             .collect();
-        Spread::of(&values)
-    });
+        let spacing = [0, 1]
+            .map(|axis| Spread::of(&found.neighbours(axis).into_iter().map(|(_, gap_m)| gap_m).collect::<Vec<f64>>()));
+        let widths =
+            [0, 1].map(|axis| Spread::of(&width_m.iter().filter_map(|width| width[axis]).collect::<Vec<f64>>()));
+        let least_m =
+            |spreads: [Option<Spread>; 2]| spreads.into_iter().flatten().map(|spread| spread.mean_m).reduce(f64::min);
+        let edges = found.edges();
+        let walls = walls::measure(found, &edges, &counts);
+        let scene = Scene {
+            edges: &edges,
+            height_m: &found.land.height_m,
+            label: &found.regions.label,
+            threshold_m: found.land.threshold_m,
+            counts: &counts,
+            pixel_m: found.pixel_m,
+            start_m: walls.top_m,
+            width_m: least_m(widths).unwrap_or(0.0),
+            spacing_m: least_m(spacing),
+        };
+        let (rim, rim_heights) = rims::measure(&scene);
+        Self { counts, width_m, spacing, edges, walls, rim, rim_heights }
+    }
+}
 
+fn measure(found: &Found, sought: Sought) -> CavityMetrology {
+    let (regions, cols, pixel_m) = (&found.regions, found.cols(), found.pixel_m);
     let mut center = vec![[0.0; 2]; regions.count() + 1];
     for (n, &region) in regions.label.iter().enumerate() {
         center[region as usize][0] += (n / cols) as f64 + 0.5;
@@ -208,125 +222,38 @@ fn measure(filled: &HeightMap, land: &Land) -> CavityMetrology {
     let cavities: Vec<Cavity> = (1..=regions.count())
         .map(|region| {
             let points = regions.points[region] as f64;
-            let width_m = [0, 1].map(|axis| {
-                let mut lengths = along[axis][region].lengths.clone();
-                median(&mut lengths).filter(|_| counts(axis, region)).map(|length| length * pixel_m[axis])
-            });
+            let measured = |value: Option<f64>| value.filter(|_| sought.counts[region]);
             Cavity {
                 center_m: [0, 1].map(|axis| center[region][axis] / points * pixel_m[axis]),
-                width_m,
-                depth_m: floors[region].filter(|_| counts(0, region) || counts(1, region)).map(|floor| floor.depth_m),
+                width_m: sought.width_m[region],
+                depth_m: measured(found.floors[region].map(|floor| floor.depth_m)),
                 area_m2: points * pixel_m[0] * pixel_m[1],
+                // At most 2^25 regions: the cast is exact.
+                rim_height_m: sought.rim_heights.get(&(region as u32)).copied(),
+                wall_angle_deg: measured(sought.walls.angle_deg[region]),
+                floor_sq_m: measured(sought.walls.floor_sq_m[region]),
             }
         })
         .collect();
     let spread =
         |value: &dyn Fn(&Cavity) -> Option<f64>| Spread::of(&cavities.iter().filter_map(value).collect::<Vec<f64>>());
+    let depth = spread(&|cavity| cavity.depth_m);
     CavityMetrology {
         width: [spread(&|cavity| cavity.width_m[0]), spread(&|cavity| cavity.width_m[1])],
-        spacing,
-        depth: spread(&|cavity| cavity.depth_m),
-        area_fraction: regions.points.iter().sum::<usize>() as f64 / heights.len() as f64,
-        threshold_m: -land.threshold_m,
-        land_sq_m: land.sq_m(),
+        spacing: sought.spacing,
+        depth,
+        area_fraction: regions.points.iter().sum::<usize>() as f64 / regions.label.len() as f64,
+        threshold_m: -found.land.threshold_m,
+        land_sq_m: found.land.sq_m(),
+        rim: sought.rim,
+        wall_angle_deg: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.wall_angle_deg)),
+        wall_resolved_deg: depth.map(|depth| walls::resolved_deg(depth.mean_m, pixel_m)),
+        floor_sq_m: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.floor_sq_m)),
         cavities,
     }
 }
 
-/// Mean of what is added to it.
-#[derive(Clone, Copy, Default)]
-struct Mean {
-    sum: f64,
-    count: f64,
-}
-
-impl Mean {
-    fn add(&mut self, value: f64) {
-        if !value.is_nan() {
-            self.sum += value;
-            self.count += 1.0;
-        }
-    }
-
-    fn value(self) -> Option<f64> {
-        (self.count > 0.0).then(|| self.sum / self.count)
-    }
-}
-
-/// The level of a region's floor.
-#[derive(Clone, Copy)]
-struct Floor {
-    /// Height of the land beside it, in metres.
-    land_m: f64,
-    /// Distance from there down to the floor, in metres.
-    depth_m: f64,
-}
-
-/// The land beside each region and the depth of its middle third, over points that were measured.
-fn floors(
-    regions: &Regions,
-    chords: &[Vec<Chord>; 2],
-    along: &[Vec<Along>; 2],
-    land: &Land,
-    cols: usize,
-) -> Vec<Option<Floor>> {
-    // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
-    // the lines in its walls meet it in short chords: what lies between those is wall, not land.
-    let mut middle = vec![true; regions.label.len()];
-    // The land before and behind along x, before and behind along y.
-    let mut beside = vec![[Mean::default(); 4]; regions.count() + 1];
-    for (axis, chords) in chords.iter().enumerate() {
-        let length = if axis == 0 { regions.label.len() / cols } else { cols };
-        for (number, chord) in chords.iter().enumerate() {
-            let ends = chord.from.zip(chord.to).filter(|_| along[axis][chord.region as usize].is_within());
-            let Some((from, to)) = ends else { continue };
-            let at = |k: usize| if axis == 0 { k * cols + chord.line } else { chord.line * cols + k };
-            let margin = MARGIN * (to - from);
-            for k in from.ceil() as usize..=to.floor() as usize {
-                if ((k as f64) < from + margin || k as f64 > to - margin) && regions.label[at(k)] == chord.region {
-                    middle[at(k)] = false;
-                }
-            }
-            // Land ends a margin before the next cavity on the line.
-            let same_line = |other: &&Chord| other.line == chord.line;
-            let previous = number.checked_sub(1).and_then(|before| chords.get(before)).filter(same_line);
-            let next = chords.get(number + 1).filter(same_line);
-            let first = previous.map_or(0.0, |previous| previous.to.unwrap_or(0.0) + margin).max(from - (to - from));
-            let last = next
-                .map_or(length as f64 - 1.0, |next| next.from.unwrap_or(length as f64) - margin)
-                .min(to + (to - from));
-            let sides = &mut beside[chord.region as usize];
-            for (side, [first, last]) in [[first, from - margin], [to + margin, last]].into_iter().enumerate() {
-                // The casts saturate at zero.
-                for k in first.ceil() as usize..(last.floor() + 1.0).max(0.0) as usize {
-                    sides[2 * axis + side].add(land.height_m[at(k.min(length - 1))]);
-                }
-            }
-        }
-    }
-    let mut floor = vec![Mean::default(); regions.count() + 1];
-    for ((&region, &middle), &height) in regions.label.iter().zip(&middle).zip(&land.height_m) {
-        if middle {
-            floor[region as usize].add(height);
-        }
-    }
-    floor
-        .into_iter()
-        .zip(beside)
-        .map(|(floor, beside)| {
-            // Both sides weigh alike, whatever their number of points: a tilt drops out.
-            let mut sides = Mean::default();
-            for axis in beside.chunks_exact(2) {
-                match (axis[0].value(), axis[1].value()) {
-                    (Some(before), Some(behind)) => sides.add(0.5 * (before + behind)),
-                    (one, other) => sides.add(one.or(other).unwrap_or(f64::NAN)),
-                }
-            }
-            let land_m = sides.value().unwrap_or(0.0);
-            floor.value().map(|floor| Floor { land_m, depth_m: land_m - floor })
-        })
-        .collect()
-}
-
+#[cfg(test)]
+mod rim_tests;
 #[cfg(test)]
 mod tests;

@@ -16,6 +16,7 @@ const PUBLISHED: CutPattern = CutPattern {
     width_std_m: 8e-6,
     pitch_std_m: 13e-6,
     depth_std_m: 1.3e-6,
+    rim: None,
     seed: 7,
 };
 

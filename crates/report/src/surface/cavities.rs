@@ -1,0 +1,219 @@
+//! Cavities of a map: record, tables and the picture of their edges.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+use slipgrid_results::{Table, fixed};
+use slipgrid_topography::{CavityMetrology, Estimate, RimMetrology, Spread};
+use slipgrid_units::tidy;
+
+use super::um;
+use crate::ChartError;
+use crate::charts::{self, EdgeProfileChart};
+
+/// Points of the drawn rim.
+const RIM_POINTS: u32 = 240;
+
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct CavityReport {
+    width_x: Option<SpreadReport>,
+    width_y: Option<SpreadReport>,
+    spacing_x: Option<SpreadReport>,
+    spacing_y: Option<SpreadReport>,
+    depth: Option<SpreadReport>,
+    area_fraction: f64,
+    land_sq_um: f64,
+    count: usize,
+    rim: RimReport,
+    wall_angle_deg: Option<EstimateReport>,
+    /// The slope from which on a wall is steeper than the pixels show.
+    wall_resolved_deg: Option<f64>,
+    floor_sq_um: Option<EstimateReport>,
+}
+
+/// The rims; everything but the height is null where none stands out from the roughness.
+#[derive(Clone, Debug, Serialize)]
+struct RimReport {
+    height_um: Option<EstimateReport>,
+    height_std_um: Option<EstimateReport>,
+    side_std_um: Option<EstimateReport>,
+    width_um: Option<EstimateReport>,
+    profile: Option<&'static str>,
+    share_of_edge: Option<EstimateReport>,
+    /// Distance from the edge at half depth to the upper end of the wall, where the rim begins.
+    start_um: f64,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct SpreadReport {
+    mean_um: f64,
+    std_um: f64,
+    count: usize,
+}
+
+/// A quantity and its standard error, null where one sample shows no scatter.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct EstimateReport {
+    value: f64,
+    error: Option<f64>,
+}
+
+impl EstimateReport {
+    fn um(estimate: Estimate) -> Self {
+        Self { value: um(estimate.value), error: estimate.error.map(um) }
+    }
+
+    fn plain(estimate: Estimate) -> Self {
+        Self { value: tidy(estimate.value), error: estimate.error.map(tidy) }
+    }
+}
+
+impl From<Spread> for SpreadReport {
+    fn from(spread: Spread) -> Self {
+        Self { mean_um: um(spread.mean_m), std_um: um(spread.std_m), count: spread.count }
+    }
+}
+
+impl From<&CavityMetrology> for CavityReport {
+    fn from(found: &CavityMetrology) -> Self {
+        let rim = &found.rim;
+        Self {
+            width_x: found.width[0].map(SpreadReport::from),
+            width_y: found.width[1].map(SpreadReport::from),
+            spacing_x: found.spacing[0].map(SpreadReport::from),
+            spacing_y: found.spacing[1].map(SpreadReport::from),
+            depth: found.depth.map(SpreadReport::from),
+            area_fraction: tidy(found.area_fraction),
+            land_sq_um: um(found.land_sq_m),
+            count: found.cavities.len(),
+            rim: RimReport {
+                height_um: rim.height_m.map(EstimateReport::um),
+                height_std_um: rim.height_std_m.map(EstimateReport::um),
+                side_std_um: rim.side_std_m.map(EstimateReport::um),
+                width_um: rim.width_m.map(EstimateReport::um),
+                profile: rim.profile.map(|profile| profile.name()),
+                share_of_edge: rim.share_of_edge.map(EstimateReport::plain),
+                start_um: um(rim.start_m),
+            },
+            wall_angle_deg: found.wall_angle_deg.map(EstimateReport::plain),
+            wall_resolved_deg: found.wall_resolved_deg.map(tidy),
+            floor_sq_um: found.floor_sq_m.map(EstimateReport::um),
+        }
+    }
+}
+
+impl CavityReport {
+    pub(super) fn table(&self) -> String {
+        let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
+        for (name, spread) in [
+            ("width along x", &self.width_x),
+            ("width along y", &self.width_y),
+            ("spacing along x", &self.spacing_x),
+            ("spacing along y", &self.spacing_y),
+            ("depth", &self.depth),
+        ] {
+            if let Some(spread) = spread {
+                let number = |value: f64| fixed(Some(value), 2);
+                table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
+            }
+        }
+        format!(
+            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n{}",
+            self.count,
+            100.0 * self.area_fraction,
+            fixed(Some(self.land_sq_um), 3),
+            self.edges()
+        )
+    }
+
+    /// Rims, walls and floors.
+    fn edges(&self) -> String {
+        let rim = &self.rim;
+        let mut table = Table::new(["edges", "value", "+-", ""]);
+        for (name, estimate, decimals, unit) in [
+            ("rim height", rim.height_um, 3, "um"),
+            ("rim height, cavity to cavity", rim.height_std_um, 3, "um"),
+            ("rim height, side to side", rim.side_std_um, 3, "um"),
+            ("rim width", rim.width_um, 2, "um"),
+            ("share of edge with a rim", rim.share_of_edge, 3, ""),
+            ("wall angle", self.wall_angle_deg, 1, "deg"),
+            ("floor Sq", self.floor_sq_um, 3, "um"),
+        ] {
+            if let Some(estimate) = estimate {
+                let cells = [Some(estimate.value), estimate.error].map(|value| fixed(value, decimals));
+                let [value, error] = cells;
+                table.row([name.to_owned(), value, error, unit.to_owned()]);
+            }
+        }
+        let rim = match (rim.profile, rim.height_um) {
+            (Some(profile), _) => format!("the rim's profile is {profile}"),
+            (None, Some(_)) => "no rim stands out from the roughness".to_owned(),
+            (None, None) => "rims cannot be measured: too little land or edge, or too few pixels across".to_owned(),
+        };
+        let wall = match (self.wall_angle_deg, self.wall_resolved_deg) {
+            (Some(angle), Some(resolved)) if angle.value >= resolved => {
+                format!("; walls are at least as steep as that: the pixels resolve up to {resolved:.1} deg")
+            }
+            _ => String::new(),
+        };
+        format!("\n{table}\n{rim}{wall}\n")
+    }
+}
+
+/// The cavities, one row each; empty fields where the map's sides cut a cavity off, or something was not measured.
+pub fn cavities_csv(metrology: &CavityMetrology) -> String {
+    let mut text = String::from(
+        "x_um,y_um,width_x_um,width_y_um,depth_um,area_um2,rim_height_um,rim_height_error_um,wall_angle_deg,floor_sq_um\n",
+    );
+    let field = |length_m: Option<f64>| length_m.map_or_else(String::new, |length_m| um(length_m).to_string());
+    for cavity in &metrology.cavities {
+        let [x_m, y_m] = cavity.center_m;
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{},{},{},{}",
+            um(x_m),
+            um(y_m),
+            field(cavity.width_m[0]),
+            field(cavity.width_m[1]),
+            field(cavity.depth_m),
+            tidy(cavity.area_m2 * 1e12),
+            field(cavity.rim_height_m.map(|height| height.value)),
+            field(cavity.rim_height_m.and_then(|height| height.error)),
+            cavity.wall_angle_deg.map_or_else(String::new, |angle_deg| tidy(angle_deg).to_string()),
+            field(cavity.floor_sq_m),
+        );
+    }
+    text
+}
+
+/// The mean profile of the land before an edge, one row a distance, with the fitted rim.
+pub fn edge_profile_csv(rim: &RimMetrology) -> String {
+    let mut text = String::from("distance_um,height_um,height_error_um,rim_um\n");
+    for point in &rim.edge_profile {
+        let fitted_m = rim.fitted_m(point.distance_m);
+        let _ =
+            writeln!(text, "{},{},{},{}", um(point.distance_m), um(point.height_m), um(point.error_m), um(fitted_m));
+    }
+    text
+}
+
+/// The mean profile of the land before an edge as a picture, with the fitted rim; `None` where there is no land.
+///
+/// # Errors
+/// [`ChartError`] if drawing fails.
+pub fn edge_profile_svg(rim: &RimMetrology, synthetic: bool) -> Result<Option<String>, ChartError> {
+    let Some(last) = rim.edge_profile.last() else { return Ok(None) };
+    let points: Vec<[f64; 3]> =
+        rim.edge_profile.iter().map(|point| [point.distance_m, point.height_m, point.error_m].map(um)).collect();
+    let place = |step: u32| rim.start_m + (last.distance_m - rim.start_m) * f64::from(step) / f64::from(RIM_POINTS);
+    let fitted: Vec<[f64; 2]> = match rim.profile {
+        Some(_) => (0..=RIM_POINTS).map(place).map(|at_m| [um(at_m), um(rim.fitted_m(at_m))]).collect(),
+        None => Vec::new(),
+    };
+    let title = if synthetic { "Land before the edges (synthetic surface)" } else { "Land before the edges" };
+    let label = rim.profile.map_or_else(String::new, |profile| format!("{profile} rim"));
+    let chart =
+        EdgeProfileChart { title, points_um: &points, rim_um: &fitted, rim_label: &label, start_um: um(rim.start_m) };
+    charts::edge_profile(&chart).map(Some)
+}

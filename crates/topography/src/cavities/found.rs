@@ -1,0 +1,266 @@
+//! Cavities as they are found: regions, the chords that end at their own half depth, their floors.
+
+use std::collections::BTreeMap;
+
+use slipgrid_statistics::median;
+
+use super::components::{Chord, Regions};
+use super::edge::{AXES, Edges};
+use super::land::Land;
+use super::{MARGIN, RimMetrology, SPECK};
+use crate::form::Form;
+use crate::{HeightMap, MapError};
+
+/// The cavities of a map.
+pub(super) struct Found {
+    pub(super) land: Land,
+    /// Heights above the land, missing points bridged.
+    filled_m: Vec<f64>,
+    pub(super) regions: Regions,
+    /// Chords along x and y, ending at each cavity's own half depth.
+    pub(super) chords: [Vec<Chord>; 2],
+    /// What they say of each region.
+    pub(super) along: [Vec<Along>; 2],
+    pub(super) floors: Vec<Option<Floor>>,
+    /// Points in the middle thirds of cavities.
+    pub(super) middle: Vec<bool>,
+    pub(super) pixel_m: [f64; 2],
+}
+
+impl Found {
+    /// Finds the cavities of `map`, whose land follows `form`.
+    pub(super) fn find(map: &HeightMap, form: Form) -> Result<Self, MapError> {
+        let land = Land::find(map, form)?;
+        let regions = Regions::find(&land.height_m, map.cols(), land.threshold_m, SPECK);
+        if regions.count() == 0 {
+            return Err(MapError::NoCavities { reason: "nothing lies below the land" });
+        }
+        // A third of a typical width keeps rims out of the land.
+        let pixel_m = [map.dx_m(), map.dy_m()];
+        let typical_m = AXES
+            .into_iter()
+            .zip(pixel_m)
+            .filter_map(|(axis, pixel_m)| {
+                let chords = regions.chords(&land.height_m, |_| land.threshold_m, axis);
+                let mut lengths: Vec<f64> = chords.iter().filter_map(length).collect();
+                median(&mut lengths).map(|length| length * pixel_m)
+            })
+            .fold(f64::INFINITY, f64::min);
+        let land = if typical_m.is_finite() {
+            land.refined(map, form, pixel_m.map(|pixel_m| (MARGIN * typical_m / pixel_m).ceil() as usize))
+        } else {
+            land
+        };
+        // Edges are sought on a complete map: instruments lose the steep walls first.
+        let mut filled = HeightMap::new(map.rows(), map.cols(), pixel_m[0], pixel_m[1], land.height_m.clone())?;
+        filled.fill_missing();
+        let filled_m = filled.heights_m().to_vec();
+        let regions = Regions::find(&filled_m, map.cols(), land.threshold_m, SPECK);
+        Ok(Self::complete(land, filled_m, regions, None, pixel_m))
+    }
+
+    /// The same with floors below a land from which the rim is subtracted: what reaches into the land beside a cavity
+    /// would make it look deeper.
+    pub(super) fn without_rim(self, edges: &Edges, rim: &RimMetrology) -> Self {
+        let bare = |(n, &height_m): (usize, &f64)| match edges.distance_m(n) {
+            Some((_, distance_m)) if self.regions.label[n] == 0 => height_m - rim.fitted_m(distance_m),
+            _ => height_m,
+        };
+        let bare_m: Vec<f64> = self.land.height_m.iter().enumerate().map(bare).collect();
+        Self::complete(self.land, self.filled_m, self.regions, Some(&bare_m), self.pixel_m)
+    }
+
+    /// Floors and chords of `regions`; the land beside cavities is that of `bare_m` where it is given.
+    fn complete(land: Land, filled_m: Vec<f64>, regions: Regions, bare_m: Option<&[f64]>, pixel_m: [f64; 2]) -> Self {
+        let chords = AXES.map(|axis| regions.chords(&filled_m, |_| land.threshold_m, axis));
+        // Each cavity has its own half depth.
+        let along = Along::gather(&chords, regions.count());
+        let (floors, middle) = floors(&regions, &chords, &along, bare_m.unwrap_or(&land.height_m));
+        let half_m =
+            |region: u32| floors[region as usize].map_or(land.threshold_m, |floor| floor.land_m - 0.5 * floor.depth_m);
+        let chords = AXES.map(|axis| regions.chords(&filled_m, half_m, axis));
+        let along = Along::gather(&chords, regions.count());
+        Self { land, filled_m, regions, chords, along, floors, middle, pixel_m }
+    }
+
+    /// Points along y.
+    pub(super) fn cols(&self) -> usize {
+        self.regions.cols()
+    }
+
+    /// Whether a region counts along an axis: it ends within the map there and is, across, either whole or a groove.
+    pub(super) fn counts(&self, axis: usize, region: usize) -> bool {
+        let across = &self.along[1 - axis][region];
+        self.along[axis][region].is_within() && (across.is_within() || across.runs_through())
+    }
+
+    /// Pairs of neighbours that face each other along an axis on most of their lines, and the land between, in metres.
+    pub(super) fn neighbours(&self, axis: usize) -> Vec<([u32; 2], f64)> {
+        // Gaps of each pair, line by line.
+        let mut gaps: BTreeMap<[u32; 2], Vec<f64>> = BTreeMap::new();
+        for pair in self.chords[axis].windows(2) {
+            if let (Some(from), Some(to)) = (pair[0].to, pair[1].from)
+                && pair[0].line == pair[1].line
+            {
+                gaps.entry([pair[0].region, pair[1].region]).or_default().push(to - from);
+            }
+        }
+        gaps.into_iter()
+            .filter(|(pair, gaps)| {
+                let [one, other] = pair.map(|region| self.along[axis][region as usize].lines);
+                2 * gaps.len() >= one.min(other)
+            })
+            .filter_map(|(pair, mut gaps)| median(&mut gaps).map(|gap| (pair, gap * self.pixel_m[axis])))
+            .collect()
+    }
+
+    /// The edges of all regions; those that count along no axis have them along both.
+    pub(super) fn edges(&self) -> Edges {
+        let counts = |axis: usize, region: u32| {
+            let region = region as usize;
+            self.counts(axis, region) || !self.counts(1 - axis, region)
+        };
+        let rows = self.regions.label.len() / self.cols();
+        Edges::find(&self.chords, counts, [rows, self.cols()], self.pixel_m)
+    }
+}
+
+pub(super) fn length(chord: &Chord) -> Option<f64> {
+    chord.from.zip(chord.to).map(|(from, to)| to - from)
+}
+
+/// What is gathered about a region along one axis.
+#[derive(Clone, Default)]
+pub(super) struct Along {
+    pub(super) lengths: Vec<f64>,
+    /// Lines that meet the region; those on which the map cuts it off before, behind.
+    pub(super) lines: usize,
+    cut: [usize; 2],
+}
+
+impl Along {
+    /// Share of the lines on which a region must end within the map to have a width.
+    const WITHIN: f64 = 0.9;
+
+    /// Gathers the chords along both axes for regions 0 to `count`.
+    fn gather(chords: &[Vec<Chord>; 2], count: usize) -> [Vec<Self>; 2] {
+        let mut along = [vec![Self::default(); count + 1], vec![Self::default(); count + 1]];
+        for (along, chords) in along.iter_mut().zip(chords) {
+            for chord in chords {
+                let along = &mut along[chord.region as usize];
+                along.lines += 1;
+                along.cut[0] += usize::from(chord.from.is_none());
+                along.cut[1] += usize::from(chord.to.is_none());
+                along.lengths.extend(length(chord));
+            }
+        }
+        along
+    }
+
+    /// The map does not cut it off.
+    pub(super) fn is_within(&self) -> bool {
+        self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
+    }
+
+    /// It runs through the whole map.
+    pub(super) fn runs_through(&self) -> bool {
+        self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)
+    }
+}
+
+/// Mean of what is added to it.
+#[derive(Clone, Copy, Default)]
+struct Mean {
+    sum: f64,
+    count: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        if !value.is_nan() {
+            self.sum += value;
+            self.count += 1.0;
+        }
+    }
+
+    fn value(self) -> Option<f64> {
+        (self.count > 0.0).then(|| self.sum / self.count)
+    }
+}
+
+/// The level of a region's floor.
+#[derive(Clone, Copy)]
+pub(super) struct Floor {
+    /// Height of the land beside it, in metres.
+    pub(super) land_m: f64,
+    /// Distance from there down to the floor, in metres.
+    pub(super) depth_m: f64,
+}
+
+/// The land beside each region and the depth of its middle third, over points that were measured; and which points lie
+/// in middle thirds.
+fn floors(
+    regions: &Regions,
+    chords: &[Vec<Chord>; 2],
+    along: &[Vec<Along>; 2],
+    height_m: &[f64],
+) -> (Vec<Option<Floor>>, Vec<bool>) {
+    let cols = regions.cols();
+    // A point is in the middle if it is so along every axis on which the region ends within the map. Along a groove
+    // the lines in its walls meet it in short chords: what lies between those is wall, not land.
+    let mut middle = vec![true; regions.label.len()];
+    // The land before and behind along x, before and behind along y.
+    let mut beside = vec![[Mean::default(); 4]; regions.count() + 1];
+    for (axis, chords) in chords.iter().enumerate() {
+        let length = if axis == 0 { regions.label.len() / cols } else { cols };
+        for (number, chord) in chords.iter().enumerate() {
+            let ends = chord.from.zip(chord.to).filter(|_| along[axis][chord.region as usize].is_within());
+            let Some((from, to)) = ends else { continue };
+            let at = |k: usize| if axis == 0 { k * cols + chord.line } else { chord.line * cols + k };
+            let margin = MARGIN * (to - from);
+            for k in from.ceil() as usize..=to.floor() as usize {
+                if ((k as f64) < from + margin || k as f64 > to - margin) && regions.label[at(k)] == chord.region {
+                    middle[at(k)] = false;
+                }
+            }
+            // Land ends a margin before the next cavity on the line.
+            let same_line = |other: &&Chord| other.line == chord.line;
+            let previous = number.checked_sub(1).and_then(|before| chords.get(before)).filter(same_line);
+            let next = chords.get(number + 1).filter(same_line);
+            let first = previous.map_or(0.0, |previous| previous.to.unwrap_or(0.0) + margin).max(from - (to - from));
+            let last = next
+                .map_or(length as f64 - 1.0, |next| next.from.unwrap_or(length as f64) - margin)
+                .min(to + (to - from));
+            let sides = &mut beside[chord.region as usize];
+            for (side, [first, last]) in [[first, from - margin], [to + margin, last]].into_iter().enumerate() {
+                // The casts saturate at zero.
+                for k in first.ceil() as usize..(last.floor() + 1.0).max(0.0) as usize {
+                    sides[2 * axis + side].add(height_m[at(k.min(length - 1))]);
+                }
+            }
+        }
+    }
+    let mut floor = vec![Mean::default(); regions.count() + 1];
+    for ((&region, &middle), &height) in regions.label.iter().zip(&middle).zip(height_m) {
+        if middle {
+            floor[region as usize].add(height);
+        }
+    }
+    let floors = floor
+        .into_iter()
+        .zip(beside)
+        .map(|(floor, beside)| {
+            // Both sides weigh alike, whatever their number of points: a tilt drops out.
+            let mut sides = Mean::default();
+            for axis in beside.chunks_exact(2) {
+                match (axis[0].value(), axis[1].value()) {
+                    (Some(before), Some(behind)) => sides.add(0.5 * (before + behind)),
+                    (one, other) => sides.add(one.or(other).unwrap_or(f64::NAN)),
+                }
+            }
+            let land_m = sides.value().unwrap_or(0.0);
+            floor.value().map(|floor| Floor { land_m, depth_m: land_m - floor })
+        })
+        .collect();
+    (floors, middle)
+}

@@ -1,0 +1,221 @@
+//! Least squares for profiles with rough noise: what two heights of a profile differ by grows with their distance.
+
+/// Share of the greatest semivariance that single heights scatter by at least: keeps the equations well conditioned.
+const LEAST_NUGGET: f64 = 1e-3;
+/// Variance of the profiles' common level over the greatest semivariance: large, since every fit has its own level.
+const LEVEL: f64 = 10.0;
+
+/// Semivariance of a rough profile at the lag of m bins: nugget + scale m^(2 H), for m > 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Variogram {
+    pub(super) nugget: f64,
+    pub(super) scale: f64,
+    pub(super) twice_hurst: f64,
+}
+
+impl Variogram {
+    /// Fits the semivariances at lags 1, 2, ... with equal relative weights; white noise where there are none.
+    pub(super) fn fit(semivariance: &[f64]) -> Self {
+        const WHITE: Variogram = Variogram { nugget: 1.0, scale: 0.0, twice_hurst: 1.0 };
+        let known = || semivariance.iter().enumerate().filter(|(_, value)| **value > 0.0);
+        if known().count() == 0 {
+            return WHITE;
+        }
+        let mut best = (f64::INFINITY, WHITE);
+        for step in 1..20 {
+            // 2 H from 0.1 to 1.9
+            let twice_hurst = 0.1 * f64::from(step);
+            // Least squares of (nugget + scale p)/value = 1 over p = m^(2 H), neither below zero.
+            let mut sums = [0.0; 5];
+            for (index, value) in known() {
+                let (one, power) = (1.0 / value, libm::pow(index as f64 + 1.0, twice_hurst) / value);
+                for (sum, term) in sums.iter_mut().zip([one * one, one * power, power * power, one, power]) {
+                    *sum += term;
+                }
+            }
+            let [oo, op, pp, o, p] = sums;
+            let determinant = oo * pp - op * op;
+            let both = [(o * pp - p * op) / determinant, (p * oo - o * op) / determinant];
+            for [nugget, scale] in [both, [o / oo, 0.0], [0.0, p / pp]] {
+                let misfit: f64 = known()
+                    .map(|(index, value)| {
+                        let found = nugget + scale * libm::pow(index as f64 + 1.0, twice_hurst);
+                        (found / value - 1.0).powi(2)
+                    })
+                    .sum();
+                if nugget >= 0.0 && scale >= 0.0 && misfit < best.0 {
+                    best = (misfit, Self { nugget, scale, twice_hurst });
+                }
+            }
+        }
+        best.1
+    }
+
+    fn at(&self, lag: usize) -> f64 {
+        self.nugget + self.scale * libm::pow(lag as f64, self.twice_hurst)
+    }
+}
+
+/// Generalised least squares of level + slope x + h f for profiles over bins whose noise a variogram says (universal
+/// kriging). Waves longer than a profile lend it a slope, which the same waves lend to all cavities of a pattern whose
+/// pitch is theirs: the slope is fitted with the level.
+pub(super) struct Kriging {
+    /// Lower half of the Cholesky factor of the covariance, row by row.
+    factor: Vec<Vec<f64>>,
+    /// The constant, whitened.
+    ones: Vec<f64>,
+    /// Constant and slope, whitened, of length 1 and perpendicular to each other.
+    drift: Vec<Vec<f64>>,
+}
+
+/// A shape f made ready: whitened, without its share of constant and slope.
+pub(super) struct Shape {
+    whitened: Vec<f64>,
+    square: f64,
+}
+
+impl Shape {
+    /// Whether its height can be told from level and slope.
+    pub(super) fn is_determined(&self) -> bool {
+        self.square > 0.0
+    }
+}
+
+impl Kriging {
+    /// For profiles with heights in `bins`; `extra` is added to the nugget. `None` if the equations are degenerate.
+    pub(super) fn new(variogram: Variogram, bins: &[usize], extra: f64) -> Option<Self> {
+        let span = bins.last()? - bins.first()?;
+        let greatest = variogram.at(span.max(1)) + extra;
+        let nugget = (variogram.nugget + extra).max(LEAST_NUGGET * greatest) - variogram.nugget;
+        let sill = LEVEL * (greatest + nugget);
+        let covariance = |one: usize, other: usize| match bins[one].abs_diff(bins[other]) {
+            0 => sill,
+            lag => sill - variogram.at(lag) - nugget,
+        };
+        let mut factor: Vec<Vec<f64>> = Vec::new();
+        for i in 0..bins.len() {
+            let mut row: Vec<f64> = Vec::new();
+            for (j, above) in factor.iter().enumerate() {
+                let sum = (0..j).fold(covariance(i, j), |sum, k| sum - row[k] * above[k]);
+                row.push(sum / above[j]);
+            }
+            let square = row.iter().fold(covariance(i, i), |sum, value| sum - value * value);
+            if square <= 0.0 {
+                return None;
+            }
+            row.push(square.sqrt());
+            factor.push(row);
+        }
+        let mut kriging = Self { factor, ones: Vec::new(), drift: Vec::new() };
+        kriging.ones = kriging.whiten(&vec![1.0; bins.len()]);
+        for power in [0, 1] {
+            let share = |bin: usize| (bin - bins[0]) as f64 / span.max(1) as f64;
+            let values: Vec<f64> = bins.iter().map(|&bin| share(bin).powi(power)).collect();
+            let mut whitened = kriging.whiten(&values);
+            kriging.strip(&mut whitened);
+            let length = dot(&whitened, &whitened).sqrt();
+            kriging.drift.push(whitened.iter().map(|value| value / length).collect());
+        }
+        Some(kriging)
+    }
+
+    /// L^-1 z
+    fn whiten(&self, profile: &[f64]) -> Vec<f64> {
+        let mut white = Vec::with_capacity(profile.len());
+        for (row, &value) in self.factor.iter().zip(profile) {
+            let known =
+                row.iter().zip(&white).fold(value, |sum: f64, (factor, white): (&f64, &f64)| sum - factor * white);
+            white.push(known / row[white.len()]);
+        }
+        white
+    }
+
+    /// Takes constant and slope away.
+    fn strip(&self, whitened: &mut [f64]) {
+        for direction in &self.drift {
+            let share = dot(whitened, direction);
+            for (value, part) in whitened.iter_mut().zip(direction) {
+                *value -= share * part;
+            }
+        }
+    }
+
+    pub(super) fn shape(&self, values: &[f64]) -> Shape {
+        let mut whitened = self.whiten(values);
+        let whole = dot(&whitened, &whitened);
+        self.strip(&mut whitened);
+        let square = dot(&whitened, &whitened);
+        Shape { square: if square > 1e-9 * whole { square } else { 0.0 }, whitened }
+    }
+
+    /// The profile made ready for [`Self::height`].
+    pub(super) fn ready(&self, profile: &[f64]) -> Vec<f64> {
+        self.whiten(profile)
+    }
+
+    /// h of a profile made ready, and by how much it lessens the sum of squares.
+    pub(super) fn height(&self, shape: &Shape, ready: &[f64]) -> (f64, f64) {
+        let product = dot(&shape.whitened, ready);
+        (product / shape.square, product * product / shape.square)
+    }
+
+    /// The weights a with h = sum of a z.
+    pub(super) fn weights(&self, shape: &Shape) -> Vec<f64> {
+        // L^T a = f/(f f)
+        let mut weights: Vec<f64> = shape.whitened.iter().map(|value| value / shape.square).collect();
+        for i in (0..weights.len()).rev() {
+            weights[i] /= self.factor[i][i];
+            let solved = weights[i];
+            for (weight, factor) in weights[..i].iter_mut().zip(&self.factor[i]) {
+                *weight -= factor * solved;
+            }
+        }
+        weights
+    }
+
+    /// The level of `profile`.
+    pub(super) fn level(&self, profile: &[f64]) -> f64 {
+        dot(&self.whiten(profile), &self.ones) / dot(&self.ones, &self.ones)
+    }
+}
+
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one * other).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_variogram_is_found_again() {
+        for (nugget, scale, twice_hurst) in [(0.5, 0.2, 1.6), (0.0, 3.0, 0.4), (2.0, 1e-3, 1.9)] {
+            let given = Variogram { nugget, scale, twice_hurst };
+            let found = Variogram::fit(&(1..30).map(|lag| given.at(lag)).collect::<Vec<f64>>());
+            for lag in [1, 7, 29] {
+                assert!((found.at(lag) / given.at(lag) - 1.0).abs() < 1e-6, "{found:?} {given:?}");
+            }
+        }
+        assert!(Variogram::fit(&[0.0; 9]).nugget > 0.0 && Variogram::fit(&[]).nugget > 0.0);
+    }
+
+    #[test]
+    fn the_height_of_a_step_on_any_level_and_slope_is_exact_and_that_of_its_weights() {
+        let bins: Vec<usize> = (0..40).filter(|bin| bin % 7 != 3).collect();
+        let step: Vec<f64> = bins.iter().map(|&bin| if bin < 9 { 1.0 } else { 0.0 }).collect();
+        for twice_hurst in [0.2, 1.0, 1.9] {
+            let kriging = Kriging::new(Variogram { nugget: 0.1, scale: 0.3, twice_hurst }, &bins, 0.01).unwrap();
+            let profile: Vec<f64> = step.iter().map(|step| 5.0 + 0.7 * step).collect();
+            let shape = kriging.shape(&step);
+            let (height, _) = kriging.height(&shape, &kriging.ready(&profile));
+            assert!((height - 0.7).abs() < 1e-9, "{height}");
+            let weights = kriging.weights(&shape);
+            assert!((dot(&weights, &profile) - 0.7).abs() < 1e-9 && weights.iter().sum::<f64>().abs() < 1e-9);
+            let slope: Vec<f64> = bins.iter().map(|&bin| bin as f64).collect();
+            assert!(dot(&weights, &slope).abs() < 1e-7 && !kriging.shape(&slope).is_determined());
+            assert!(!kriging.shape(&vec![1.0; bins.len()]).is_determined());
+            let level: Vec<f64> = profile.iter().zip(&step).map(|(height, step)| height - 0.7 * step).collect();
+            assert!((kriging.level(&level) - 5.0).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Share of the edges along which there is a rim.
+
+use super::rims::Scene;
+use super::{Estimate, RimProfile};
+
+/// Height over the greatest above which a place belongs to the core of a rim.
+const CORE: f64 = 0.5;
+/// Least length of a piece of edge, in bins.
+const LEAST_PIECE: f64 = 8.0;
+/// Greatest standard error of a share that is told.
+const MOST_ERROR: f64 = 0.25;
+/// Shares that are tried.
+const STEPS: u32 = 200;
+
+/// Sums of heights in a band of distances before an edge.
+#[derive(Clone, Copy, Default)]
+struct Band {
+    sum_m: f64,
+    count: f64,
+}
+
+impl Band {
+    fn add(&mut self, other: Self) {
+        self.sum_m += other.sum_m;
+        self.count += other.count;
+    }
+
+    fn less(self, base: Self) -> Option<f64> {
+        (self.count > 0.0 && base.count > 0.0).then(|| self.sum_m / self.count - base.sum_m / base.count)
+    }
+}
+
+/// The share of pieces of edge whose relief, core less the land beyond, exceeds half of a rim's; the same bands moved
+/// outward onto the land say how often roughness decides wrongly. `None` where there is no land for them, or it decides
+/// too often.
+pub(super) fn share_of_edge(scene: &Scene<'_>, profile: RimProfile, width_m: f64) -> Option<Estimate> {
+    let bin_m = scene.bin_m();
+    // The core of the profile in steps of a hundredth.
+    let core: Vec<f64> = (0..=100).map(|n| f64::from(n) / 100.0).filter(|&s| profile.height(s) >= CORE).collect();
+    let core_m = [
+        (core.first()? * width_m).max(bin_m) + scene.start_m,
+        (core.last()? * width_m).max(2.0 * bin_m) + scene.start_m,
+    ];
+    let first_m = scene.start_m + width_m + 0.5 * bin_m;
+    let base_m = [first_m, first_m + (core_m[1] - core_m[0]).max(2.0 * bin_m)];
+    let moved_m = (base_m[1] - core_m[0]).min(scene.reach_m() - base_m[1]);
+    if moved_m < first_m - core_m[0] {
+        return None;
+    }
+    // A core of mean height k h: the rim's relief is that of the bands over k.
+    let mean = profile.mean(width_m, core_m[0] - scene.start_m, core_m[1] - scene.start_m);
+    let bands_m = [core_m, base_m, core_m.map(|m| m + moved_m), base_m.map(|m| m + moved_m)];
+    let mut sums = vec![[Band::default(); 4]; scene.edges.points.len()];
+    scene.for_land(|number, distance_m, height_m| {
+        for (band, [from_m, to_m]) in sums[number].iter_mut().zip(bands_m) {
+            if (from_m..to_m).contains(&distance_m) {
+                band.add(Band { sum_m: height_m, count: 1.0 });
+            }
+        }
+    });
+    // Pieces of edge as long as the rim is wide.
+    let piece_m = width_m.max(LEAST_PIECE * bin_m);
+    let mut pieces: Vec<(f64, f64)> = Vec::new();
+    let mut land: Vec<f64> = Vec::new();
+    let key = |number: usize| {
+        let edge = &scene.edges.points[number];
+        let block = (edge.line as f64 * scene.pixel_m[1 - edge.axis] / piece_m) as usize;
+        (edge.region, edge.axis, edge.behind, block)
+    };
+    let numbers: Vec<usize> = (0..sums.len()).collect();
+    for piece in numbers.chunk_by(|&one, &other| key(one) == key(other)) {
+        let mut total = [Band::default(); 4];
+        for &number in piece {
+            for (total, &band) in total.iter_mut().zip(&sums[number]) {
+                total.add(band);
+            }
+        }
+        let length_m: f64 = piece.iter().map(|&number| scene.edges.points[number].length_m).sum();
+        // Ends of sides, shorter than half a piece, are rougher than the rest.
+        if length_m < 0.5 * piece_m {
+            continue;
+        }
+        pieces.extend(total[0].less(total[1]).map(|relief_m| (length_m, relief_m / mean)));
+        land.extend(total[2].less(total[3]).map(|relief_m| relief_m / mean));
+    }
+    if pieces.len() < 2 || land.len() < 2 {
+        return None;
+    }
+    let all_m: f64 = pieces.iter().map(|piece| piece.0).sum();
+    let mean_m = pieces.iter().map(|piece| piece.0 * piece.1).sum::<f64>() / all_m;
+    let center_m = land.iter().sum::<f64>() / land.len() as f64;
+    let of_land = |decides: &dyn Fn(f64) -> bool| {
+        land.iter().filter(|relief_m| decides(**relief_m - center_m)).count() as f64 / land.len() as f64
+    };
+    // With rims along the share p, each of the height mean/p, pieces above half of that are found as often as
+    //     p (1 - missed) + (1 - p) false,
+    // roughness missing and making as many as it does on land farther out.
+    let balance = |p: f64| {
+        let half_m = 0.5 * mean_m / p;
+        let found = pieces.iter().filter(|piece| piece.1 > half_m).map(|piece| piece.0).sum::<f64>() / all_m;
+        let (missed, false_rims) = (of_land(&|relief_m| relief_m < -half_m), of_land(&|relief_m| relief_m > half_m));
+        (found - p * (1.0 - missed) - (1.0 - p) * false_rims, found, 1.0 - missed - false_rims)
+    };
+    let shares = || (1..=STEPS).rev().map(|step| f64::from(step) / f64::from(STEPS));
+    let value = shares().find(|&p| balance(p).0 >= 0.0)?;
+    // Pieces count by halves: roughness and gaps are longer than they are.
+    let binomial = |share: f64, count: usize| {
+        let count = 0.5 * count as f64;
+        (share * (1.0 - share)).max(1.0 / count) / count
+    };
+    let (_, found, right) = balance(value);
+    let stray = (binomial(found, pieces.len()) + binomial(0.5 * (1.0 - right), land.len())).sqrt();
+    // The shares that are balanced within a standard error.
+    let low = shares().find(|&p| balance(p).0 > stray).unwrap_or(0.0);
+    let high = shares().find(|&p| balance(p).0 >= -stray).unwrap_or(1.0);
+    let error = (value - low).max(high - value);
+    (error <= MOST_ERROR).then_some(Estimate { value, error: Some(error) })
+}
