@@ -15,8 +15,6 @@ use std::str::FromStr;
 use crate::error::length;
 use crate::{Pattern, PatternError};
 
-/// Most depths for which heights may be given.
-const MOST_HEIGHTS: usize = 8;
 /// Highest rim that is accepted, in metres.
 const MOST_HEIGHT_M: f64 = 1e-3;
 /// Nodes and weights on [0, 1] of Gauss and Legendre's rule of 8 points, the first half; the others mirror them.
@@ -104,7 +102,7 @@ impl FromStr for RimProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
     /// Depth of a cavity and height of its rim, ascending in depth; the first `known` count.
-    heights_m: [[f64; 2]; MOST_HEIGHTS],
+    heights_m: [[f64; 2]; Self::MOST_HEIGHTS],
     known: usize,
     width_m: f64,
     profile: RimProfile,
@@ -112,6 +110,9 @@ pub struct Rim {
 }
 
 impl Rim {
+    /// Most depths for which heights may be given.
+    pub const MOST_HEIGHTS: usize = 8;
+
     /// A rim `height_m` above the land at the edge of the cavity and `width_m` wide, whatever the cavity's depth.
     ///
     /// # Errors
@@ -128,13 +129,13 @@ impl Rim {
     pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);
-        if heights_m.is_empty() || heights_m.len() > MOST_HEIGHTS || !ascends || !is_depth {
-            return Err(PatternError::RimHeights { count: heights_m.len(), most: MOST_HEIGHTS });
+        if heights_m.is_empty() || heights_m.len() > Self::MOST_HEIGHTS || !ascends || !is_depth {
+            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MOST_HEIGHTS });
         }
         for [_, height_m] in heights_m {
             height("rim height", *height_m)?;
         }
-        let mut known = [[0.0; 2]; MOST_HEIGHTS];
+        let mut known = [[0.0; 2]; Self::MOST_HEIGHTS];
         known[..heights_m.len()].copy_from_slice(heights_m);
         let width_m = length("rim width", width_m)?;
         Ok(Self { heights_m: known, known: heights_m.len(), width_m, profile, height_std_m: 0.0 })
@@ -156,6 +157,12 @@ impl Rim {
             *height_m = (*height_m + by_m).clamp(0.0, MOST_HEIGHT_M);
         }
         self
+    }
+
+    /// Whether it rises above the land anywhere: a height or their scatter is not nil.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.height_std_m > 0.0 || self.heights_m().iter().any(|[_, height_m]| *height_m > 0.0)
     }
 
     /// Height above the land at the edge of a cavity `depth_m` deep, in metres.

@@ -50,7 +50,7 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     }
     search(&mut page, report);
     material(&mut page, report, outputs, (area_law, loads));
-    page.model(&report.model);
+    page.model(&report.model, report.design.rim.is_some());
     laser(&mut page, &report.laser, outputs);
     page.finish(&report.name, &report.version)
 }

@@ -1,7 +1,7 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_export::NOT_MODELLED;
+use slipgrid_export::not_modelled;
 use slipgrid_results::{ErrorReport, PatternReport, fixed};
 
 use super::section::section;
@@ -183,10 +183,10 @@ impl Page {
     }
 
     /// What was modelled, and what never is.
-    pub fn model(&mut self, statements: &[String]) {
+    pub fn model(&mut self, statements: &[String], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(statements);
-        self.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+        self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
     }
 
     /// Pictures side by side where there is room.
