@@ -143,6 +143,7 @@ fn dimensions(page: &mut Page, report: &DesignReport) {
         ("sliding direction turned by", "degrees", design.sliding_angle_deg),
     ];
     rows.extend(lengths.into_iter().filter_map(|(name, unit, value)| Some(row(name, plain(known(value)?), unit))));
+    rows.extend(design.rim.iter().map(|rim| row("rims, as assumed", rim.words(), "")));
     rows.push(row("share of a period", percent(design.areal_density, 2), "%"));
     rows.push(row("share of the specimen's face", percent(report.specimen_areal_density, 2), "%"));
     rows.extend(report.passes.map(|passes| row("passes", passes.to_string(), "over every line")));

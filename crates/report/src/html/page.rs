@@ -176,9 +176,11 @@ impl Page {
 
     /// Two periods of a pattern in vertical section; nothing where a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport) {
-        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um);
+        let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref());
         if !svg.is_empty() {
-            self.picture(&svg, "Vertical section through the centres of cavities, along their row");
+            let words = pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words()));
+            self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
         }
     }
 
