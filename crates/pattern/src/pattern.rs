@@ -255,10 +255,10 @@ impl Pattern {
         self.length_m().map_or(self.width_m, |length_m| length_m.min(self.width_m))
     }
 
-    /// The same section as grooves across the sliding direction.
+    /// The same section, rims included, as grooves across the sliding direction.
     #[must_use]
-    pub const fn as_groove(mut self) -> Self {
-        self.texture = Texture::new(Planform::Groove);
+    pub fn as_groove(mut self) -> Self {
+        self.texture = Texture::new(Planform::Groove).with_rim(self.texture.rim().copied());
         self
     }
 }

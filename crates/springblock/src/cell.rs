@@ -9,9 +9,12 @@ use slipgrid_pattern::{Pattern, Planform, Texture};
 use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
+use crate::rims::Rims;
 use crate::scene::{Layer, Load, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
-use crate::steady::{CondensedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes};
+use crate::steady::{
+    CondensedModel, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes,
+};
 
 /// Rounding left by division counts as a whole number of blocks.
 const WHOLE: f64 = 1e-9;
@@ -142,7 +145,7 @@ impl SteadyCell {
     /// Columns of the cell in the plane, at most.
     fn most_columns(&self, pattern: &Pattern) -> usize {
         // The cast saturates: what is beyond 2^64 columns is beyond every limit.
-        (pattern.pitch_m() / self.layer.block_m).ceil() as usize
+        (pattern.pitch_m() / self.layer.block_m).ceil() as usize * Rims::periods(pattern)
     }
 
     /// Whether the cell in space of `pattern` is made of whole cubes.
@@ -161,6 +164,10 @@ impl SteadyCell {
         }
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
+        if let Some(model) = raised_model(&lattice, self.layer.block_m, stiffness) {
+            let mut on = Vec::new();
+            return self.solve_in_plane(lattice.nx(), |load| model.solve(load, &mut on));
+        }
         if self.layer.is_backed() {
             let columns = lattice.nx();
             let model = ThickModel::new(lattice, self.layer.block_m, stiffness, self.liftoff);
@@ -192,7 +199,7 @@ impl SteadyCell {
         SteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
     }
 
-    fn solve_in_plane(&self, columns: usize, solve: impl Fn(&SteadyLoad) -> SurfaceOutcome) -> Vec<CellOutcome> {
+    fn solve_in_plane(&self, columns: usize, mut solve: impl FnMut(&SteadyLoad) -> SurfaceOutcome) -> Vec<CellOutcome> {
         let area_law = self.area_law.as_ref();
         let solved = |load: &Load| {
             let dynamic_mu = vec![load.friction.dynamic_mean(); columns];
@@ -247,10 +254,16 @@ impl SteadyCell {
     }
 }
 
+/// The model of a cell whose face has heights; `None` where it has none, or where only the equations of all blocks do.
+pub fn raised_model(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<RaisedModel> {
+    if lattice.is_raised() { RaisedModel::new(lattice, block_m, youngs_modulus_pa) } else { None }
+}
+
 /// Multiplications and additions, and bytes, that the cell of `pattern` of a thick specimen takes in blocks of `block_m`.
 pub fn condensing_cell(pattern: &Pattern, block_m: f64) -> (f64, f64) {
     let blocks = |length_m: f64| (length_m / block_m).ceil();
-    condensing(blocks(pattern.pitch_m()), blocks(pattern.width_m()), blocks(pattern.depth_m()))
+    let periods = Rims::periods(pattern) as f64;
+    condensing(periods * blocks(pattern.pitch_m()), periods * blocks(pattern.width_m()), blocks(pattern.depth_m()))
 }
 
 #[cfg(test)]

@@ -5,9 +5,11 @@
 //! cavity lies between two columns, the others where the pattern puts them, so that a column may be covered in
 //! part. A sample, whose length is whole blocks, has columns fitted to the edges: each land and each cavity is
 //! divided into the nearest whole number of columns, whose common width departs from l by at most l/2 over
-//! that number. Depth is kept in fractions of a row.
+//! that number. Depth is kept in fractions of a row, relief as the mean over what of a column's face is land.
 
 use slipgrid_pattern::Pattern;
+
+use crate::rims::Rims;
 
 /// One column of blocks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,11 +20,21 @@ pub struct Column {
     pub coverage: f64,
     /// Depth of the cavity above the counterface in rows, 0 on land.
     pub cavity_rows: f64,
+    /// Height towards the counterface of what of its face is land, in the mean, in lattice spacings.
+    pub relief: f64,
 }
 
 impl Column {
-    const fn land(width: f64) -> Self {
-        Self { width, coverage: 0.0, cavity_rows: 0.0 }
+    /// A column of land `width` lattice spacings wide, without relief.
+    #[must_use]
+    pub const fn land(width: f64) -> Self {
+        Self { width, coverage: 0.0, cavity_rows: 0.0, relief: 0.0 }
+    }
+
+    /// A column `width` lattice spacings wide in a cavity `cavity_rows` rows deep.
+    #[must_use]
+    pub const fn cavity(width: f64, cavity_rows: f64) -> Self {
+        Self { width, coverage: 1.0, cavity_rows, relief: 0.0 }
     }
 
     /// Whether the column's lowest block touches the counterface, wholly or in part.
@@ -77,7 +89,7 @@ impl Period {
     }
 
     fn cavity(&self) -> Column {
-        Column { width: self.width / self.cavity_columns() as f64, coverage: 1.0, cavity_rows: self.depth }
+        Column::cavity(self.width / self.cavity_columns() as f64, self.depth)
     }
 }
 
@@ -115,13 +127,15 @@ pub fn settled(share: f64) -> f64 {
     }
 }
 
-/// One period, or as many as make 8 columns where it is no whole blocks. A first cavity of c in m columns leaves
-/// floor((m - c)/2) before it.
+/// One period, or as many as make 8 columns where it is no whole blocks, or hold rims of different heights. A first cavity
+/// of c in m columns leaves floor((m - c)/2) before it.
 #[must_use]
 pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
     let period = Period::new(pattern, block_m);
     let pitch = period.width + period.spacing;
-    let (_, columns, width) = divide(pitch);
+    let repeated = Rims::periods(pattern);
+    let (periods, columns, width) = divide(repeated as f64 * pitch);
+    let rims = Rims::new(pattern, block_m, periods * repeated);
     let covered = columns_in(period.width / width);
     let before = columns.saturating_sub(covered) / 2;
     let edge = before as f64 * width;
@@ -133,7 +147,8 @@ pub fn cell(pattern: &Pattern, block_m: f64) -> Vec<Column> {
             let first = (left / pitch).floor();
             let coverage = settled((overlap(first) + overlap(first + 1.0)) / width);
             let cavity_rows = if coverage > 0.0 { period.depth } else { 0.0 };
-            Column { width, coverage, cavity_rows }
+            let relief = rims.as_ref().map_or(0.0, |rims| rims.mean([left, right], [period.width, pitch]));
+            Column { width, coverage, cavity_rows, relief }
         })
         .collect()
 }
@@ -165,7 +180,7 @@ pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
             (period.land(), period.land_columns())
         };
     }
-    columns
+    raised(columns, pattern, block_m)
 }
 
 /// A strip of the specimen's face, `length` lattice spacings long, with cavities over the intervals `cavities`, ascending
@@ -173,7 +188,7 @@ pub fn sample(pattern: &Pattern, block_m: f64, length: usize) -> Vec<Column> {
 /// thinner than [`THINNEST`] goes to the cavities beside it, a cavity as thin to the land.
 #[must_use]
 pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
-    let cavity = Column { width: 1.0, coverage: 1.0, cavity_rows: snapped(depth) };
+    let cavity = Column::cavity(1.0, snapped(depth));
     let mut columns: Vec<Column> = Vec::new();
     let mut filled = 0.0;
     let mut fill = |to: f64, piece: Column| {
@@ -200,7 +215,7 @@ pub fn strip(length: f64, cavities: &[[f64; 2]], depth: f64) -> Vec<Column> {
 pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) -> Vec<Column> {
     let columns = columns_in(snapped(length));
     let deepest = (rows.max(2) - 1) as f64;
-    let cavity = Column { width: 1.0, coverage: 1.0, cavity_rows: snapped(depth).round().clamp(1.0, deepest) };
+    let cavity = Column::cavity(1.0, snapped(depth).round().clamp(1.0, deepest));
     let mut whole = flat(columns);
     for &[start, end] in cavities {
         // Within the strip, whose length is bounded: the casts are exact.
@@ -209,6 +224,32 @@ pub fn whole_strip(length: f64, cavities: &[[f64; 2]], depth: f64, rows: usize) 
         whole[from..to].fill(cavity);
     }
     whole
+}
+
+/// `columns`, each wholly land or wholly cavity, with the rims that the cavities of `pattern` have.
+#[must_use]
+pub fn raised(mut columns: Vec<Column>, pattern: &Pattern, block_m: f64) -> Vec<Column> {
+    let cavities = columns.chunk_by(|a, b| a.is_land() == b.is_land()).filter(|run| !run[0].is_land()).count();
+    let Some(rims) = Rims::new(pattern, block_m, cavities) else { return columns };
+    let (mut left, mut cavity) = (0.0, 0);
+    for run in columns.chunk_by_mut(|a, b| a.is_land() == b.is_land()) {
+        let right = left + run.iter().map(|column| column.width).sum::<f64>();
+        if run[0].is_land() {
+            // The ends of a free face have no rim.
+            let heights =
+                [(cavity > 0).then(|| rims.after(cavity - 1)), (cavity < cavities).then(|| rims.before(cavity))];
+            let mut start = left;
+            for column in run {
+                let end = start + column.width;
+                column.relief = rims.integral([start, end], [left, right], heights) / column.width;
+                start = end;
+            }
+        } else {
+            cavity += 1;
+        }
+        left = right;
+    }
+    columns
 }
 
 /// Thinnest column that a clipped piece may leave: springs along the axes stay positive between

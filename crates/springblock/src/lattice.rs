@@ -171,6 +171,12 @@ impl Lattice {
         self.columns.iter().all(|column| column.width == 1.0 && whole(column))
     }
 
+    /// Whether the face has heights.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.columns.iter().any(|column| column.relief != 0.0)
+    }
+
     /// The column to the right of `i`, if there is one.
     fn right_of(&self, i: usize) -> Option<usize> {
         if i + 1 < self.nx() { Some(i + 1) } else { self.periodic.then_some(0) }
@@ -324,8 +330,7 @@ mod tests {
     /// Energy density of a uniform strain (exx, eyy, gxy) over k, by summing the springs of a periodic
     /// block of fitted columns away from its lower and upper edge rows.
     fn energy_density(widths: &[f64], strain: [f64; 3]) -> f64 {
-        let columns: Vec<Column> =
-            widths.iter().map(|&width| Column { width, coverage: 0.0, cavity_rows: 0.0 }).collect();
+        let columns: Vec<Column> = widths.iter().copied().map(Column::land).collect();
         let lattice = Lattice::new(columns, 6, true);
         let [exx, eyy, gxy] = strain;
         let mut energy = 0.0;

@@ -50,6 +50,7 @@ mod error;
 mod face;
 mod lattice;
 mod outcome;
+mod rims;
 #[cfg(test)]
 mod samples;
 mod scene;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
 
 use crate::Monitor;
-use crate::cell::{SteadyCell, condensing_cell};
+use crate::cell::{SteadyCell, condensing_cell, raised_model};
 use crate::columns::{self, Column};
 use crate::draws;
 use crate::dynamics::{DynamicRun, Plan, Scheme};
@@ -22,7 +22,7 @@ use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
-use crate::steady::{SteadyLoad, SteadyModel, ThickModel, factor_bytes};
+use crate::steady::{RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
 use statements::{
@@ -135,12 +135,16 @@ enum Steady {
     Blocks(SteadyModel),
     /// Of a cell of a thick specimen.
     Thick(ThickModel),
+    /// Of a cell whose face has heights.
+    Raised(Lattice, RaisedModel),
 }
 
 impl Steady {
     fn new(scene: &Scene, lattice: Lattice) -> Self {
         let (block_m, stiffness, liftoff) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
-        if lattice.ny() > scene.layer.rows() {
+        if let Some(model) = raised_model(&lattice, block_m, stiffness) {
+            Self::Raised(lattice, model)
+        } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
         } else {
             Self::Blocks(SteadyModel::new(lattice, block_m, stiffness, liftoff))
@@ -151,6 +155,7 @@ impl Steady {
         match self {
             Self::Blocks(model) => model.lattice(),
             Self::Thick(model) => model.lattice(),
+            Self::Raised(lattice, _) => lattice,
         }
     }
 
@@ -158,6 +163,7 @@ impl Steady {
         match self {
             Self::Blocks(model) => model.solve(load),
             Self::Thick(model) => model.solve(load),
+            Self::Raised(_, model) => model.solve(load, &mut Vec::new()),
         }
     }
 }

@@ -39,7 +39,7 @@ fn slide(
 ) -> Vec<ContactSums> {
     let columns = depths
         .iter()
-        .map(|&rows| Column { width: 1.0, coverage: f64::from(u8::from(rows > 0)), cavity_rows: rows as f64 })
+        .map(|&rows| if rows > 0 { Column::cavity(1.0, rows as f64) } else { Column::land(1.0) })
         .collect();
     let lattice = Lattice::new(columns, ROWS, periodic);
     let setup = Setup {

@@ -9,8 +9,9 @@
 //!
 //! u_0 is uniform compression under the load, R the stiffness of the missing springs, w the height of blocks of row
 //! 0 that the counterface does not pin, kappa the tie of those that it touches in part, T friction. Removed blocks
-//! need no force: where they are and what binds them is the filling's affair. So n unknowns, some five a column of the
-//! cavity, replace two a block of the cell, and elimination leaves N = N_0 + A T for the m contacts. It takes
+//! need no force: where they are and what binds them is the filling's affair. Where the face has heights z, what touches it
+//! is at w = z, or tied to it. So n unknowns, some five a column of the
+//! cavity, replace two a block of the cell, and elimination leaves N = N_0 + A T + K z for the m contacts. It takes
 //! n^3/3 + n^2 m + n m^2 multiplications and additions where the band of the whole cell takes 2 nx ny (4 ny)^2.
 
 use super::dense::{solve_many, subtract_products};
@@ -34,7 +35,7 @@ pub struct CondensedModel {
     liftoff: bool,
     response: Condensed,
     ceilings: Vec<Ceiling>,
-    /// Unknowns y = Y T + y_0, by rows: Y, then y_0.
+    /// Unknowns y = Y T + y_0, by rows: Y, then y_0. Heights follow T where they are inputs.
     unknowns: Vec<f64>,
 }
 
@@ -43,7 +44,7 @@ pub struct CondensedModel {
 struct Ceiling {
     /// Depth of the cavity, in rows.
     depth: f64,
-    /// Its height over the unknowns, the friction forces, and 1.
+    /// Its height over the unknowns, the inputs, and 1.
     height: Vec<f64>,
 }
 
@@ -59,14 +60,14 @@ pub fn condensing(columns: f64, covered: f64, depth: f64) -> (f64, f64) {
     (products, 8.0 * (2.0 * half * half + 2.0 * fields * fields * columns + width * (n + 4.0 * blocks)))
 }
 
-/// N = N_0 + A T.
+/// N = N_0 + A T, and + K z where the face has heights z.
 #[derive(Clone, Debug)]
-struct Condensed {
-    contacts: Vec<Contact>,
-    load: f64,
-    /// A by columns.
-    influence: Vec<f64>,
-    at_rest: Vec<f64>,
+pub(super) struct Condensed {
+    pub(super) contacts: Vec<Contact>,
+    pub(super) load: f64,
+    /// -A by columns, then -K.
+    pub(super) influence: Vec<f64>,
+    pub(super) at_rest: Vec<f64>,
 }
 
 impl LinearResponse for Condensed {
@@ -94,7 +95,7 @@ impl CondensedModel {
     /// cavities reach the uppermost row, or where the band of all blocks takes fewer operations.
     #[must_use]
     pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Option<Self> {
-        let equations = Equations::of(lattice, &[])?;
+        let equations = Equations::of(lattice, &[], false)?;
         if equations.products(lattice) > band_products(lattice.nx(), lattice.ny()) {
             return None;
         }
@@ -104,8 +105,19 @@ impl CondensedModel {
 
     /// The same at any number of operations, with the contact blocks of the columns `lifted` off the counterface.
     pub(super) fn lifted(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64, lifted: &[usize]) -> Option<Self> {
-        let (response, ceilings, unknowns) = Equations::of(lattice, lifted)?.condense(lattice)?;
+        let (response, ceilings, unknowns) = Equations::of(lattice, lifted, false)?.condense(lattice)?;
         Some(Self { block_m, youngs_modulus_pa, liftoff: !lifted.is_empty(), response, ceilings, unknowns })
+    }
+
+    /// The same with the heights of the face as inputs, as [`super::raised`] needs them.
+    pub(super) fn raised(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
+        let (response, ceilings, unknowns) = Equations::of(lattice, &[], true)?.condense(lattice)?;
+        Some(Self { block_m, youngs_modulus_pa, liftoff: true, response, ceilings, unknowns })
+    }
+
+    /// N over friction and heights.
+    pub(super) const fn response(&self) -> &Condensed {
+        &self.response
     }
 
     /// The contact blocks, left to right.
@@ -120,12 +132,18 @@ impl CondensedModel {
 
     /// What `state` says.
     pub(super) fn observe(&self, load: &SteadyLoad, state: &Equilibrium) -> SurfaceOutcome {
-        observe(self.contacts(), self.block_m, load, state, self.clearance(load.pressure_pa, state))
+        observe(self.contacts(), self.block_m, load, state, self.clearance(load.pressure_pa, &state.friction))
+    }
+
+    /// What `state` says of a face with the heights `heights` at its contacts.
+    pub(super) fn observe_raised(&self, load: &SteadyLoad, state: &Equilibrium, heights: &[f64]) -> SurfaceOutcome {
+        let clearance = self.clearance(load.pressure_pa, &[&state.friction, heights].concat());
+        observe(self.contacts(), self.block_m, load, state, clearance)
     }
 
     /// Height over P l^2 / k of every contact block that is off the counterface, in the order of the contacts.
     pub(super) fn heights(&self, state: &Equilibrium) -> Vec<Option<f64>> {
-        let unknowns = self.unknowns(state);
+        let unknowns = self.unknowns(&state.friction);
         let of_lifted = |contact: &Contact| contact.lifted.then(|| unknowns[contact.dof]);
         self.contacts().iter().map(of_lifted).collect()
     }
@@ -146,18 +164,17 @@ impl CondensedModel {
         Some(self.observe(load, &state))
     }
 
-    /// The unknowns of `state`.
-    fn unknowns(&self, state: &Equilibrium) -> Vec<f64> {
-        let count = state.friction.len();
-        self.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], &state.friction) + row[count]).collect()
+    /// The unknowns under the inputs `inputs`: friction forces, then heights where they are inputs.
+    fn unknowns(&self, inputs: &[f64]) -> Vec<f64> {
+        let count = inputs.len();
+        self.unknowns.chunks_exact(count + 1).map(|row| dot(&row[..count], inputs) + row[count]).collect()
     }
 
     /// Least height of a ceiling above the counterface, in blocks.
-    fn clearance(&self, pressure_pa: f64, state: &Equilibrium) -> Option<f64> {
+    fn clearance(&self, pressure_pa: f64, inputs: &[f64]) -> Option<f64> {
         let unit = displacement_unit(pressure_pa, self.youngs_modulus_pa);
-        let friction = &state.friction;
-        let affine = |row: &[f64]| dot(&row[..friction.len()], friction) + row[friction.len()];
-        let unknowns = self.unknowns(state);
+        let affine = |row: &[f64]| dot(&row[..inputs.len()], inputs) + row[inputs.len()];
+        let unknowns = self.unknowns(inputs);
         let heights = self.ceilings.iter().map(|ceiling| {
             let (by_unknowns, rest) = ceiling.height.split_at(unknowns.len());
             ceiling.depth + (dot(by_unknowns, &unknowns) + affine(rest)) * unit
@@ -195,11 +212,16 @@ struct Equations {
     /// Unknowns: their field and column.
     unknowns: Vec<(usize, usize)>,
     runs: Vec<Run>,
+    /// Place of the height of the face in a row of coefficients, by column; [`NONE`] where it is no input.
+    height_at: Vec<usize>,
+    /// Those of them that no field of the layer takes in: of contacts that are tied.
+    tied_heights: Vec<usize>,
 }
 
 impl Equations {
-    /// Those of a ring of equal columns whose cavities leave a row, with the columns `lifted` off the counterface.
-    fn of(lattice: &Lattice, lifted: &[usize]) -> Option<Self> {
+    /// Those of a ring of equal columns whose cavities leave a row, with the columns `lifted` off the counterface; heights of
+    /// the face at the contacts are inputs if it is `raised`.
+    fn of(lattice: &Lattice, lifted: &[usize], raised: bool) -> Option<Self> {
         let width = lattice.columns().first()?.width;
         let explicit = (lattice.cavity_rows() + 1).max(2);
         if !lattice.is_periodic() || explicit > lattice.ny() || lattice.columns().iter().any(|c| c.width != width) {
@@ -209,10 +231,10 @@ impl Equations {
         for contact in &mut contacts {
             contact.lifted = lifted.contains(&contact.column);
         }
-        Some(Self::new(lattice, explicit, contacts))
+        Some(Self::new(lattice, explicit, contacts, raised))
     }
 
-    fn new(lattice: &Lattice, explicit: usize, mut contacts: Vec<Contact>) -> Self {
+    fn new(lattice: &Lattice, explicit: usize, mut contacts: Vec<Contact>, raised: bool) -> Self {
         let nx = lattice.nx();
         let mut missing = Vec::new();
         let mut number = vec![NONE; explicit * nx];
@@ -265,7 +287,20 @@ impl Equations {
                 add_to_runs(&mut runs, 0, contact.column, place);
             }
         }
-        Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs }
+        let mut height_at = vec![NONE; nx];
+        let mut tied_heights = Vec::new();
+        if raised {
+            for (contact, place) in contacts.iter().zip(unknowns.len() + contacts.len()..) {
+                height_at[contact.column] = place;
+                // What is tied to the face has a height of its own, an unknown.
+                if contact.tie.is_none() {
+                    add_to_runs(&mut runs, 1, contact.column, place);
+                } else {
+                    tied_heights.push(place);
+                }
+            }
+        }
+        Self { nx, explicit, contacts, missing, number, blocks, unknown_at, unknowns, runs, height_at, tied_heights }
     }
 
     /// Multiplications and additions that condensing takes, and the iterations after it; the band's substitutions,
@@ -277,17 +312,25 @@ impl Equations {
         elimination + 8.0 * missing * (n + m) + fields * fields / 2.0 * half * half + EVALUATIONS * m * m
     }
 
-    /// Entries of a row of coefficients: unknowns, friction forces, 1.
+    /// Friction forces, and heights where they are inputs.
+    fn inputs(&self) -> usize {
+        self.contacts.len() + self.height_at.iter().filter(|place| **place != NONE).count()
+    }
+
+    /// Entries of a row of coefficients: unknowns, inputs, 1.
     fn width(&self) -> usize {
-        self.unknowns.len() + self.contacts.len() + 1
+        self.unknowns.len() + self.inputs() + 1
     }
 
     /// Coefficients of field `out` in `column`, without what uniform compression adds.
     fn gather(&self, layer: &FlatLayer, out: usize, column: usize, row: &mut [f64]) {
+        for place in &self.tied_heights {
+            row[*place] = 0.0;
+        }
         for run in &self.runs {
             let target = &mut row[run.place..run.place + run.count];
             let source = layer.responses(out, column, run.field, run.first, run.count);
-            if run.place < self.unknowns.len() {
+            if run.place < self.unknowns.len() || run.field == 1 {
                 target.copy_from_slice(source);
             } else {
                 // Friction is positive against sliding: -T is the force.
@@ -304,6 +347,8 @@ impl Equations {
             let unknown = self.unknown_at[self.nx + column];
             if unknown != NONE {
                 row[unknown] = 1.0;
+            } else if self.height_at[column] != NONE {
+                row[self.height_at[column]] = 1.0;
             }
         } else {
             self.gather(layer, field, column, row);
@@ -352,7 +397,7 @@ impl Equations {
         let w = lattice.columns().first()?.width;
         let layer = &FlatLayer::new(lattice.nx(), w, lattice.ny(), self.explicit);
         let (nx, width) = (self.nx, self.width());
-        let (n, m) = (self.unknowns.len(), self.contacts.len());
+        let (n, m, inputs) = (self.unknowns.len(), self.contacts.len(), self.inputs());
         let forces = self.missing_forces(lattice, layer);
         // What a block of row 0 presses on what is below it: the layer's force less R u.
         let pressed = |column: usize, row: &mut [f64]| {
@@ -367,12 +412,15 @@ impl Equations {
         for contact in &self.contacts {
             ties[contact.column] = contact.tie.filter(|_| !contact.lifted).unwrap_or(0.0);
         }
-        // M y = B (T, 1)
+        // M y = B (T, z, 1)
         let mut equations = vec![0.0; n * width];
         for (number, (row, &(field, column))) in equations.chunks_exact_mut(width).zip(&self.unknowns).enumerate() {
             if field == 1 {
                 pressed(column, row);
                 row[number] += ties[column];
+                if self.height_at[column] != NONE {
+                    row[self.height_at[column]] -= ties[column];
+                }
                 let scale = 1.0 / row[number];
                 row[..n].iter_mut().for_each(|entry| *entry *= scale);
                 row[n..].iter_mut().for_each(|entry| *entry *= -scale);
@@ -387,11 +435,11 @@ impl Equations {
         if !solve_many(&mut equations, n, width) {
             return None;
         }
-        let mut unknowns = vec![0.0; n * (m + 1)];
-        for (unknown, row) in unknowns.chunks_exact_mut(m + 1).zip(equations.chunks_exact(width)) {
+        let mut unknowns = vec![0.0; n * (inputs + 1)];
+        for (unknown, row) in unknowns.chunks_exact_mut(inputs + 1).zip(equations.chunks_exact(width)) {
             unknown.copy_from_slice(&row[n..]);
         }
-        let mut influence = vec![0.0; m * m];
+        let mut influence = vec![0.0; m * inputs];
         let mut at_rest = vec![0.0; m];
         let mut row = vec![0.0; width];
         // Off the counterface nothing presses.
@@ -399,10 +447,10 @@ impl Equations {
             pressed(contact.column, &mut row);
             let (by_unknowns, rest) = row.split_at_mut(n);
             rest.iter_mut().for_each(|entry| *entry = -*entry);
-            subtract_products(rest, by_unknowns, &unknowns, m + 1, 0);
+            subtract_products(rest, by_unknowns, &unknowns, inputs + 1, 0);
             // -N
-            at_rest[number] = -rest[m];
-            for (column, entry) in rest[..m].iter().enumerate() {
+            at_rest[number] = -rest[inputs];
+            for (column, entry) in rest[..inputs].iter().enumerate() {
                 influence[column * m + number] = *entry;
             }
         }

@@ -19,7 +19,7 @@
 //!
 //! N(T) comes from a band factorization of all blocks ([`system`]) or, for cells of equal columns, from the flat
 //! layer's response in closed form and the few forces about the cavity ([`condensed`]): the same to rounding, in a
-//! twentieth of the time.
+//! twentieth of the time. A face with heights touches where it reaches the counterface: [`raised`].
 
 mod anderson;
 mod band;
@@ -27,6 +27,7 @@ mod condensed;
 mod dense;
 mod flat_layer;
 mod newton;
+mod raised;
 mod system;
 mod thick;
 
@@ -36,7 +37,8 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
 pub use condensed::{CondensedModel, condensing};
-use system::{Contact, System};
+pub use raised::RaisedModel;
+use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
 pub use thick::ThickModel;
 
@@ -125,8 +127,11 @@ impl SteadyModel {
         self.observe(load, &self.equilibrium(load))
     }
 
-    /// Lifts blocks under tension and lands those that sink below the counterface until none does.
+    /// Lifts blocks under tension and lands those that sink below the counterface, or what stands on it of the face's heights,
+    /// until none does.
     fn solve_unilateral(&self, load: &SteadyLoad) -> Equilibrium {
+        // r in units of P l^2 / k
+        let scale = 1.0 / displacement_unit(load.pressure_pa, self.youngs_modulus_pa);
         let mut lifted: Vec<usize> = Vec::new();
         let mut iterations = 0;
         let mut rounds = 0;
@@ -138,14 +143,15 @@ impl SteadyModel {
                 own = System::new(&self.lattice, &lifted);
                 &own
             };
-            let mut state = iterate(system, load);
+            let mut state = iterate(&Raised { system, scale }, load);
             iterations += state.iterations;
             state.iterations = iterations;
             let mut next: Vec<usize> = Vec::new();
             for (contact, &normal) in system.contacts().iter().zip(&state.normal) {
                 let is_lifted = lifted.contains(&contact.column);
                 let height = state.displacement[contact.dof + 1];
-                if (is_lifted && height >= 0.0) || (!is_lifted && normal < 0.0) {
+                let face = scale * self.lattice.columns()[contact.column].relief;
+                if (is_lifted && height >= face) || (!is_lifted && normal < 0.0) {
                     next.push(contact.column);
                 }
             }
@@ -179,7 +185,7 @@ impl SteadyModel {
     }
 
     fn equilibrium(&self, load: &SteadyLoad) -> Equilibrium {
-        if self.liftoff { self.solve_unilateral(load) } else { iterate(&self.system, load) }
+        if self.liftoff || self.lattice.is_raised() { self.solve_unilateral(load) } else { iterate(&self.system, load) }
     }
 
     fn unloaded(&self) -> SurfaceOutcome {

@@ -32,6 +32,13 @@ pub fn friction_at(system: &impl LinearResponse, load: &SteadyLoad, number: usiz
     load.dynamic_mu[contact.column] * factor * normal
 }
 
+/// Slope of [`friction_at`] above the normal force `normal`.
+pub fn friction_slope(system: &impl LinearResponse, load: &SteadyLoad, number: usize, normal: f64) -> f64 {
+    let ahead = normal + SLOPE_STEP * normal.abs().max(SLOPE_STEP);
+    let at = |normal: f64| friction_at(system, load, number, normal);
+    (at(ahead) - at(normal)) / (ahead - normal)
+}
+
 /// Improves `friction` until |R| over the load is at most `tolerance`; what it was if that fails.
 /// Returns the Newton steps taken.
 pub fn improve(system: &impl LinearResponse, load: &SteadyLoad, friction: &mut Vec<f64>, tolerance: f64) -> usize {
@@ -73,9 +80,7 @@ impl<S: LinearResponse> Equations<'_, S> {
         for (row, (entries, influence)) in
             jacobian.chunks_exact_mut(n).zip(self.influence.matrix.chunks_exact(n)).enumerate()
         {
-            let ahead = normal[row] + SLOPE_STEP * normal[row].abs().max(SLOPE_STEP);
-            let at = |normal: f64| friction_at(self.system, self.load, row, normal);
-            let slope = (at(ahead) - at(normal[row])) / (ahead - normal[row]);
+            let slope = friction_slope(self.system, self.load, row, normal[row]);
             for (entry, a) in entries.iter_mut().zip(influence) {
                 *entry = -slope * a;
             }

@@ -46,6 +46,22 @@ pub struct System {
     bulk_response: Vec<f64>,
     /// Vertical force on the bulk by its own unit rise, unknowns held.
     bulk_stiffness: f64,
+    /// What the heights of the face do; absent where it has none.
+    relief: Option<Relief>,
+}
+
+/// Response to the heights of the face at the contacts, each in lattice spacings, with the bulk at rest.
+#[derive(Clone, Debug)]
+struct Relief {
+    displacement: Vec<f64>,
+    /// Vertical force on the bulk by the contacts that the face holds.
+    pull: f64,
+}
+
+/// A lattice whose face has `scale` times its heights in lattice spacings.
+pub struct Raised<'a> {
+    pub system: &'a System,
+    pub scale: f64,
 }
 
 /// Half bandwidth of the equations of a lattice: neighbouring columns lie one position apart, two where
@@ -85,6 +101,7 @@ impl System {
             coupling: vec![0.0; order],
             bulk_response: vec![0.0; order],
             bulk_stiffness: 0.0,
+            relief: None,
         };
         system.list_contacts(lattice, lifted);
         let mut contact_at = vec![None; nx];
@@ -115,8 +132,43 @@ impl System {
         if let Some(factor) = &system.factor {
             system.bulk_response.copy_from_slice(&system.coupling);
             factor.solve(&mut system.bulk_response);
+            system.relief = lattice.is_raised().then(|| system.by_relief(lattice, &contact_at, factor));
         }
         system
+    }
+
+    fn by_relief(&self, lattice: &Lattice, contact_at: &[Option<usize>], factor: &BandFactor) -> Relief {
+        let held = |contact: &Contact| contact.tie.is_none() && !contact.lifted;
+        let height_of = |end: (usize, usize)| {
+            let contact = if end.1 == 0 { contact_at[end.0] } else { None };
+            contact.filter(|&number| held(&self.contacts[number])).map_or(0.0, |_| lattice.columns()[end.0].relief)
+        };
+        let mut relief = Relief { displacement: vec![0.0; self.coupling.len()], pull: 0.0 };
+        lattice.for_each_bond(|bond| {
+            let [_, kxy, kyy] = bond.linear();
+            let ends = [Some(bond.a), bond.b];
+            let heights = ends.map(|end| end.map_or(0.0, height_of));
+            // f = -K r
+            for (own, other) in [(0, 1), (1, 0)] {
+                if let Some((i, j)) = ends[own] {
+                    let dof = self.dof(i, j);
+                    relief.displacement[dof] += kxy * (heights[other] - heights[own]);
+                    relief.displacement[dof + 1] += kyy * (heights[other] - heights[own]);
+                }
+            }
+            if bond.b.is_none() {
+                relief.pull += kyy * heights[0];
+            }
+        });
+        for contact in self.contacts.iter().filter(|contact| !contact.lifted) {
+            let height = lattice.columns()[contact.column].relief;
+            match contact.tie {
+                Some(tie) => relief.displacement[contact.dof + 1] += tie * height,
+                None => relief.displacement[contact.dof + 1] = height,
+            }
+        }
+        factor.solve(&mut relief.displacement);
+        relief
     }
 
     fn list_contacts(&mut self, lattice: &Lattice, lifted: &[usize]) {
@@ -198,20 +250,9 @@ impl System {
     }
 }
 
-impl LinearResponse for System {
-    fn order(&self) -> usize {
-        self.coupling.len()
-    }
-
-    fn load(&self) -> f64 {
-        self.load
-    }
-
-    fn contacts(&self) -> &[Contact] {
-        &self.contacts
-    }
-
-    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+impl System {
+    /// As [`LinearResponse::respond`], on a face of `scale` times its heights in lattice spacings.
+    fn respond_raised(&self, scale: f64, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         displacement.fill(0.0);
         for (contact, force) in self.contacts.iter().zip(friction) {
             displacement[contact.dof] = -force;
@@ -221,8 +262,13 @@ impl LinearResponse for System {
             return;
         };
         factor.solve(displacement);
-        // Load on the bulk: c0 H - b.u = -P L l with u = u_T + H u_b
+        let relief = self.relief.as_ref().filter(|_| scale != 0.0);
+        if let Some(relief) = relief {
+            displacement.iter_mut().zip(&relief.displacement).for_each(|(u, by_relief)| *u += scale * by_relief);
+        }
+        // Load on the bulk: c0 H - b.u = -P L l with u = u_T + u_r + H u_b
         let pull: f64 = self.coupling.iter().zip(displacement.iter()).map(|(b, u)| b * u).sum();
+        let pull = relief.map_or(pull, |relief| pull + scale * relief.pull);
         let height = (pull - self.load) / self.bulk_stiffness();
         for (u, response) in displacement.iter_mut().zip(&self.bulk_response) {
             *u += height * response;
@@ -241,6 +287,42 @@ impl LinearResponse for System {
                 *normal = 0.0; // in equilibrium off the counterface: what is left is rounding
             }
         }
+    }
+}
+
+impl LinearResponse for System {
+    fn order(&self) -> usize {
+        self.coupling.len()
+    }
+
+    fn load(&self) -> f64 {
+        self.load
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+        self.respond_raised(0.0, friction, displacement, normal);
+    }
+}
+
+impl LinearResponse for Raised<'_> {
+    fn order(&self) -> usize {
+        self.system.order()
+    }
+
+    fn load(&self) -> f64 {
+        self.system.load()
+    }
+
+    fn contacts(&self) -> &[Contact] {
+        self.system.contacts()
+    }
+
+    fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
+        self.system.respond_raised(self.scale, friction, displacement, normal);
     }
 }
 

@@ -7,8 +7,7 @@ use crate::samples::{E_PA, groove, persson_law, roughness, sweep};
 
 /// A column of whole blocks, in a cavity `cavity_rows` deep or on land.
 fn column(in_cavity: bool, cavity_rows: f64) -> Column {
-    let (coverage, cavity_rows) = if in_cavity { (1.0, cavity_rows) } else { (0.0, 0.0) };
-    Column { width: 1.0, coverage, cavity_rows }
+    if in_cavity { Column::cavity(1.0, cavity_rows) } else { Column::land(1.0) }
 }
 
 fn cell(pattern: &Pattern, block_um: f64, layer_um: f64) -> SteadyModel {
