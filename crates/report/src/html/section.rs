@@ -82,7 +82,7 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>)
     for start in starts.iter().rev() {
         if let Some(rim) = &rim {
             outline += &rim.outline(start + width, face, 1.0, false);
-            outline += &format!("V{}H{}", unit(face - depth), unit(*start));
+            outline += &format!("V{}", unit(face - depth));
             outline += &rim.outline(*start, face, -1.0, true);
             continue;
         }

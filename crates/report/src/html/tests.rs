@@ -1,4 +1,5 @@
 use slipgrid_design::DesignReport;
+use slipgrid_design::records::{RimSensitivityReport, RimSlopeReport};
 use slipgrid_material::{AreaLaw, LocalFriction};
 use slipgrid_pattern::{Rim, RimProfile};
 use slipgrid_results::RimReport;
@@ -204,7 +205,18 @@ fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that
     assert!(low.contains("rims 100 times as high") && low.contains("H385.40V99.20L309.40 99.20"), "{low}");
     let mut report = report();
     report.design.rim = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap());
+    let slope = RimSlopeReport { pressure_mpa: 0.65, per_um: -0.9, error_per_um: Some(2e-3), change: None };
+    report.sensitivities.as_mut().unwrap().rim = Some(RimSensitivityReport {
+        step_um: 0.02,
+        block_um: 5.0,
+        by_pressure: vec![slope],
+        words: "rims are <high>".to_owned(),
+        ..RimSensitivityReport::default()
+    });
     let page = page_of(&report, &Outputs::default());
+    for said in ["-9000.00 ± 20.00", "over 0.02 µm in blocks of 5 µm", "Rims are &lt;high&gt;."] {
+        assert!(page.contains(said), "{said}");
+    }
     for said in
         ["round rims 0.1 um high, 10 um wide", "rims 100 times as high", "Not modelled: roughening of the surface"]
     {
