@@ -13,4 +13,5 @@ mod coverage;
 mod dynamic_against_reference;
 mod excess;
 mod finite_elements;
+mod rims;
 mod steady_against_dynamic;

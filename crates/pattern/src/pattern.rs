@@ -1,6 +1,6 @@
 use crate::coverage::{Shape, Sublattice, covered_area};
 use crate::error::length;
-use crate::{Arrangement, PatternError, Planform, Texture};
+use crate::{Arrangement, PatternError, Planform, Rim, Texture};
 
 /// Distance of hexagonal rows over the pitch, sqrt(3)/2.
 const HEXAGONAL: f64 = 0.866_025_403_784_438_6;
@@ -139,6 +139,13 @@ impl Pattern {
     pub fn with_sliding_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
         self.texture = self.texture.with_sliding_angle_deg(angle_deg)?;
         Ok(self)
+    }
+
+    /// The same pattern with `rim` about every cavity, or with none.
+    #[must_use]
+    pub fn with_rim(mut self, rim: impl Into<Option<Rim>>) -> Self {
+        self.texture = self.texture.with_rim(rim);
+        self
     }
 
     /// Unit vector of the sliding direction in the pattern's own axes.

@@ -7,7 +7,7 @@
 //! divided into the nearest whole number of columns, whose common width departs from l by at most l/2 over
 //! that number. Depth is kept in fractions of a row, relief as the mean over what of a column's face is land.
 
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, Texture};
 
 use crate::rims::Rims;
 
@@ -281,7 +281,7 @@ pub fn nearest_whole(pattern: &Pattern, block_m: f64, rows: usize) -> Result<Pat
     let whole = |length_m: f64| columns_in(snapped(length_m / block_m)) as f64 * block_m;
     let deepest_m = (rows.max(2) - 1) as f64 * block_m;
     Pattern::new(
-        pattern.planform(),
+        Texture::new(pattern.planform()).with_rim(pattern.texture().rim().copied()),
         whole(pattern.width_m()),
         whole(pattern.spacing_m()),
         whole(pattern.depth_m()).min(deepest_m),

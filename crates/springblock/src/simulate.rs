@@ -4,6 +4,7 @@ mod averaging;
 mod behind;
 mod blocks;
 mod expense;
+mod rim_difference;
 mod space;
 mod specimen;
 mod statements;

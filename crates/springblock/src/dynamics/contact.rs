@@ -92,6 +92,8 @@ pub struct ContactBlock<const H: usize> {
     pub has_slipped: bool,
     /// Its column: its place in arrays over the contact blocks.
     pub column: usize,
+    /// Vertical displacement at which it touches the counterface: the height of its face, in lattice spacings.
+    pub face: f64,
     /// Normal force, positive in compression, at the last force evaluation.
     pub normal: f64,
     /// Friction, as a resistance to motion along each axis, at the last force evaluation.
@@ -137,7 +139,23 @@ impl<const H: usize> ContactBlock<H> {
     /// A block at rest.
     #[must_use]
     pub const fn new(column: usize, coefficients: Coefficients) -> Self {
-        Self { coefficients, motion: Motion::Rest, has_slipped: false, column, normal: 0.0, friction: [0.0; H] }
+        Self {
+            coefficients,
+            motion: Motion::Rest,
+            has_slipped: false,
+            column,
+            face: 0.0,
+            normal: 0.0,
+            friction: [0.0; H],
+        }
+    }
+
+    /// Its face raised by `face` and itself displaced vertically by `height`: off the counterface where that is higher.
+    pub fn place(&mut self, face: f64, height: f64) {
+        self.face = face;
+        if height > face {
+            self.motion = Motion::Lifted;
+        }
     }
 
     fn let_go(&mut self) -> Meeting {
@@ -161,13 +179,13 @@ impl<const H: usize> ContactBlock<H> {
         }
         *fall = kick.kept * *fall + kick.kick * inverse_mass * force;
         let height = height + *fall;
-        if height > 0.0 || height.is_nan() {
+        if height > self.face || height.is_nan() {
             return Some(height);
         }
         // Landing ends the vertical motion on the counterface.
         *fall = 0.0;
         self.motion = Motion::Slip;
-        Some(0.0)
+        Some(self.face)
     }
 }
 
@@ -294,6 +312,14 @@ impl<'a> ContactRow<'a> {
     pub fn new(columns: impl Iterator<Item = usize>, coefficients: &[Coefficients], law: LocalLaw<'a>) -> Self {
         let blocks: Vec<_> = columns.map(|column| ContactBlock::new(column, coefficients[column])).collect();
         Self { near: vec![0; blocks.len()], blocks, law }
+    }
+
+    /// Gives every block its face and its vertical displacement, by column.
+    pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
+        for block in &mut self.blocks {
+            let [face, height] = face_and_height(block.column);
+            block.place(face, height);
+        }
     }
 
     /// Its blocks and their law.

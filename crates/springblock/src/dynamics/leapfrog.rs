@@ -27,8 +27,8 @@ fn move_vertically(
     for block in &mut contact.blocks {
         let i = block.column;
         // What has landed stays where it is.
-        if block.fly(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(0.0) {
-            uy[i] = 0.0;
+        if block.fly(uy[i], &mut wy[i], coefficients, inverse_mass[i], force_y[i]) == Some(block.face) {
+            uy[i] = block.face;
         }
     }
 }

@@ -68,13 +68,18 @@ impl Scheme {
         } else {
             (Springs::Linear, LEAPFROG_LIMIT, "leapfrog")
         };
-        let limit_s = limit / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
+        let limit_s = limit / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
         let step_s = scene.run.step_s.unwrap_or_else(|| Self::own_step_s(scene));
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: name });
         }
         Ok(Self { springs: scene.run.springs.unwrap_or(default_law), runge_kutta, step_s, limit_s })
     }
+}
+
+/// Whether blocks of `lattice` may leave the counterface: where `scene` says so, and where the face has heights.
+fn is_unilateral(scene: &Scene, lattice: &Lattice) -> bool {
+    scene.run.liftoff || lattice.is_raised()
 }
 
 /// The step of a run in time whose scene names none, in seconds.
@@ -107,6 +112,13 @@ pub struct DynamicRun<'a> {
     pub stderr_share: Option<f64>,
 }
 
+/// What a run begins with.
+struct Prepared<'a> {
+    start: Option<Vec<[f64; 2]>>,
+    started_s: f64,
+    scales: &'a Scales,
+}
+
 impl DynamicRun<'_> {
     /// Runs to the end.
     #[must_use]
@@ -123,23 +135,30 @@ impl DynamicRun<'_> {
         let scales = Scales::new(&scene.elastic, scene.layer.block_m);
         let coefficients = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
         let law = LocalLaw::new(scene.area_law.as_ref(), scales.pressure_pa);
+        let started_s = monitor.seconds();
+        let start = self.start();
+        let mut contact = ContactRow::new(self.lattice.contacts(), &coefficients, law);
+        if let Some(start) = start.as_ref().filter(|_| self.lattice.is_raised()) {
+            contact.place(|i| [self.lattice.columns()[i].relief, start[i][1]]);
+        }
         let setup = Setup {
-            contact: ContactRow::new(self.lattice.contacts(), &coefficients, law),
+            contact,
             // load over k l = P L l / (k l), L in lattice spacings
             protocol: Protocol::of(scene, &scales, self.load.pressure_pa / scales.pressure_pa * self.lattice.length()),
             time_step: self.scheme.step_s / scales.time_s,
             damping: scene.run.damping,
-            liftoff: scene.run.liftoff,
+            liftoff: is_unilateral(scene, self.lattice),
         };
+        let run = Prepared { start, started_s, scales: &scales };
         if self.scheme.runge_kutta {
-            self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), &scales, monitor)
+            self.drive(RungeKutta::new(self.lattice, self.scheme.springs, setup), &run, monitor)
         } else if self.scheme.springs == Springs::Exact {
-            self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &scales, monitor)
+            self.drive(BondLeapfrog::new(self.lattice, Springs::Exact, setup), &run, monitor)
         } else {
             // One thread is the scope's own: without others nothing is spawned.
             std::thread::scope(|scope| {
                 let engine = StripLeapfrog::new(self.lattice, setup).with_threads(scope, self.threads);
-                self.drive(engine, &scales, monitor)
+                self.drive(engine, &run, monitor)
             })
         }
     }
@@ -169,12 +188,22 @@ impl DynamicRun<'_> {
         })
     }
 
-    fn drive(&self, mut engine: impl PlaneEngine, scales: &Scales, monitor: &dyn Monitor) -> SurfaceOutcome {
-        let started_s = monitor.seconds();
+    /// Displacements that the run begins with, by row and column: those of steady sliding, or of a layer that touches with the
+    /// highest of its face and bears nothing; `None` for one that lies flat.
+    fn start(&self) -> Option<Vec<[f64; 2]>> {
         if self.scene.run.warm_start {
-            let displacements = self.steady_displacements();
+            return Some(self.steady_displacements());
+        }
+        let contacts = || self.lattice.contacts().map(|i| self.lattice.columns()[i].relief);
+        let highest = contacts().fold(f64::NEG_INFINITY, f64::max);
+        self.lattice.is_raised().then(|| vec![[0.0, highest]; self.lattice.nx() * self.lattice.ny()])
+    }
+
+    fn drive(&self, mut engine: impl PlaneEngine, run: &Prepared, monitor: &dyn Monitor) -> SurfaceOutcome {
+        let Prepared { start, started_s, scales } = run;
+        if let Some(start) = start {
             let nx = self.lattice.nx();
-            engine.start_sheared(&|i, j| displacements[j * nx + i]);
+            engine.start_sheared(&|i, j| start[j * nx + i]);
         }
         let drive = Drive {
             scene: self.scene,
@@ -183,7 +212,7 @@ impl DynamicRun<'_> {
             stderr_share: self.stderr_share,
             blocks: (self.lattice.nx() * self.lattice.ny()) as u64,
             shear_period: shear_period(self.lattice),
-            started_s,
+            started_s: *started_s,
         };
         let driven = drive.run(&mut engine, monitor);
         engine.finish();

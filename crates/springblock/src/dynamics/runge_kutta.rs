@@ -248,8 +248,8 @@ impl Engine for RungeKutta<'_> {
                 self.state.v[0][i] = 0.0;
                 block.motion = Motion::Rest;
             }
-            if block.motion == Motion::Lifted && self.state.u[1][i] <= 0.0 {
-                self.state.u[1][i] = 0.0;
+            if block.motion == Motion::Lifted && self.state.u[1][i] <= block.face {
+                self.state.u[1][i] = block.face;
                 self.state.v[1][i] = 0.0;
                 block.motion = Motion::Slip;
             }

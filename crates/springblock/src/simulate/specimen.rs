@@ -19,6 +19,7 @@
 
 use rayon::prelude::*;
 
+use super::rim_difference::{RimDifference, without_rim};
 use super::{
     Behind, MOST_FACTOR_BYTES, UNIFORM_COLUMNS, compare, describe_draws, describe_law, describe_protocol,
     describe_scheme, discretization_error, integrate, seed_of,
@@ -150,6 +151,9 @@ fn without_slivers(mut strip: Strip, depth_m: f64, block_m: f64) -> Strip {
 impl SteadyFace {
     fn new(scene: &Scene, pattern: &Pattern, face: &Face) -> Result<Self, SceneError> {
         let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
+        let rims = RimDifference::new(scene, pattern);
+        // Strips lie flat: what rims add is that of the cell.
+        let pattern = &without_rim(pattern);
         let blocks = |strip: &Strip| -> Vec<[f64; 2]> {
             strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect()
         };
@@ -193,7 +197,9 @@ impl SteadyFace {
             piece.pressure_share *= area_m2 / carried;
         }
         let flat = FlatFace::new(scene, face);
-        let loads = scene.loads.par_iter().map(|load| face_load(scene, face, &pieces, &flat, load)).collect();
+        let mut loads: Vec<LoadOutcome> =
+            scene.loads.par_iter().map(|load| face_load(scene, face, &pieces, &flat, load)).collect();
+        rims.add(face.cavity_share() / pattern.section_density(), &mut loads);
         Ok(Self { loads, shortened: count })
     }
 }
@@ -352,6 +358,7 @@ fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattic
     let (block_m, rows) = (scene.layer.block_m, scene.layer.rows());
     let cavities: Vec<[f64; 2]> = strip.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / block_m)).collect();
     let own = columns::whole_strip(strip.length_m / block_m, &cavities, pattern.depth_m() / block_m, rows);
+    let own = columns::raised(own, pattern, block_m);
     let flat = columns::flat(own.len());
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
@@ -391,6 +398,9 @@ fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) 
             "walls at the rim that are narrower than the cavities are deep bear nothing: friction would turn them over"
                 .to_owned(),
         );
+    }
+    if pattern.texture().rim().is_some() {
+        model.push(RimDifference::statement());
     }
     if steady.shortened > 0 {
         model.push(format!(

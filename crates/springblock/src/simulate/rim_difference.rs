@@ -1,0 +1,127 @@
+//! What rims add to the strips of a specimen: what they add to the steady cell, in proportion to the share of cavities.
+//!
+//! Contact that opens and closes makes the equations of a strip nonlinear, and those of a whole face dear. Rims act about
+//! their own cavities, so that the cell knows what they do:
+//!
+//! ```text
+//! r = r_strips + (r_cell,rims - r_cell) D / D_cell
+//! ```
+
+use slipgrid_pattern::Pattern;
+
+use crate::cell::{CellOutcome, SteadyCell};
+use crate::outcome::LoadOutcome;
+use crate::scene::Scene;
+
+/// Share of what rims add that is left open: ends bear more than the cell, and on a few cavities rims weigh differently
+/// (`rims_add_to_a_strip_what_they_add_to_the_cell`).
+const OPEN_SHARE: f64 = 0.02;
+
+/// With rims less without, by load.
+pub struct RimDifference {
+    each: Vec<Option<Difference>>,
+}
+
+struct Difference {
+    ratio: f64,
+    /// Peak pressure over that without rims.
+    peak: f64,
+    clearance_m: f64,
+    is_extrapolated: bool,
+}
+
+/// `pattern` with lands that lie flat.
+pub fn without_rim(pattern: &Pattern) -> Pattern {
+    pattern.with_rim(None)
+}
+
+impl RimDifference {
+    /// Of the cell of `scene` under `pattern`; nothing where it has no rims.
+    pub fn new(scene: &Scene, pattern: &Pattern) -> Self {
+        if pattern.texture().rim().is_none() {
+            return Self { each: Vec::new() };
+        }
+        let cell = SteadyCell::in_dimensions(scene, 2);
+        let (with, without) = rayon::join(|| cell.solve(pattern), || cell.solve(&without_rim(pattern)));
+        Self { each: with.iter().zip(&without).map(|(with, without)| difference(with, without)).collect() }
+    }
+
+    /// Adds it to `loads`, whose cavities take `share` of what a period's take.
+    pub fn add(&self, share: f64, loads: &mut [LoadOutcome]) {
+        for (load, difference) in loads.iter_mut().zip(&self.each) {
+            let Some(difference) = difference else {
+                load.set_ratio(None);
+                continue;
+            };
+            load.shift_ratio(difference.ratio * share);
+            let open = OPEN_SHARE * (difference.ratio * share).abs();
+            load.ratio_layout_error = load.ratio.map(|_| load.ratio_layout_error.unwrap_or(0.0).hypot(open));
+            let surface = &mut load.surface;
+            surface.peak_pressure_pa *= difference.peak;
+            surface.clearance_m = surface.clearance_m.map(|clearance_m| clearance_m + difference.clearance_m);
+            surface.cavity_closed |= surface.clearance_m.is_some_and(|clearance_m| clearance_m <= 0.0);
+            surface.area_law_extrapolated |= difference.is_extrapolated;
+        }
+    }
+
+    /// How strips take them.
+    pub fn statement() -> String {
+        format!(
+            "rims add to the strips what they add to the steady cell, known to {:.0} %; the interface is that of the cavities alone",
+            100.0 * OPEN_SHARE
+        )
+    }
+}
+
+fn difference(with: &CellOutcome, without: &CellOutcome) -> Option<Difference> {
+    let (of_with, of_without) = (&with.surface, &without.surface);
+    Some(Difference {
+        ratio: with.ratio? - without.ratio?,
+        peak: of_with.peak_pressure_pa / of_without.peak_pressure_pa,
+        clearance_m: of_with.clearance_m.zip(of_without.clearance_m).map_or(0.0, |(with, without)| with - without),
+        is_extrapolated: of_with.area_law_extrapolated,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::{raised, sample};
+    use crate::lattice::Lattice;
+    use crate::outcome::Status;
+    use crate::samples;
+    use crate::scene::RunOptions;
+    use crate::steady::{SteadyLoad, SteadyModel};
+    use slipgrid_pattern::{Rim, RimProfile};
+
+    #[test]
+    fn rims_add_to_a_strip_what_they_add_to_the_cell() {
+        let mut worst = 0.0_f64;
+        for (width, spacing, depth, height) in
+            [(130.0, 370.0, 20.0, 0.1), (80.0, 160.0, 10.0, 0.3), (150.0, 300.0, 40.0, 1.0)]
+        {
+            let rim = Rim::new(height * 1e-6, 20e-6, RimProfile::Round).unwrap();
+            let pattern = samples::groove(width, spacing, depth).with_rim(rim);
+            let scene = samples::scene(pattern, &[0.65, 2.6], RunOptions::default());
+            let difference = RimDifference::new(&scene, &pattern);
+            let law = samples::persson_law();
+            let flat = sample(&without_rim(&pattern), 10e-6, 500);
+            let share = flat.iter().map(|c| c.coverage).sum::<f64>() / 500.0 / pattern.section_density();
+            let solve = |columns: Vec<crate::columns::Column>, pressure_pa: f64| {
+                let lattice = Lattice::new(columns, 20, false);
+                let model = SteadyModel::new(lattice, 10e-6, samples::E_PA, false);
+                let load = SteadyLoad { pressure_pa, dynamic_mu: &vec![0.27; 500], area_law: Some(&law) };
+                let outcome = model.solve(&load);
+                assert_eq!(outcome.status, Status::Converged);
+                outcome.mu_dynamic.unwrap() / (0.27 * law.factor(pressure_pa))
+            };
+            for (load, difference) in scene.loads.iter().zip(&difference.each) {
+                let found = difference.as_ref().unwrap().ratio * share;
+                let expected = solve(raised(flat.clone(), &pattern, 10e-6), load.pressure_pa)
+                    - solve(flat.clone(), load.pressure_pa);
+                worst = worst.max((found / expected - 1.0).abs());
+            }
+        }
+        assert!(worst < 2.0 * OPEN_SHARE, "{worst}");
+    }
+}
