@@ -79,7 +79,7 @@ pub enum Command {
     steady solves the equilibrium with every contact block sliding: no time, no static friction;\n\
     for searching. dynamic integrates in time by the fastest scheme whose error is measured; for\n\
     confirming. reference is the published scheme to the letter (RK4, 1 ns); for judging the others.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
 pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
@@ -112,7 +112,7 @@ pub struct SimulateArgs {
     folder: out/NAME.lock says which.\n\n\
     Grooves across the sliding direction are solved in the vertical plane, squares, rectangles, discs and\n\
     grooves that slide along or aslant in space; dimensions = 2 or 3 in [search] overrides it.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
 pub struct OptimizeArgs {
     /// Design file
     pub design: PathBuf,
