@@ -20,8 +20,6 @@ const TRIED_WIDTH_M: f64 = 10e-6;
 /// Step of the height: a share of it, and no less than this, in metres.
 const STEP_SHARE: f64 = 0.05;
 const LEAST_STEP_M: f64 = 2e-8;
-/// Blocks that a rim needs at least.
-const BLOCKS_PER_RIM: f64 = 2.0;
 /// Seconds of one core that cells in smaller blocks than the search's may take.
 const MOST_CORE_S: f64 = 5.0;
 
@@ -82,7 +80,7 @@ pub fn report(
     let own = asked.design.texture().rim().copied();
     let tried = || Rim::new(TRIED_HEIGHT_M, TRIED_WIDTH_M, RimProfile::Round);
     let Ok(rim) = own.map_or_else(tried, Ok) else { return Ok(None) };
-    let layer = fine(asked.layer, rim.width_m());
+    let layer = Layer { block_m: rim.block_m(asked.layer.block_m), ..*asked.layer };
     let scene = |scene: &Scene| Scene { layer, loads: loads(asked, scene), ..scene.clone() };
     let model = asked.model.beside(|of| Ok::<_, DesignError>(scene(of)))?;
     let least = RimSensitivityReport {
@@ -133,13 +131,6 @@ pub fn report(
     let Some(most) = most.filter(|most| most.per_um != 0.0) else { return Ok(None) };
     let words = words(most, others, asked.tolerances, &rim);
     Ok(Some(RimSensitivityReport { step_um: LENGTH_UM.from_si(step_m), by_pressure, words, ..least }))
-}
-
-/// `layer` in blocks of which a rim `rim_m` wide holds two, a whole number of times smaller.
-fn fine(layer: &Layer, rim_m: f64) -> Layer {
-    // A rim of two blocks to rounding has two.
-    let smaller = (BLOCKS_PER_RIM * layer.block_m / rim_m - 1e-9).ceil().max(1.0);
-    Layer { block_m: layer.block_m / smaller, ..*layer }
 }
 
 /// Loads of the condition designed for, in space the lowest alone; all where designs slide in several directions.
@@ -220,18 +211,6 @@ fn words(most: &RimSlopeReport, others: &SensitivityReport, tolerances: Option<&
 mod tests {
     use super::*;
     use crate::sensitivity::{Dimensions, SlopesReport};
-
-    #[test]
-    fn blocks_are_at_most_half_a_rim_and_a_whole_number_of_times_smaller() {
-        let layer = Layer { length_m: 9.96e-3, height_m: 2e-4, block_m: 1e-5, thickness_m: None };
-        for (rim_um, block_um) in [(10.0, 5.0), (20.0, 10.0), (50.0, 10.0), (12.0, 5.0), (6.0, 2.5), (3.0, 1.25)] {
-            let found = fine(&layer, rim_um * 1e-6).block_m * 1e6;
-            assert!(
-                (found - block_um).abs() < 1e-9 || (found <= rim_um / 2.0 && found > rim_um / 3.0),
-                "{rim_um} {found}"
-            );
-        }
-    }
 
     #[test]
     fn the_largest_change_is_said_beside_what_dimensions_do() {

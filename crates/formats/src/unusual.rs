@@ -12,7 +12,7 @@ use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, FRICTION, MODULUS, PRESSURE, Plausible, SPEED};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_units::LENGTH_UM;
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
 #[must_use]
@@ -40,19 +40,15 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
 /// Rims narrower than two blocks, of which blocks hold no more than the mean.
 #[must_use]
 pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sample: &SampleFile) -> Option<Diagnostic> {
-    let width = file.rim_width_um.as_ref().filter(|_| rim.is_some())?;
-    let (width_um, block_um) = (
-        *width.get_ref(),
-        sample.block_um.as_ref().map_or(LENGTH_UM.from_si(DEFAULT_LAYER.block_m), |um| *um.get_ref()),
-    );
-    // The same lengths are whole numbers of blocks a whole number of times smaller.
-    let smaller = (2.0 * block_um / width_um - 1e-9).ceil();
-    (smaller > 1.0).then(|| {
+    let (rim, width) = (rim?, file.rim_width_um.as_ref()?);
+    let block_m = sample.block_um.as_ref().map_or(DEFAULT_LAYER.block_m, |um| LENGTH_UM.to_si(*um.get_ref()));
+    let [block_um, smaller_um] = [block_m, rim.block_m(block_m)].map(|length_m| LENGTH_UM.from_si(length_m));
+    (smaller_um < block_um).then(|| {
         let reason = format!(
             "is narrower than two blocks of {block_um} um: they hold no more than the mean height of a rim, and friction moves with its \
              crest"
         );
-        document.refuse(width.span(), reason).expected(format!("block_um = {} or less in [sample]", tidy(block_um / smaller)))
+        document.refuse(width.span(), reason).expected(format!("block_um = {smaller_um} or less in [sample]"))
     })
 }
 

@@ -22,7 +22,7 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.019_855_071_751_231_9, 0.050_614_268_145_188_1],
     [0.101_666_761_293_186_6, 0.111_190_517_226_687_2],
     [0.237_233_795_041_835_5, 0.156_853_322_938_943_6],
-    [0.408_282_678_752_175_1, 0.181_341_891_689_181_0],
+    [0.408_282_678_752_175_1, 0.181_341_891_689_181],
 ];
 
 /// How a rim falls from the edge of its cavity outward.
@@ -189,6 +189,13 @@ impl Rim {
         self.width_m
     }
 
+    /// The largest length of which it is at least two wide and `block_m` a whole multiple, in metres: blocks that hold its shape.
+    #[must_use]
+    pub fn block_m(&self, block_m: f64) -> f64 {
+        // A rim of two blocks but for rounding has two.
+        block_m / (2.0 * block_m / self.width_m - 1e-9).ceil().max(1.0)
+    }
+
     /// How it falls outward.
     #[must_use]
     pub const fn profile(&self) -> RimProfile {
@@ -287,6 +294,15 @@ mod tests {
         }
         for bad in [-1e-7, f64::NAN, 2e-3] {
             assert!(matches!(Rim::new(bad, 1e-5, RimProfile::Round), Err(PatternError::RimHeight { .. })));
+        }
+    }
+
+    #[test]
+    fn blocks_are_at_most_half_a_rim_and_a_whole_number_of_times_smaller() {
+        for (rim_um, block_um) in [(10.0, 5.0), (20.0, 10.0), (50.0, 10.0), (12.0, 5.0), (6.0, 2.5), (3.0, 10.0 / 7.0)]
+        {
+            let found_m = Rim::new(1e-7, rim_um * 1e-6, RimProfile::Round).unwrap().block_m(10e-6);
+            assert!((found_m * 1e6 - block_um).abs() < 1e-9, "{rim_um}: {found_m}");
         }
     }
 
