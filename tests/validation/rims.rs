@@ -48,3 +48,20 @@ fn a_short_sample_with_rims_slides_in_time_as_steadily() {
     let off = steady.loads[0].surface.interface.iter().filter(|point| point.pressure_pa == 0.0).count();
     assert!(off > 5 && steady.loads[0].surface.status == Status::Converged, "{off}");
 }
+
+#[test]
+fn squares_with_rims_in_time_are_those_of_steady_sliding() {
+    let rim = Rim::new(0.3e-6, 20e-6, RimProfile::Flat).unwrap();
+    let pattern = Pattern::new(Texture::new(Planform::Square).with_rim(rim), 80e-6, 120e-6, 20e-6).unwrap();
+    let scene = polymer_scene(Some(pattern), &[1.3], Fidelity::Dynamic, Extent::Cell).unwrap();
+    let scene = Scene { layer: Layer { thickness_m: None, height_m: 100e-6, ..scene.layer }, ..scene };
+    let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
+    for warm_start in [false, true] {
+        let dynamic = run(&Scene { run: RunOptions { warm_start, sliding_m: 1e-6, ..scene.run }, ..scene.clone() });
+        let (a, b) = (steady.loads[0].ratio.unwrap(), dynamic.loads[0].ratio.unwrap());
+        let error = dynamic.loads[0].ratio_stderr.unwrap();
+        println!("steady {a:.4} dynamic {b:.4} +- {error:.4}");
+        assert_eq!(dynamic.loads[0].surface.status, Status::Converged);
+        assert!((a - b).abs() < 0.01 + 3.0 * error, "{a} {b}");
+    }
+}

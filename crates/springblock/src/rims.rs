@@ -25,25 +25,15 @@ pub struct Rims {
 }
 
 impl Rims {
-    /// Periods that a cell of `pattern` needs for its rims.
+    /// Periods that a cell of `pattern` in the plane needs for its rims.
     pub fn periods(pattern: &Pattern) -> usize {
-        let scatters = pattern.texture().rim().is_some_and(|rim| rim.height_std_m() > 0.0);
-        if scatters { SCATTERED_PERIODS } else { 1 }
+        if scatters(pattern) { SCATTERED_PERIODS } else { 1 }
     }
 
     /// Those of `cavities` cavities of `pattern` in blocks of `block_m`; `None` where they have none.
     pub fn new(pattern: &Pattern, block_m: f64, cavities: usize) -> Option<Self> {
         let rim = *pattern.texture().rim()?;
-        let (height_m, std_m) = (rim.height_m(pattern.depth_m()), rim.height_std_m());
-        if cavities == 0 || (height_m == 0.0 && std_m == 0.0) {
-            return None;
-        }
-        let heights = if std_m > 0.0 {
-            scattered(2 * cavities).map(|z| (height_m + std_m * z).max(0.0) / block_m).collect()
-        } else {
-            vec![height_m / block_m; 2 * cavities]
-        };
-        Some(Self { rim, block_m, heights })
+        heights(pattern, block_m, 2 * cavities).map(|heights| Self { rim, block_m, heights })
     }
 
     /// Height of the rim before cavity number `cavity`, in lattice spacings.
@@ -96,6 +86,30 @@ impl Rims {
         }
         if land > 0.0 { integral / land } else { 0.0 }
     }
+}
+
+/// Whether heights of rims differ.
+fn scatters(pattern: &Pattern) -> bool {
+    pattern.texture().rim().is_some_and(|rim| rim.height_std_m() > 0.0)
+}
+
+/// Rectangular cells of `pattern` along x and y that a cell in space needs for its rims.
+pub fn cells(pattern: &Pattern) -> [usize; 2] {
+    match (scatters(pattern), pattern.length_m()) {
+        (false, _) => [1, 1],
+        (true, None) => [SCATTERED_PERIODS, 1],
+        (true, Some(_)) => [2, 2],
+    }
+}
+
+/// Heights of `count` rims of `pattern` in blocks of `block_m`; `None` where it has none.
+pub fn heights(pattern: &Pattern, block_m: f64, count: usize) -> Option<Vec<f64>> {
+    let rim = pattern.texture().rim().filter(|_| count > 0)?;
+    let (height_m, std_m) = (rim.height_m(pattern.depth_m()), rim.height_std_m());
+    if std_m > 0.0 {
+        return Some(scattered(count).map(|z| (height_m + std_m * z).max(0.0) / block_m).collect());
+    }
+    (height_m > 0.0).then(|| vec![height_m / block_m; count])
 }
 
 /// The mid-quantiles of the normal distribution of `count` values, scaled to mean 0 and variance 1, far ones beside each

@@ -62,6 +62,14 @@ impl<'a, const H: usize> ContactVectors<'a, H> {
         self.blocks.len()
     }
 
+    /// Gives every block its face and its vertical displacement, by column; before the first step.
+    pub fn place(&mut self, face_and_height: impl Fn(usize) -> [f64; 2]) {
+        for block in &mut self.blocks {
+            let [face, height] = face_and_height(block.column);
+            block.place(face, height);
+        }
+    }
+
     /// Starts the account of which blocks have slipped: the bulk begins to move.
     pub fn begin_drive(&mut self) {
         for block in &mut self.blocks {

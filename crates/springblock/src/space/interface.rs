@@ -40,6 +40,8 @@ pub struct Surface {
     pub contact: Option<usize>,
     /// Whether it is a contact that has left the counterface.
     lifted: bool,
+    /// Height of its face, in lattice spacings.
+    pub relief: f64,
     /// Stiffness of its springs upward, and of its tie.
     pivot: f64,
 }
@@ -140,7 +142,8 @@ impl Interface {
                 contacts - 1
             });
             let pivot = pivot + free.map_or(0.0, |(_, tie)| tie);
-            surface.push(Surface { column: [i, j], contact_share: share, free, contact, lifted: false, pivot });
+            let relief = lattice.relief(i, j);
+            surface.push(Surface { column: [i, j], contact_share: share, free, contact, lifted: false, relief, pivot });
         }
         let [a, b] = lattice.spacing();
         // sum k e_z^2 of the springs upward
@@ -183,6 +186,20 @@ impl Interface {
             interface.free += usize::from(surface.free.is_some());
         }
         interface
+    }
+
+    /// The unknowns of this interface that continue `unknowns` of `other`, which differs from it in the contacts that are off
+    /// the counterface, on a face of `raise` times its heights.
+    pub fn continued(&self, other: &Self, unknowns: &[f64], raise: f64) -> Vec<f64> {
+        let (forces, rest) = unknowns.split_at(3 * self.support.len());
+        let (heights, friction) = rest.split_at(other.free);
+        let mut continued = forces.to_vec();
+        for (own, before) in self.surface.iter().zip(&other.surface).filter(|(own, _)| own.free.is_some()) {
+            continued.push(before.free.map_or(raise * own.relief, |(number, _)| heights[number]));
+        }
+        let lifted = self.surface.iter().filter(|surface| surface.contact.is_some()).map(|surface| surface.lifted);
+        continued.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
+        continued
     }
 
     /// Whether each contact is off the counterface, and its height in `unknowns` where it is.
@@ -246,12 +263,19 @@ impl Interface {
             fields[..2 * plane].fill(0.0);
             fields[2 * plane..].fill(-(row as f64) * self.compression);
         }
-        self.observe(response);
+        self.observe(0.0, response);
     }
 
-    /// The linear response to `unknowns`, friction acting along `direction`; with `everywhere` displacements are
-    /// complete, otherwise only those that matter are computed.
-    pub fn respond(&self, unknowns: &[f64], direction: [f64; 2], everywhere: bool, response: &mut Response) {
+    /// The linear response to `unknowns`, friction acting along `direction`, and to a face of `raise` times its heights; with
+    /// `everywhere` displacements are complete, otherwise only those that matter are computed.
+    pub fn respond(
+        &self,
+        unknowns: &[f64],
+        direction: [f64; 2],
+        raise: f64,
+        everywhere: bool,
+        response: &mut Response,
+    ) {
         let [nx, ny] = self.columns;
         let plane = nx * ny;
         let fields = &mut response.fields;
@@ -268,8 +292,9 @@ impl Interface {
         }
         for surface in &self.surface {
             let place = surface.column[1] * nx + surface.column[0];
-            if let Some((number, _)) = surface.free {
-                fields[2 * plane + place] = heights[number];
+            match surface.free {
+                Some((number, _)) => fields[2 * plane + place] = heights[number],
+                None => fields[2 * plane + place] = raise * surface.relief,
             }
             if let Some(number) = surface.contact {
                 fields[place] += direction[0] * friction[number];
@@ -281,11 +306,11 @@ impl Interface {
         } else {
             self.layer.respond(fields, &self.wanted, &mut response.workspace);
         }
-        self.observe(response);
+        self.observe(raise, response);
     }
 
     /// R u, normal forces and imbalances from the displacements in `response`.
-    fn observe(&self, response: &mut Response) {
+    fn observe(&self, raise: f64, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         let Response { fields, linear, normal, .. } = response;
         let (forces, imbalances) = linear.split_at_mut(3 * self.support.len());
@@ -319,7 +344,8 @@ impl Interface {
             }
             if let Some((number, tie)) = surface.free {
                 let place = surface.column[1] * self.columns[0] + surface.column[0];
-                imbalances[number] = (pressed + tie * fields[2 * plane + place]) / surface.pivot;
+                imbalances[number] =
+                    (pressed + tie * (fields[2 * plane + place] - raise * surface.relief)) / surface.pivot;
             }
             if let Some(number) = surface.contact {
                 normal[number] = if surface.lifted { 0.0 } else { pressed };

@@ -13,6 +13,7 @@ use slipgrid_pattern::Pattern;
 use super::springs::{LEVEL, Spring, springs};
 use crate::columns::{divide, settled};
 use crate::lattice::{joint_presence, stiffness_share};
+use crate::rims;
 
 /// A periodic cell with or without cavities.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +25,9 @@ pub struct SpaceLattice {
     coverage: Vec<f64>,
     /// Depth of the cavities in rows.
     depth: f64,
+    /// Height of the land of every column towards the counterface, in the mean, in lattice spacings, i fastest; empty where
+    /// the face is even.
+    relief: Vec<f64>,
 }
 
 /// A spring between block `a` and block `b`, or the bulk.
@@ -45,7 +49,7 @@ impl SpaceLattice {
     /// Columns along x and y of a cell of `pattern` in blocks of `block_m`.
     #[must_use]
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
-        let cell_m = pattern.cell_m();
+        let cell_m = repeated_cell_m(pattern);
         let along_y = pattern.length_m().map_or(1.0, |_| divide(cell_m[1] / block_m).1 as f64);
         [divide(cell_m[0] / block_m).1 as f64, along_y]
     }
@@ -59,37 +63,40 @@ impl SpaceLattice {
     /// A cell of cubes of whose columns, i fastest, cavities `depth` rows deep cover `coverage`. At depth 0 what is
     /// covered is whole, and does not touch.
     pub(super) const fn of_cubes(columns: [usize; 2], rows: usize, coverage: Vec<f64>, depth: f64) -> Self {
-        Self { columns, rows, spacing: [1.0; 2], coverage, depth }
+        Self { columns, rows, spacing: [1.0; 2], coverage, depth, relief: Vec::new() }
     }
 
     /// One period of `pattern` in blocks of `block_m`, `rows` high. Grooves take one column along y.
     #[must_use]
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
-        let cell_m = pattern.cell_m();
+        let cell_m = repeated_cell_m(pattern);
         let extent_m = [Some(pattern.width_m()), pattern.length_m()];
         let axes = [0, 1].map(|axis| match extent_m[axis] {
-            None => (1, 1, 1.0, 0.0),
+            None => (1, 1, 1.0, 0.0, 1),
             Some(extent_m) => {
-                let (_, columns, spacing) = divide(cell_m[axis] / block_m);
+                let (periods, columns, spacing) = divide(cell_m[axis] / block_m);
                 let pitch_m = spacing * block_m;
                 // A cavity of c in m columns leaves floor((m - c)/2) before it.
                 let covered = (extent_m / pitch_m).round().max(1.0) as usize;
                 let before = columns.saturating_sub(covered) / 2;
-                (columns, before, spacing, before as f64 * pitch_m + extent_m / 2.0)
+                let cells = periods * rims::cells(pattern)[axis];
+                (columns, before, spacing, before as f64 * pitch_m + extent_m / 2.0, cells)
             }
         });
         let (columns, spacing) = (axes.map(|axis| axis.0), axes.map(|axis| axis.2));
         let edge_m = |axis: usize, column: usize| column as f64 * spacing[axis] * block_m - axes[axis].3;
-        let coverage = (0..columns[0] * columns[1])
-            .map(|column| {
-                let (i, j) = (column % columns[0], column / columns[0]);
-                pattern.coverage(edge_m(0, i), edge_m(0, i + 1), edge_m(1, j), edge_m(1, j + 1))
-            })
-            .map(settled)
-            .collect();
+        let sides = |column: usize| {
+            let (i, j) = (column % columns[0], column / columns[0]);
+            [edge_m(0, i), edge_m(0, i + 1), edge_m(1, j), edge_m(1, j + 1)]
+        };
+        let count = columns[0] * columns[1];
+        let coverage =
+            (0..count).map(sides).map(|[x0, x1, y0, y1]| pattern.coverage(x0, x1, y0, y1)).map(settled).collect();
+        let periods = [0, 1].map(|axis| if extent_m[axis].is_none() { 1 } else { axes[axis].4 });
+        let relief = relief(pattern, block_m, periods, (0..count).map(sides));
         let depth = pattern.depth_m() / block_m;
         let depth = if (depth - depth.round()).abs() < WHOLE * depth.max(1.0) { depth.round() } else { depth };
-        Self { columns, rows, spacing, coverage, depth }
+        Self { columns, rows, spacing, coverage, depth, relief }
     }
 
     /// The same cell in whole cubes: columns that are cavity by half or more are cavity, depth is the nearest number
@@ -109,7 +116,13 @@ impl SpaceLattice {
     #[must_use]
     pub fn repeated_along_y(&self, count: usize) -> Self {
         let columns = [self.columns[0], self.columns[1] * count];
-        Self { columns, coverage: self.coverage.repeat(count), ..self.clone() }
+        Self { columns, coverage: self.coverage.repeat(count), relief: self.relief.repeat(count), ..self.clone() }
+    }
+
+    /// The same cell whose columns, i fastest, are raised towards the counterface by `relief`, in lattice spacings.
+    #[must_use]
+    pub fn with_relief(self, relief: Vec<f64>) -> Self {
+        Self { relief, ..self }
     }
 
     /// Columns along x and along y.
@@ -134,6 +147,25 @@ impl SpaceLattice {
     #[must_use]
     pub const fn depth(&self) -> f64 {
         self.depth
+    }
+
+    /// Height of the land of column (i, j) towards the counterface, in the mean, in lattice spacings.
+    #[must_use]
+    pub fn relief(&self, i: usize, j: usize) -> f64 {
+        self.relief.get(j * self.columns[0] + i).copied().unwrap_or(0.0)
+    }
+
+    /// Whether the face has heights.
+    #[must_use]
+    pub fn is_raised(&self) -> bool {
+        self.relief.iter().any(|height| *height != 0.0)
+    }
+
+    /// Height of the highest land towards the counterface, in lattice spacings.
+    #[must_use]
+    pub fn highest(&self) -> f64 {
+        let land = self.relief.iter().zip(&self.coverage).filter(|(_, coverage)| **coverage < 1.0);
+        land.map(|(height, _)| *height).reduce(f64::max).unwrap_or(0.0)
     }
 
     /// Whether every block is whole and a cube.
@@ -243,6 +275,45 @@ impl SpaceLattice {
         }
         eighths.max(1) as f64 / 8.0 * self.spacing[0] * self.spacing[1]
     }
+}
+
+/// Sides of the rectangular cell of `pattern` that holds the rims that it needs, in metres.
+fn repeated_cell_m(pattern: &Pattern) -> [f64; 2] {
+    let (cell_m, cells) = (pattern.cell_m(), rims::cells(pattern));
+    [0, 1].map(|axis| cell_m[axis] * cells[axis] as f64)
+}
+
+/// Heights of the columns whose sides `sides` gives in the pattern's axes, of a cell of so many `periods`; empty without rims.
+fn relief(pattern: &Pattern, block_m: f64, periods: [usize; 2], sides: impl Iterator<Item = [f64; 4]>) -> Vec<f64> {
+    let centres_m: Vec<[f64; 2]> = pattern.centres_m().collect();
+    let cell_m = pattern.cell_m();
+    let Some(heights) = rims::heights(pattern, block_m, periods[0] * periods[1] * centres_m.len()) else {
+        return Vec::new();
+    };
+    // The rim of the nearest cavity.
+    let nearest = |at_m: [f64; 2]| {
+        let seen = centres_m.iter().enumerate().map(|(number, centre_m)| {
+            let (mut cell, mut square, mut stride) = (0, 0.0, 1);
+            for axis in 0..2 {
+                let away = (at_m[axis] - centre_m[axis]) / cell_m[axis];
+                // Columns lie within a few cells: the cast is exact.
+                cell += (away.round() as i64).rem_euclid(periods[axis] as i64) as usize * stride;
+                stride *= periods[axis];
+                // Grooves are as near everywhere along themselves.
+                if axis == 0 || pattern.length_m().is_some() {
+                    square += ((away - away.round()) * cell_m[axis]).powi(2);
+                }
+            }
+            (square, cell * centres_m.len() + number)
+        });
+        seen.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |(_, number)| number)
+    };
+    sides
+        .map(|[x0, x1, y0, y1]| {
+            let share = pattern.rim_share(x0, x1, y0, y1);
+            if share > 0.0 { share * heights[nearest([f64::midpoint(x0, x1), f64::midpoint(y0, y1)])] } else { 0.0 }
+        })
+        .collect()
 }
 
 #[cfg(test)]

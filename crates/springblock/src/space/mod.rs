@@ -27,4 +27,6 @@ pub use steady::{SpaceLoad, SpaceSteadyModel};
 #[cfg(test)]
 mod contact_tests;
 #[cfg(test)]
+mod raised_tests;
+#[cfg(test)]
 mod tests;

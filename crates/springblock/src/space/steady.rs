@@ -33,6 +33,10 @@ const MOST_KEPT: usize = 160;
 const SLOPE_STEP: f64 = 1e-6;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.
 const MOST_CONTACT_ROUNDS: usize = 60;
+/// The same on a face with heights.
+const MOST_RAISED_ROUNDS: usize = 200;
+/// Forces out of balance, as in [`TOLERANCE`], with which contacts are told on and off there.
+const ROUGH_TOLERANCE: f64 = 1e-4;
 
 /// One load on a [`SpaceSteadyModel`].
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +90,11 @@ struct Solver<'a> {
     slope: Vec<f64>,
     /// Direction of the friction that the operator holds.
     along: [f64; 2],
+    /// Heights of the face over their lengths in lattice spacings: 1 over the unit of displacement of the present load; 0
+    /// where the face is even.
+    raise: f64,
+    /// Sum of the forces out of balance over the load below which an iteration ends.
+    tolerance: f64,
     /// Whether slopes are tangents of the present load.
     tangent: bool,
 }
@@ -100,10 +109,12 @@ struct End {
 impl SpaceSteadyModel {
     /// Condenses `lattice`, whose blocks are `block_m` apart.
     ///
-    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface.
+    /// `liftoff`: contact is unilateral, blocks under tension leave the counterface, as they do on a face with heights.
     #[must_use]
     pub fn new(lattice: SpaceLattice, block_m: f64, youngs_modulus_pa: f64, liftoff: bool) -> Self {
         let interface = Interface::new(&lattice);
+        // A face with heights is off the counterface where it does not reach.
+        let liftoff = liftoff || lattice.is_raised();
         Self { lattice, block_m, youngs_modulus_pa, liftoff, interface }
     }
 
@@ -147,7 +158,7 @@ impl SpaceSteadyModel {
         let whole = Interface::uncondensed(&self.lattice).with_lifted(&solver.lifted());
         let (mut rest, mut moved) = (whole.response(), whole.response());
         whole.compress(&mut rest);
-        whole.respond(&solver.state.unknowns, solver.along, true, &mut moved);
+        whole.respond(&solver.state.unknowns, solver.along, solver.raise, true, &mut moved);
         let unit = self.displacement_unit(load.pressure_pa);
         (0..plane * (self.lattice.rows() + 1))
             .map(|number| {
@@ -208,6 +219,8 @@ impl<'a> Solver<'a> {
             interface,
             slope: Vec::new(),
             along: [0.0; 2],
+            raise: 0.0,
+            tolerance: TOLERANCE,
             tangent: false,
         };
         solver.observe();
@@ -221,7 +234,7 @@ impl<'a> Solver<'a> {
         interface.compress(&mut self.response);
         let (linear, normal) = (self.response.linear.clone(), self.response.normal.clone());
         let compressed = self.response.fields.clone();
-        interface.respond(&self.state.unknowns, self.along, true, &mut self.response);
+        interface.respond(&self.state.unknowns, self.along, self.raise, true, &mut self.response);
         for (field, at_rest) in self.response.fields.iter_mut().zip(&compressed) {
             *field += at_rest;
         }
@@ -253,7 +266,7 @@ impl<'a> Solver<'a> {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
         let heights = elastic - interface.free();
-        interface.respond(&step, self.along, false, &mut self.response);
+        interface.respond(&step, self.along, 0.0, false, &mut self.response);
         let mut image = step.clone();
         for (number, image) in image[..elastic].iter_mut().enumerate() {
             let linear = self.response.linear[number];
@@ -300,6 +313,9 @@ impl<'a> Solver<'a> {
     /// The equilibrium under `load`, and the solver that holds it where blocks have left the counterface: lifts
     /// those under tension and lands those that sink below it until none does.
     fn equilibrate(&mut self, load: &SpaceLoad) -> (End, Option<Self>) {
+        if self.model.lattice.is_raised() {
+            return (self.equilibrate_raised(load), None);
+        }
         let mut end = self.iterate(load);
         if !self.model.liftoff {
             return (end, None);
@@ -329,6 +345,55 @@ impl<'a> Solver<'a> {
         (end, latest)
     }
 
+    /// The equilibrium under `load` on a face with heights, from the contacts on and off of the load before. Which contacts
+    /// these are is found with forces that are nearly balanced; the last iterations balance them wholly.
+    fn equilibrate_raised(&mut self, load: &SpaceLoad) -> End {
+        self.raise = 1.0 / self.model.displacement_unit(load.pressure_pa);
+        self.observe();
+        let mut directions = 0;
+        self.tolerance = ROUGH_TOLERANCE;
+        for _ in 0..MOST_RAISED_ROUNDS {
+            let mut end = self.iterate(load);
+            directions += end.directions;
+            end.directions = directions;
+            let heights: Vec<Option<f64>> = self.interface.lifted(&self.state.unknowns).collect();
+            let reliefs = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
+            let next: Vec<bool> = reliefs
+                .zip(heights.iter().zip(&self.state.normal))
+                .map(|(surface, (height, normal))| {
+                    height.map_or(*normal < 0.0, |height| height >= self.raise * surface.relief)
+                })
+                .collect();
+            let is_settled = next.iter().zip(&heights).all(|(next, height)| *next == height.is_some());
+            if is_settled && self.tolerance == TOLERANCE {
+                return end;
+            }
+            if is_settled {
+                self.tolerance = TOLERANCE;
+                continue;
+            }
+            if end.status != Status::Converged || next.iter().all(|lifted| *lifted) {
+                return End { status: Status::NotConverged, ..end };
+            }
+            self.switch(&next);
+        }
+        let (_, residual) = self.residual(load);
+        End { status: Status::NotConverged, residual, directions }
+    }
+
+    /// Goes on with the contacts of which `lifted` says so off the counterface.
+    fn switch(&mut self, lifted: &[bool]) {
+        let interface = self.model.interface.with_lifted(lifted);
+        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.raise);
+        let elastic = interface.elastic_unknowns();
+        self.response = interface.response();
+        self.state = State { unknowns, elastic: vec![0.0; elastic], normal: vec![0.0; interface.contacts()] };
+        self.interface = Cow::Owned(interface);
+        self.slope.clear();
+        self.directions.clear();
+        self.observe();
+    }
+
     /// Iterates to the equilibrium under `load` from where the last one ended.
     fn iterate(&mut self, load: &SpaceLoad) -> End {
         if self.along != load.direction.map(|component| -component) {
@@ -345,7 +410,7 @@ impl<'a> Solver<'a> {
         let mut verified = false;
         for _ in 0..MOST_EVALUATIONS {
             let (mut residual, size) = self.residual(load);
-            if size <= TOLERANCE {
+            if size <= self.tolerance {
                 if verified {
                     return End { status: Status::Converged, residual: size, directions: applied };
                 }
@@ -386,7 +451,7 @@ impl<'a> Solver<'a> {
         }
         self.observe();
         let (_, residual) = self.residual(load);
-        let status = if residual <= TOLERANCE { Status::Converged } else { Status::NotConverged };
+        let status = if residual <= self.tolerance { Status::Converged } else { Status::NotConverged };
         End { status, residual, directions: applied }
     }
 

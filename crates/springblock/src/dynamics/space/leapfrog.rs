@@ -98,6 +98,17 @@ impl<'a> SpaceLeapfrog<'a> {
         self.field.join_sides();
     }
 
+    /// Raises the faces of the contact blocks as those of `lattice` are; what stands higher begins off the counterface. After
+    /// [`Self::start_sheared`].
+    pub fn raise(&mut self, lattice: &SpaceLattice) {
+        let padded = whole_lines(self.field.nx);
+        let Self { field, contact, .. } = self;
+        contact.place(|place| {
+            let (i, j) = (place % padded, place / padded);
+            [lattice.relief(i, j), field.displacement([i, j, 0])[2]]
+        });
+    }
+
     /// Displacements of block (i, j, k).
     #[must_use]
     pub fn displacement(&self, block: [usize; 3]) -> [f64; 3] {

@@ -35,13 +35,18 @@ impl SpaceScheme {
     /// [`SceneError::UnstableStep`] if it is beyond the stability limit.
     pub fn choose(scene: &Scene, lattice: &SpaceLattice) -> Result<Self, SceneError> {
         let scales = Scales::space(&scene.elastic, scene.layer.block_m);
-        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, scene.run.liftoff) * scales.time_s;
+        let limit_s = LEAPFROG_LIMIT / largest_frequency(lattice, is_unilateral(scene, lattice)) * scales.time_s;
         let step_s = scene.run.step_s.unwrap_or(SPACE_STEP * scales.time_s);
         if step_s > limit_s {
             return Err(SceneError::UnstableStep { step_s, limit_s, scheme: "leapfrog in three dimensions" });
         }
         Ok(Self { step_s, limit_s })
     }
+}
+
+/// Whether blocks of `lattice` may leave the counterface: where `scene` says so, and where the face has heights.
+fn is_unilateral(scene: &Scene, lattice: &SpaceLattice) -> bool {
+    scene.run.liftoff || lattice.is_raised()
 }
 
 /// Largest eigenfrequency of `lattice` over sqrt(k/m); blocks on the counterface move vertically only if `liftoff`.
@@ -124,11 +129,19 @@ impl SpaceRun<'_> {
                 time_step: self.scheme.step_s / scales.time_s,
                 // The same rate in 1/s as in the plane, whose k is another.
                 damping: scene.run.damping * scales.time_s / plane.time_s,
-                liftoff: scene.run.liftoff,
+                liftoff: is_unilateral(scene, lattice),
             },
         );
         if let Some(start) = self.start {
             engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
+        }
+        if lattice.is_raised() {
+            if self.start.is_none() {
+                // The layer touches with the highest of its face and bears nothing.
+                let highest = lattice.highest();
+                engine.start_sheared(&|_| [0.0, 0.0, highest]);
+            }
+            engine.raise(lattice);
         }
         let drive = Drive {
             scene,
