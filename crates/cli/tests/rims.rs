@@ -54,7 +54,7 @@ fn a_scene_with_rims_slides_with_less_friction_and_says_what_they_are() {
     );
     for (with, without) in with["results"].as_array().unwrap().iter().zip(without["results"].as_array().unwrap()) {
         let change = number(&with["ratio"]) - number(&without["ratio"]);
-        assert!(change < -0.01 && change > -0.2, "{change}");
+        assert!(change < -5e-3 && change > -0.2, "{change}");
     }
     // The higher the load, the more a rim is pressed into the land.
     let change = |row: usize| number(&with["results"][row]["ratio"]) - number(&without["results"][row]["ratio"]);
@@ -74,13 +74,13 @@ fn rims_that_mean_nothing_are_refused_and_narrow_ones_told() {
     let narrow = scene("rim_height_um = 0.1\nrim_width_um = 10.0\n");
     let place = Place::with(&[("narrow.toml", &narrow)]);
     let told = String::from_utf8(place.run(&["simulate", "narrow.toml"]).stderr).unwrap();
-    let warned = "warning: narrow.toml:17: pattern.rim_width_um: 10.0 is narrower than two blocks of 10 um";
+    let warned = "warning: narrow.toml:16: pattern.rim_width_um: 10.0 is narrower than two blocks of 10 um";
     assert!(told.contains(warned) && told.contains("expected block_um = 5 or less"), "{told}");
     for (rims, refused) in [
-        ("rim_height_um = 0.1\n", "x.toml:16: pattern.rim_height_um: 0.1 stands without a width"),
-        ("rim_width_um = 20\nrim_profile = \"flat\"\n", "x.toml:16: pattern.rim_width_um: 20 stands without a height"),
-        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_heights_um = [[1, 2]]\n", "x.toml:18: pattern.rim_heights_um"),
-        ("rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n", "x.toml:16: pattern.rim_heights_um: 4 is no deeper"),
+        ("rim_height_um = 0.1\n", "x.toml:15: pattern.rim_height_um: 0.1 stands without a width"),
+        ("rim_width_um = 20\nrim_profile = \"flat\"\n", "x.toml:15: pattern.rim_width_um: 20 stands without a height"),
+        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_heights_um = [[1, 2]]\n", "x.toml:17: pattern.rim_heights_um"),
+        ("rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n", "x.toml:15: pattern.rim_heights_um: 4 is no deeper"),
         ("rim_height_um = 0.1\nrim_width_um = 20\nrim_profile = \"square\"\n", "\"round\" or \"flat\" or \"ramp\""),
         ("rim_height_um = 2000\nrim_width_um = 20\n", "expected a number from 0 up to 1000 um"),
     ] {
