@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// What each shipped design ends with. A design without an entry fails the test.
-const ENDINGS: [(&str, u8, &str); 6] = [
+const ENDINGS: [(&str, u8, &str); 7] = [
     ("ldpe-any-humidity", 0, "met"),
     ("ldpe-lower-friction", 0, "met"),
     ("ldpe-lowest", 0, "met"),
+    ("ldpe-rims", 0, "met"),
     ("ldpe-squares", 0, "met"),
     ("ldpe-target-mu", 0, "met"),
     ("ldpe-unreachable", 3, "unreachable"),
@@ -44,6 +45,8 @@ fn every_shipped_design_has_a_known_ending() {
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
         .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        // Scenes stand beside them.
+        .filter(|name| !name.starts_with("scene-"))
         .collect();
     names.sort();
     assert_eq!(names, ENDINGS.map(|(name, ..)| name));
@@ -100,6 +103,39 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
     for name in ["target.svg", "pattern.svg", "friction-2.6mpa.svg", "interface-2.6mpa.svg"] {
         assert!(read(name).trim_end().ends_with("</svg>"), "{name}");
     }
+}
+
+#[test]
+fn rims_are_part_of_a_design_and_move_it_most() {
+    let (_folder, result) = optimize("ldpe-rims");
+    assert_eq!(result["design"]["rim_width_um"], 20.0);
+    let tolerance = result["target"]["tolerance"].as_f64().unwrap();
+    let confirmed = result["confirmed"].as_array().unwrap();
+    for (wanted, confirmed) in result["target"]["value"].as_array().unwrap().iter().zip(confirmed) {
+        let ratio = confirmed["ratio"].as_f64().unwrap();
+        assert!((ratio - wanted.as_f64().unwrap()).abs() <= tolerance, "{ratio}");
+    }
+    let slopes = &result["sensitivities"];
+    let rim = slopes["rim"]["by_pressure"][0]["per_um"].as_f64().unwrap();
+    let width = slopes["by_pressure"][0]["per_um"]["width"].as_f64().unwrap();
+    assert!(rim < 100.0 * width && width < 0.0, "{rim} {width}");
+}
+
+#[test]
+fn the_shipped_scene_with_rims_slides_with_less_friction_than_it_says_it_would_without() {
+    let ratio = |text: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("scene.toml");
+        std::fs::write(&scene, text).unwrap();
+        let (code, out, err) = slipgrid(&["simulate", scene.to_str().unwrap(), "--json"]);
+        assert_eq!((code, err.as_str()), (0, ""));
+        serde_json::from_str::<Value>(&out).unwrap()["results"][0]["ratio"].as_f64().unwrap()
+    };
+    let text = std::fs::read_to_string(root().join("designs/scene-rims.toml")).unwrap();
+    let without: String =
+        text.lines().filter(|line| !line.starts_with("rim_")).map(|line| format!("{line}\n")).collect();
+    let change = ratio(&without) - ratio(&text);
+    assert!((change - 0.030).abs() < 5e-4, "{change}");
 }
 
 #[test]

@@ -240,12 +240,18 @@ impl Fit {
 /// The pattern of the samples behind a discrepancy, in words.
 fn pattern_text(pattern: &Pattern) -> String {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+    let rim = pattern.texture().rim().filter(|rim| rim.stands());
+    let rims = rim.map(|rim| {
+        let (height_um, width_um) = (um(pattern.rim_height_m()), um(rim.width_m()));
+        format!(", with {} rims {height_um} um high and {width_um} um wide", rim.profile())
+    });
     format!(
-        "{} {} um wide, {} um apart, {} um deep",
+        "{} {} um wide, {} um apart, {} um deep{}",
         pattern.planform(),
         um(pattern.width_m()),
         um(pattern.spacing_m()),
-        um(pattern.depth_m())
+        um(pattern.depth_m()),
+        rims.unwrap_or_default()
     )
 }
 

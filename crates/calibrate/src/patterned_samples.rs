@@ -4,7 +4,7 @@ use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Load, RunOptions, Scene, Status, simulate};
+use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
 
 use crate::area_law::area_law;
 use crate::flat_sample::Portion;
@@ -182,12 +182,13 @@ fn ratios(
         })
         .collect::<Result<Vec<Load>, MaterialError>>()?;
     let Some(speed_m_s) = pairs.first().map(|(flat, _)| flat.speed_m_s) else { return Ok(Vec::new()) };
+    let block_m = pattern.texture().rim().map_or(task.layer.block_m, |rim| rim.block_m(task.layer.block_m));
     let scene = Scene {
         elastic: task.elastic,
         area_law,
         pattern: Some(pattern),
         relief: None,
-        layer: task.layer,
+        layer: Layer { block_m, ..task.layer },
         loads,
         // Steady sliding does not depend on it.
         speed_m_s,

@@ -79,7 +79,7 @@ pub enum Command {
     steady solves the equilibrium with every contact block sliding: no time, no static friction;\n\
     for searching. dynamic integrates in time by the fastest scheme whose error is measured; for\n\
     confirming. reference is the published scheme to the letter (RK4, 1 ns); for judging the others.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
 pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
@@ -112,7 +112,7 @@ pub struct SimulateArgs {
     folder: out/NAME.lock says which.\n\n\
     Grooves across the sliding direction are solved in the vertical plane, squares, rectangles, discs and\n\
     grooves that slide along or aslant in space; dimensions = 2 or 3 in [search] overrides it.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
 pub struct OptimizeArgs {
     /// Design file
     pub design: PathBuf,
@@ -274,8 +274,9 @@ pub struct ExportArgs {
     compared with. The default pattern is the one that the source of the LDPE calibration simulated,\n\
     grooves 20 um deep; its measured cavities are squares, 5.2 um deep. With -o it writes a page,\n\
     report.html, of the source's tables and figures beside these, with their numbers and pictures:\n\
-    contact area, interface pressure, friction in time and ratios at the heaviest load.\n\n\
-    Not modelled: recast rims, plasticity, viscoelasticity, heating, wear.")]
+    contact area, interface pressure, friction in time and ratios at the heaviest load, and of what rims of\n\
+    unknown height can and cannot explain.\n\n\
+    Not modelled: plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples
     #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 use slipgrid_pattern::Texture;
+use slipgrid_results::RimReport;
 use slipgrid_springblock::Scene;
 
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
@@ -23,7 +24,8 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
     if let Some(thickness_m) = scene.layer.thickness_m {
         layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
     }
-    let entries = [
+    let rim = texture.rim().and_then(RimReport::of);
+    let mut entries = [
         ("area_law", json!(area_law)),
         ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
         ("layer", layer),
@@ -44,5 +46,9 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         ),
         ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
     ];
+    if let Some(rim) = rim {
+        // Last but one, by its name.
+        entries[4].1["rim"] = json!(rim);
+    }
     entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -7,7 +7,7 @@ use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, log_covariance,
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
-    Uncertainty, propagate,
+    Uncertainty, propagate, with_rim_off,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
@@ -23,6 +23,9 @@ use slipgrid_units::{LENGTH_UM, tidy};
 const DIMENSIONS: usize = 3;
 /// Widest difference along a dimension over the dimension itself.
 const WIDEST_SHARE: f64 = 0.5;
+
+/// What the mean height of a sample's rims is called.
+pub const RIM_HEIGHT: &str = "rim height";
 
 /// Something that is not known exactly.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,6 +162,12 @@ impl<'a> Chances<'a> {
         let covariance = diagonal(&parts.blocks);
         let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
         let uncertainty = Uncertainty::new(&tolerances, &covariance).map_err(refused)?;
+        if let Some(place) = uncertainty.rim() {
+            let known_to = format!("made to {} um", tidy(LENGTH_UM.from_si(tolerances.rim_height_std_m)));
+            // Beside the dimensions.
+            let after = parts.inputs.iter().take_while(|input| input.places.start < DIMENSIONS).count();
+            parts.inputs.insert(after, Input { name: RIM_HEIGHT, known_to, places: place..place + 1 });
+        }
 
         let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
             let Some(first) = first else { return Ok(None) };
@@ -256,6 +265,10 @@ impl<'a> Chances<'a> {
             let per_m = self.along_axis(about.design, axis, std_m)?;
             slopes[axis] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
         }
+        if let Some(place) = self.uncertainty.rim() {
+            let per_m = self.along_rim(about.design)?;
+            slopes[place] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
+        }
         let difference = |along: &Along| -> Result<Vec<f64>, ModelFailure> {
             let (above, below) = (along.above.steady(about.design)?.ratio, along.below.steady(about.design)?.ratio);
             let each = above.iter().zip(&below).zip(along.step.iter().zip(&scale));
@@ -285,6 +298,25 @@ impl<'a> Chances<'a> {
             slopes[self.first_numerical + load][load] = about.numerical[load];
         }
         Ok(Linearization::of_slopes(*about.design, values, slopes))
+    }
+
+    /// dr/dh of each ratio along the height of the rims, per metre: over a standard deviation each way, and upwards alone
+    /// where the rims are lower than that.
+    fn along_rim(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        let step_m = self.tolerances.rim_height_std_m;
+        let at = |by_m: f64| self.still.ratios_made(&with_rim_off(design, by_m), design);
+        let below_m = if design.rim_height_m() < step_m { 0.0 } else { -step_m };
+        let (above, below) = (at(step_m)?, at(below_m)?);
+        Ok(above.iter().zip(&below).map(|(above, below)| (above - below) / (step_m - below_m)).collect())
+    }
+
+    /// Standard deviation of each ratio of `design` by the height of its rims alone; `None` where that is exact, or where
+    /// neighbours of the design cannot be computed.
+    #[must_use]
+    pub fn rim_std(&self, design: &Pattern) -> Option<Vec<f64>> {
+        self.uncertainty.rim()?;
+        let per_m = self.along_rim(design).ok()?;
+        Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
     }
 
     /// dr/dx of each ratio along one dimension, per metre.
@@ -345,8 +377,10 @@ impl UncertainModel for Sampled<'_> {
         let off = |place: usize| if (self.of)(place) { deviations[place - DIMENSIONS] } else { 0.0 };
         let length = |axis: usize, made_m: f64, own_m: f64| if (self.of)(axis) { made_m } else { own_m };
         let own = about.design;
+        let has_rims_off = chances.uncertainty.rim().is_some_and(|place| (self.of)(place));
+        let texture = if has_rims_off { made.texture() } else { own.texture() };
         let made = Pattern::new(
-            *own.texture(),
+            texture.to_owned(),
             length(0, made.width_m(), own.width_m()),
             length(1, made.spacing_m(), own.spacing_m()),
             length(2, made.depth_m(), own.depth_m()),

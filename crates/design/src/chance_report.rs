@@ -77,6 +77,10 @@ impl MultiFidelityLoop<'_> {
         if design.tolerances.is_none() {
             not_known.push("tolerances of width, spacing and depth".to_owned());
         }
+        let has_exact_rims = design.tolerances.is_none_or(|scatter| scatter.tolerances.rim_height_std_m == 0.0);
+        if best.design.texture().rim().is_some() && has_exact_rims {
+            not_known.push("tolerance of the rims' height".to_owned());
+        }
         not_known.extend(material.unknown(&known, self.model.area_law()).into_iter().map(str::to_owned));
         let (numerical, discretization) = numerical(design, chances, predicted, errors);
         if !discretization {

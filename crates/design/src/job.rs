@@ -17,8 +17,8 @@ use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{
-    DesignError, flat_is_best, lattice_table, operating_conditions, reachable_range, robustness, selection,
-    sensitivity, trade_offs, trial_domain, uncertainty_budget,
+    DesignError, flat_is_best, lattice_table, operating_conditions, reachable_range, rim_sensitivity, robustness,
+    selection, sensitivity, trade_offs, trial_domain, uncertainty_budget,
 };
 
 /// What a job found.
@@ -116,19 +116,30 @@ pub fn run(
     let target: TargetReport = (&design.target).into();
     let watched =
         |at: &Pattern| if probing.cancelled() { Err(ModelFailure::Cancelled) } else { found.model.respond(at) };
-    let slopes = sensitivity::report(
+    let mut slopes = sensitivity::report(
         &watched,
         &pattern,
         design.layer.block_m,
         design.target.quantity().name(),
         &target.pressure_mpa,
     )?;
+    if let Some(slopes) = &mut slopes {
+        let asked = rim_sensitivity::Asked {
+            model: &found.model,
+            design: &pattern,
+            pressures: target.pressure_mpa.len(),
+            layer: &design.layer,
+            tolerances: design.tolerances.as_ref().map(|scatter| &scatter.tolerances),
+        };
+        slopes.rim = rim_sensitivity::report(&asked, slopes, &|| probing.cancelled())?;
+    }
     let (model, choice) = (&found.model, found.choice.as_ref());
     let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
     let spread = robustness::of_design(design, uncertainty, &about)?;
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
-    let errors = uncertainty_budget::of_design(design, uncertainty, &confirming, confirmed, value)?;
+    let rim_std = found.chances.as_ref().and_then(|chances| chances.rim_std(&pattern));
+    let errors = uncertainty_budget::of_design(design, uncertainty, &confirming, confirmed, value, rim_std.as_deref())?;
     // What a sample does whose discrepancy nobody knows has no chance that could be said.
     let is_far = design.discrepancy
         && uncertainty.discrepancy_domain.as_ref().is_some_and(|domain| !domain.far(&pattern).is_empty());

@@ -20,7 +20,7 @@
 //! | `constraint_quantities`, `trial_domain` | what limits hold, and where a discrepancy may be used |
 //! | `selection`, `chance`, `chance_report` | the choice among designs on target by their chance |
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
-//! | `robustness`, `robust_search`, `sensitivity` | what tolerances make of the design, and its slopes |
+//! | `robustness`, `robust_search`, `sensitivity`, `rim_sensitivity` | what tolerances make of the design, and its slopes |
 //! | `infeasibility`, `flat_is_best`, `reachable_range` | why a target is out of reach, and what is within |
 //! | `lattice_table`, `trade_offs` | every design of a lattice; what can be had for what |
 //! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
@@ -49,6 +49,7 @@ mod multi_fidelity;
 mod operating_conditions;
 mod outcome;
 mod reachable_range;
+mod rim_sensitivity;
 mod robust_search;
 mod robustness;
 mod robustness_report;
@@ -96,6 +97,7 @@ pub mod records {
     pub use crate::infeasibility::{ExplanationReport, NearestReport, ReliefReport};
     pub use crate::lattice_table::{NodeReport, TableReport};
     pub use crate::reachable_range::ReachableReport;
+    pub use crate::rim_sensitivity::{RimSensitivityReport, RimSlopeReport};
     pub use crate::robustness_report::{
         CorrectedReport, Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport,
         ScatterReport, SpreadReport,

@@ -314,7 +314,8 @@ impl DesignReport {
         if self.robustness.is_some() {
             text += &format!("- {MEANING}\n");
         }
-        text += "- not modelled: recast rims, plasticity, viscoelasticity, heating, wear\n";
+        let of_lasering = if self.design.rim.is_some() { "roughening by the laser" } else { "recast rims" };
+        text += &format!("- not modelled: {of_lasering}, plasticity, viscoelasticity, heating, wear\n");
         text += &format!(
             "\ndesigns tried: {}{}, searches: {}; {}\n",
             self.evaluations,

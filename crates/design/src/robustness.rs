@@ -11,6 +11,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, Simulation};
 
 use crate::DesignError;
+use crate::chance::RIM_HEIGHT;
 use crate::robust_search::RobustChoice;
 use crate::robustness_report::{
     CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PressureParts, PressureReport,
@@ -349,6 +350,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         ("width", Some(0..1)),
         ("spacing", Some(1..2)),
         ("depth", Some(2..3)),
+        (RIM_HEIGHT, uncertainty.rim().map(|place| place..place + 1)),
         ("flat friction", parameter(about.parameters.friction, count)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
         ("area law", parameter(about.parameters.law, 1)),
@@ -387,6 +389,20 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
                 basis: "of a sample's mean, by the design file".to_owned(),
             });
         }
+    }
+    if let Some(place) = uncertainty.rim() {
+        let is_half = about.designed.rim_height_m() == 0.0;
+        let basis = "of a sample's mean, by the design file";
+        inputs.push(InputReport {
+            name: RIM_HEIGHT.to_owned(),
+            std: vec![LENGTH_UM.from_si(uncertainty.std(place))],
+            unit: "um".into(),
+            basis: if is_half {
+                format!("{basis}; half-normal, rims being expected to have none")
+            } else {
+                basis.to_owned()
+            },
+        });
     }
     let percent = |std: f64| tidy(100.0 * std);
     if let Some(first) = about.parameters.friction {

@@ -7,6 +7,7 @@ use slipgrid_optimize::{ForwardModel, ModelFailure, sensitivities};
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
+use crate::rim_sensitivity::{RimSensitivityReport, RimSlopeReport};
 use slipgrid_results::Table;
 use slipgrid_units::{LENGTH_UM, tidy};
 
@@ -22,6 +23,9 @@ pub struct SensitivityReport {
     pub step_um: Dimensions<Option<f64>>,
     /// One per target pressure.
     pub by_pressure: Vec<SlopesReport>,
+    /// Along the height of the rims; absent where nothing is known of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim: Option<RimSensitivityReport>,
 }
 
 /// Slopes at one pressure.
@@ -89,7 +93,7 @@ pub fn report(
         })
         .collect();
     let step_um = found.axes.each_ref().map(|axis| axis.as_ref().map(|axis| LENGTH_UM.from_si(axis.step_m)));
-    Ok(Some(SensitivityReport { quantity: quantity.into(), step_um: Dimensions::new(step_um), by_pressure }))
+    Ok(Some(SensitivityReport { quantity: quantity.into(), step_um: Dimensions::new(step_um), by_pressure, rim: None }))
 }
 
 impl SensitivityReport {
@@ -101,14 +105,28 @@ impl SensitivityReport {
             (Some(value), Some(error)) => format!("{:.2} +- {:.2}", 1e4 * value, 1e4 * error),
             _ => "-".to_owned(),
         };
-        let mut table = Table::new(["P MPa", "width", "spacing", "depth"]);
+        let has_rim = self.rim_slopes().next().is_some();
+        let mut table =
+            Table::new(["P MPa", "width", "spacing", "depth"].into_iter().chain(has_rim.then_some("rim height")));
         for row in &self.by_pressure {
             let cells = row.per_um.all().into_iter().zip(row.error_per_um.all());
+            let rim = self.rim_slopes().find(|slope| slope.pressure_mpa == row.pressure_mpa);
+            let rim = rim.map(|slope| (Some(slope.per_um), slope.error_per_um));
+            let cells = cells.chain(has_rim.then(|| rim.unwrap_or_default()));
             table.row(
                 std::iter::once(row.pressure_mpa.to_string()).chain(cells.map(|(value, error)| cell(value, error))),
             );
         }
-        format!("  change of {} in 1e-4 where one dimension grows by 1 um (steady model)\n{table}", self.quantity)
+        let of_rims = self.rim.as_ref().map_or_else(String::new, |rim| format!("  {}\n", rim.words));
+        format!(
+            "  change of {} in 1e-4 where one dimension grows by 1 um (steady model)\n{table}{of_rims}",
+            self.quantity
+        )
+    }
+
+    /// Slopes along the height of the design's own rims.
+    pub fn rim_slopes(&self) -> impl Iterator<Item = &RimSlopeReport> {
+        self.rim.iter().filter(|rim| !rim.tried).flat_map(|rim| &rim.by_pressure)
     }
 }
 

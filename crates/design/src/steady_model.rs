@@ -205,6 +205,12 @@ impl<'a> SteadyModel<'a> {
         self.limited.does_too_little(values)
     }
 
+    /// Whether designs slide in more than one direction.
+    #[must_use]
+    pub const fn has_directions(&self) -> bool {
+        !self.directions_deg.is_empty()
+    }
+
     /// Whether designs are solved in space.
     #[must_use]
     pub fn is_spatial(&self) -> bool {
@@ -311,12 +317,15 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// The model that slopes are taken of, of the scene that `change` makes of this one's with the loads of every condition:
-    /// in space in the guide's blocks, which slopes hardly see. Its values are ratios.
+    /// in space in the guide's blocks, which slopes hardly see unless rims are narrower. Its values are ratios.
     ///
     /// # Errors
     /// Those of `change`.
     pub fn beside<E>(&self, change: impl FnOnce(&Scene) -> Result<Scene, E>) -> Result<Self, E> {
-        let asked = change(self.guide.as_ref().map_or(&self.asked, |(scene, _)| scene))?;
+        // Rims need blocks of at most half their width.
+        let serves = |scene: &Scene| self.texture.rim().is_none_or(|rim| 2.0 * scene.layer.block_m <= rim.width_m());
+        let guide = self.guide.as_ref().map(|(scene, _)| scene).filter(|scene| serves(scene));
+        let asked = change(guide.unwrap_or(&self.asked))?;
         let count = asked.loads.len();
         Ok(Self {
             solver: Solver::new(&asked, &self.texture, &self.directions_deg),
@@ -411,7 +420,14 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let answer = self.evaluations.answer(scene.layer.block_m, design, || Self::answer(scene, solver, design))?;
+        let solve = || Self::answer(scene, solver, design);
+        // What is kept goes by the lengths alone: samples whose rims are of another height are not.
+        let has_own_rims = design.texture().rim() == self.texture.rim();
+        let answer = if has_own_rims {
+            self.evaluations.answer(scene.layer.block_m, design, solve)?
+        } else {
+            Self::answer(scene, solver, design)?
+        };
         let answer = self.laid(design, answer)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });

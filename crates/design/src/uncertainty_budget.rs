@@ -6,6 +6,7 @@ use slipgrid_optimize::Quantity;
 use slipgrid_springblock::{Scene, Simulation};
 
 use crate::DesignError;
+use crate::chance::RIM_HEIGHT;
 use crate::scene_errors::Solved;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -22,7 +23,7 @@ pub struct DesignErrors {
 }
 
 /// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
-/// The design itself is taken as exact.
+/// The design's dimensions are taken as exact; `rim_std` is what the height of its rims leaves open of the ratio at each load.
 ///
 /// # Errors
 /// [`DesignError::Material`] for an area law that cannot be moved.
@@ -32,6 +33,7 @@ pub fn of_design(
     scene: &Scene,
     confirmed: &Simulation,
     predicted: &[f64],
+    rim_std: Option<&[f64]>,
 ) -> Result<DesignErrors, DesignError> {
     let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &known);
@@ -49,6 +51,11 @@ pub fn of_design(
             let physics = if design.discrepancy { value / factor(place) } else { *value };
             let value = if knowledge.discrepancy.is_some() { physics * factor(place) } else { physics };
             row.predicted = Some(ErrorReport::new(Some(value), Vec::new(), of.as_ref()));
+            if let Some(std) = rim_std.and_then(|all| all.get(place)) {
+                let factor = if knowledge.discrepancy.is_some() { factor(place) } else { 1.0 };
+                let flat_mu = confirmed.loads[place].flat.as_ref().and_then(|flat| flat.mu_dynamic);
+                with_rim(row, factor * std, flat_mu, design.target.quantity() == Quantity::Ratio);
+            }
         }
         rows
     };
@@ -59,6 +66,18 @@ pub fn of_design(
     let compared = corrected.as_ref().filter(|_| design.discrepancy).unwrap_or(&physics).clone();
     let unknown = solved.unknown(material, &compared);
     Ok(DesignErrors { report: ErrorsReport::new(compared, unknown, design.discrepancy), physics, corrected })
+}
+
+/// Adds the part of the rims' height, of which the ratio has `std`, to everything that is patterned in `row`.
+fn with_rim(row: &mut PressureErrors, std: f64, flat_mu: Option<f64>, is_ratio: bool) {
+    let mu = flat_mu.map(|flat_mu| flat_mu * std);
+    row.ratio = row.ratio.take().map(|ratio| ratio.and(RIM_HEIGHT, std));
+    if let Some(mu) = mu {
+        row.mu = std::mem::take(&mut row.mu).and(RIM_HEIGHT, mu);
+    }
+    if let Some(of) = if is_ratio { Some(std) } else { mu } {
+        row.predicted = row.predicted.take().map(|predicted| predicted.and(RIM_HEIGHT, of));
+    }
 }
 
 /// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.
@@ -106,9 +125,16 @@ pub fn of_condition(
     if let Some(simulation) = run {
         let rows = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes }.errors();
         let std = |of: Option<ErrorReport>| of.and_then(|of| of.std);
-        let errors =
-            |row: PressureErrors| FurtherErrors { ratio: std(row.ratio), mu: row.mu.std, mu_flat: std(row.mu_flat) };
-        return Ok(rows.into_iter().map(errors).collect());
+        let errors = |(place, mut row): (usize, PressureErrors)| {
+            // The ratio, which hardly depends on the condition, follows the rims as at the first one.
+            let about = first.at(place).and_then(|about| about.ratio.as_ref());
+            if let Some(std) = about.and_then(|about| about.std_of(RIM_HEIGHT)) {
+                let flat_mu = row.mu_flat.as_ref().and_then(|flat| flat.value);
+                with_rim(&mut row, std, flat_mu, true);
+            }
+            FurtherErrors { ratio: std(row.ratio), mu: row.mu.std, mu_flat: std(row.mu_flat) }
+        };
+        return Ok(rows.into_iter().enumerate().map(errors).collect());
     }
     let at = |place: usize| -> Option<FurtherErrors> {
         let about = first.at(place)?;
@@ -116,7 +142,8 @@ pub fn of_condition(
         let factor = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
         // What the run at the first condition left open, in proportion.
         let with = |run: Option<&ErrorReport>, value: f64, own: f64| {
-            let share = run.and_then(|run| Some(run.std_of_run() / run.value?));
+            let open = |run: &ErrorReport| run.std_of_run().hypot(run.std_of(RIM_HEIGHT).unwrap_or(0.0));
+            let share = run.and_then(|run| Some(open(run) / run.value?));
             Some(own.hypot(share.unwrap_or(0.0) * value)).filter(|std| *std > 0.0)
         };
         let ratio = ratios[place] * factor;

@@ -84,7 +84,7 @@ pub use layout::{Layout, MOST_CAVITIES};
 pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
-pub use process::{MaterialNote, NOT_MODELLED, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances};
+pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;

@@ -9,14 +9,19 @@ use crate::words::{ANGLE_DECIMALS, groove_direction, lattice};
 use crate::work::WorkSheet;
 use crate::{Cavity, ExportError, Laser, Layout, Outline};
 
-/// What no model of slipgrid contains; it stands on every process sheet.
-pub const NOT_MODELLED: [&str; 5] = [
-    "recast rims: lasering raises a rim around each cavity and roughens the surface",
-    "plasticity",
-    "viscoelasticity",
-    "heating",
-    "wear",
-];
+/// What no model of slipgrid contains, of a pattern with rims and of one without; it stands on every process sheet.
+#[must_use]
+pub const fn not_modelled(has_rim: bool) -> [&'static str; 5] {
+    let of_lasering = if has_rim {
+        "roughening of the surface by lasering"
+    } else {
+        "recast rims: lasering raises a rim around each cavity and roughens the surface"
+    };
+    [of_lasering, "plasticity", "viscoelasticity", "heating", "wear"]
+}
+
+/// How rims come onto a process sheet.
+const RIM_BASIS: &str = "what the design assumes: the laser's real rims have to be measured";
 
 /// Permitted departures of the made cavities, plus or minus; absent ones are left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -126,6 +131,21 @@ pub struct PatternSheet {
     pub sliding_angle_deg: Option<f64>,
     /// Depth, in um.
     pub depth_um: f64,
+    /// Height of the rims at the edges of cavities as deep, in um, where there are rims.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim_height_um: Option<f64>,
+    /// Standard deviation of heights from rim to rim, in um, where they scatter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim_height_std_um: Option<f64>,
+    /// Width of the rims, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim_width_um: Option<f64>,
+    /// How rims fall outward: `round`, `flat` or `ramp`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim_profile: Option<String>,
+    /// Where these come from, in words.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rim_basis: Option<String>,
     /// Share of an unbounded surface that is cavity.
     pub areal_density: f64,
 }
@@ -169,6 +189,7 @@ impl From<&Pattern> for PatternSheet {
     fn from(pattern: &Pattern) -> Self {
         let texture = pattern.texture();
         let given = |angle_deg: f64| Some(round_decimals(angle_deg, ANGLE_DECIMALS)).filter(|_| angle_deg != 0.0);
+        let rim = texture.rim().filter(|rim| rim.stands());
         let apart_m = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m());
         Self {
             planform: pattern.planform().name().to_owned(),
@@ -183,6 +204,11 @@ impl From<&Pattern> for PatternSheet {
             angle_deg: given(texture.orientation_deg()),
             sliding_angle_deg: given(texture.sliding_angle_deg()),
             depth_um: micrometres(pattern.depth_m()),
+            rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
+            rim_height_std_um: rim.map(|rim| micrometres(rim.height_std_m())).filter(|std_um| *std_um > 0.0),
+            rim_width_um: rim.map(|rim| micrometres(rim.width_m())),
+            rim_profile: rim.map(|rim| rim.profile().name().to_owned()),
+            rim_basis: rim.map(|_| RIM_BASIS.to_owned()),
             areal_density: round_digits(pattern.areal_density(), DERIVED_DIGITS),
         }
     }
@@ -201,6 +227,7 @@ impl ProcessSheet {
             tolerances.validate()?;
         }
         let pattern = layout.pattern();
+        let rim = pattern.texture().rim().filter(|rim| rim.stands());
         let none = [None; 3];
         let (diameter_m, [length_m, width_m, _], [outer_m, inner_m, _]) = match *layout.outline() {
             Outline::Disc { diameter_m } => (Some(diameter_m), none, none),
@@ -214,7 +241,7 @@ impl ProcessSheet {
             program: "slipgrid".to_owned(),
             version,
             seed,
-            not_modelled: NOT_MODELLED.map(str::to_owned).to_vec(),
+            not_modelled: not_modelled(rim.is_some()).map(str::to_owned).to_vec(),
             pattern: PatternSheet::from(pattern),
             tolerances,
             specimen: SpecimenSheet {

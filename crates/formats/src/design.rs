@@ -22,10 +22,12 @@ use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specime
 use super::limits::{LimitsFile, read_limited};
 use super::material::MaterialFile;
 use super::pattern::{TextureFile, read_directions, read_texture, require_section};
+use super::rim::read_rim;
 use super::scene::{SampleFile, default_sample, read_layer};
 use super::target::{TargetFile, read_target};
 use super::tolerances::{TolerancesFile, read_tolerances};
 use super::trade_offs::{Given, TradeOffsFile, read_trade_offs};
+use super::unusual;
 use super::values::{Number, Numbers, PathOr, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
@@ -87,6 +89,8 @@ pub struct Design {
     pub calibration: Option<PathBuf>,
     /// The design's file and that of its material.
     pub inputs: Vec<PathBuf>,
+    /// What is unusual in the design's file.
+    pub told: Vec<Diagnostic>,
     document: Document,
     places: Places,
 }
@@ -135,7 +139,20 @@ impl Design {
                 .refuse(bounds.depth_um.span(), format!("reaches through the layer of {layer_um} um"))
                 .expected(format!("depths below {layer_um} um")));
         }
+        let tolerances = file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?;
         let texture = read_texture(&document, file.pattern.get_ref(), file.pattern.span())?;
+        let texture = match file.tolerances.as_ref().and_then(|table| table.rim_height_std_um.as_ref()) {
+            Some(std) if *std.get_ref() > 0.0 => {
+                // Rims that are expected to be of no height may still have one.
+                let rim = read_rim(&document, file.pattern.get_ref())?;
+                texture.with_rim(rim.ok_or_else(|| {
+                    document
+                        .refuse(std.span(), "is of rims that [pattern] does not have")
+                        .expected("rim_height_um and rim_width_um in [pattern], or no such key")
+                })?)
+            }
+            _ => texture,
+        };
         let directions = read_directions(&document, file.pattern.get_ref(), &texture)?;
         let dimensions = read_dimensions(&document, file.search.dimensions.as_ref())?;
         let turned = directions.different_deg.iter().filter_map(|deg| texture.with_sliding_angle_deg(*deg).ok());
@@ -191,7 +208,7 @@ impl Design {
             from_rest: file.search.from_rest.unwrap_or(false),
             robust: read_robust(&document, &file)?,
             dimensions,
-            tolerances: file.tolerances.as_ref().map(|table| read_tolerances(&document, table)).transpose()?,
+            tolerances,
             trade_offs,
             ..DesignTask::without_material(target, space, specimen, layer)
         };
@@ -204,7 +221,9 @@ impl Design {
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
         };
         let inputs = std::iter::once(document.path().to_owned()).chain(named).collect();
-        let mut design = Self { task, calibration, inputs, document, places };
+        let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
+        let told = unusual::of_rims(&document, task.space.texture().rim(), pattern, sample).into_iter().collect();
+        let mut design = Self { task, calibration, inputs, told, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
         }

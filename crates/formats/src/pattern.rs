@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
+use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Rim, Texture};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
@@ -11,7 +11,8 @@ use slipgrid_design::FurtherDirections;
 use slipgrid_results::PatternReport;
 
 use super::document::Document;
-use super::values::{Number, Numbers, list, number};
+use super::rim::read_rim;
+use super::values::{Number, NumberList, Numbers, list, number, number_list};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
 
@@ -43,6 +44,21 @@ pub struct PatternFile {
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_height_um: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_width_um: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_profile: Option<Spanned<String>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rim_height_std_um: Option<Number>,
 }
 
 /// A texture, all of a pattern that a design does not search, as a design writes it.
@@ -61,6 +77,16 @@ pub struct TextureFile {
     pub angle_deg: Option<Number>,
     /// Sliding direction turned from the specimen's x axis; 0 when absent. A design may name several.
     pub sliding_angle_deg: Option<Spanned<Numbers>>,
+    /// Height of the rims at the edges of cavities, whatever their depth; no rims when neither this nor the next is given.
+    pub rim_height_um: Option<Number>,
+    /// Pairs of a cavity's depth and its rim's height, ascending.
+    pub rim_heights_um: Option<Spanned<Vec<NumberList>>>,
+    /// Distance from the edge at which a rim ends.
+    pub rim_width_um: Option<Number>,
+    /// How rims fall outward: `round`, `flat` or `ramp`; `round` when absent.
+    pub rim_profile: Option<Spanned<String>>,
+    /// Standard deviation of heights from rim to rim of one sample; 0 when absent.
+    pub rim_height_std_um: Option<Number>,
 }
 
 impl PatternFile {
@@ -77,6 +103,11 @@ impl PatternFile {
                 .sliding_angle_deg
                 .as_ref()
                 .map(|angle| Spanned::new(angle.span(), Numbers::One(*angle.get_ref()))),
+            rim_height_um: self.rim_height_um.clone(),
+            rim_heights_um: self.rim_heights_um.clone(),
+            rim_width_um: self.rim_width_um.clone(),
+            rim_profile: self.rim_profile.clone(),
+            rim_height_std_um: self.rim_height_std_um.clone(),
         }
     }
 }
@@ -86,6 +117,7 @@ impl From<&Pattern> for PatternFile {
     fn from(pattern: &Pattern) -> Self {
         let written = PatternReport::from(pattern);
         let named = |name: String| Spanned::new(0..0, name);
+        let rim = written.rim.as_ref();
         Self {
             width_um: number(written.width_um),
             spacing_um: number(written.spacing_um),
@@ -96,6 +128,13 @@ impl From<&Pattern> for PatternFile {
             arrangement: written.arrangement.map(named),
             angle_deg: written.angle_deg.map(number),
             sliding_angle_deg: written.sliding_angle_deg.map(number),
+            rim_height_um: rim.and_then(|rim| rim.rim_height_um).map(number),
+            rim_heights_um: rim
+                .and_then(|rim| rim.rim_heights_um.as_ref())
+                .map(|pairs| Spanned::new(0..0, pairs.iter().map(|pair| number_list(*pair)).collect())),
+            rim_width_um: rim.map(|rim| number(rim.rim_width_um)),
+            rim_profile: rim.map(|rim| named(rim.rim_profile.clone())),
+            rim_height_std_um: rim.and_then(|rim| rim.rim_height_std_um).map(number),
         }
     }
 }
@@ -164,7 +203,8 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
             .with_sliding_angle_deg(list(document, angle, SLIDING_ANGLE_DEG)?[0])
             .map_err(|error| document.refuse(angle.span(), error.to_string()))?;
     }
-    Ok(texture)
+    // A rim of no height is none.
+    Ok(texture.with_rim(read_rim(document, file)?.filter(Rim::stands)))
 }
 
 /// The directions that `file` names beside the first, which `texture` has.
@@ -249,6 +289,8 @@ mod tests {
             "planform = \"rectangle\"\nlength_um = 70.7\narrangement = \"staggered\"",
             "planform = \"disc\"\nsliding_angle_deg = -33.3\narrangement = \"square\"",
             "angle_deg = 45\nsliding_angle_deg = 180",
+            "rim_height_um = 0.13\nrim_width_um = 11.7",
+            "rim_heights_um = [[5.2, 0.1], [20, 0.57]]\nrim_width_um = 9.9\nrim_profile = \"ramp\"\nrim_height_std_um = 0.03",
         ] {
             let (pattern, _) = read(keys).unwrap();
             #[derive(Serialize)]

@@ -8,7 +8,7 @@ use toml::Spanned;
 use super::document::Document;
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{CORRELATION, LENGTH_STD_UM};
+use slipgrid_units::{CORRELATION, LENGTH_STD_UM, RIM_HEIGHT_UM};
 
 /// Draws where a file names none: a probability of one half is known to 2.2 %.
 const DEFAULT_DRAWS: usize = 500;
@@ -20,6 +20,8 @@ pub struct TolerancesFile {
     width_std_um: Option<Number>,
     spacing_std_um: Option<Number>,
     depth_std_um: Option<Number>,
+    /// Of the mean height of a sample's rims.
+    pub(crate) rim_height_std_um: Option<Number>,
     width_spacing_correlation: Option<Number>,
     draws: Option<Spanned<u64>>,
 }
@@ -40,5 +42,7 @@ pub fn read_tolerances(document: &Document, file: &TolerancesFile) -> Result<Sam
             )?
         }
     };
-    Ok(SampleScatter { tolerances: Tolerances { std_m, width_spacing_correlation: correlation }, draws })
+    let rim_height_std_m = document.optional(file.rim_height_std_um.as_ref(), RIM_HEIGHT_UM)?.unwrap_or(0.0);
+    let tolerances = Tolerances { std_m, width_spacing_correlation: correlation, rim_height_std_m };
+    Ok(SampleScatter { tolerances, draws })
 }

@@ -1,14 +1,18 @@
 //! What is unusual in a scene and its material: told, not refused, because a scene may be a thought experiment.
 
+use slipgrid_pattern::Rim;
 use toml::Spanned;
 
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::MaterialFile;
-use super::scene::SceneFile;
+use super::pattern::TextureFile;
+use super::rim::read_rim;
+use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, FRICTION, MODULUS, PRESSURE, Plausible, SPEED};
+use slipgrid_units::LENGTH_UM;
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
 #[must_use]
@@ -24,7 +28,28 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     let load = file.load.get_ref();
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
     told.extend(numbers(document, PRESSURE, &load.pressure_mpa));
+    if let Some(pattern) = &file.pattern {
+        let texture = pattern.get_ref().texture();
+        // What is no rim has been refused before.
+        let rim = read_rim(document, &texture).ok().flatten().filter(Rim::stands);
+        told.extend(of_rims(document, rim.as_ref(), &texture, file.sample.get_ref()));
+    }
     told
+}
+
+/// Rims narrower than two blocks, of which blocks hold no more than the mean.
+#[must_use]
+pub fn of_rims(document: &Document, rim: Option<&Rim>, file: &TextureFile, sample: &SampleFile) -> Option<Diagnostic> {
+    let (rim, width) = (rim?, file.rim_width_um.as_ref()?);
+    let block_m = sample.block_um.as_ref().map_or(DEFAULT_LAYER.block_m, |um| LENGTH_UM.to_si(*um.get_ref()));
+    let [block_um, smaller_um] = [block_m, rim.block_m(block_m)].map(|length_m| LENGTH_UM.from_si(length_m));
+    (smaller_um < block_um).then(|| {
+        let reason = format!(
+            "is narrower than two blocks of {block_um} um: they hold no more than the mean height of a rim, and friction moves with its \
+             crest"
+        );
+        document.refuse(width.span(), reason).expected(format!("block_um = {smaller_um} or less in [sample]"))
+    })
 }
 
 /// What is unusual in a material.
@@ -55,5 +80,35 @@ fn numbers(document: &Document, quantity: Plausible, values: &Spanned<Numbers>) 
     match values.get_ref() {
         Numbers::One(value) => number(document, quantity, &Spanned::new(values.span(), *value)),
         Numbers::Each(each) => each.iter().find_map(|value| number(document, quantity, value)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rims_narrower_than_two_blocks_are_told_with_the_block_size_that_would_do() {
+        let told = |pattern: &str, sample: &str| {
+            let document = Document::new("a.toml", format!("{pattern}\nrim_profile = \"flat\""));
+            let file: TextureFile = document.parse().unwrap();
+            let sample: SampleFile = toml::from_str(sample).unwrap();
+            let rim = read_rim(&document, &file).unwrap().filter(Rim::stands);
+            of_rims(&document, rim.as_ref(), &file, &sample).map(|told| told.to_string())
+        };
+        let rim = |height: f64, width: f64| format!("rim_height_um = {height}\nrim_width_um = {width}");
+        for (width, sample, block) in
+            [(10.0, "", "5"), (12.0, "", "5"), (6.0, "", "2.5"), (7.5, "block_um = 7.5", "3.75")]
+        {
+            let said = told(&rim(0.1, width), sample).unwrap();
+            assert!(
+                said.starts_with("a.toml:2: rim_width_um: ") && said.contains("narrower than two blocks"),
+                "{said}"
+            );
+            assert!(said.ends_with(&format!("expected block_um = {block} or less in [sample]")), "{said}");
+        }
+        for (height, width, sample) in [(0.1, 20.0, ""), (0.1, 10.0, "block_um = 5"), (0.0, 1.0, "")] {
+            assert_eq!(told(&rim(height, width), sample), None, "{width}");
+        }
     }
 }

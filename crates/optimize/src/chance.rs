@@ -1,6 +1,7 @@
 //! The chance that what is made of a design is on target, by draws that all designs share.
 
 use crate::propagation::{Linearization, Probability};
+use crate::sensitivity::folded;
 use crate::uncertainty::Uncertainty;
 use slipgrid_statistics::Normals;
 
@@ -12,6 +13,8 @@ pub struct CommonDraws {
     deviations: Vec<f64>,
     inputs: usize,
     draws: usize,
+    /// Place of the rims' height.
+    rim: Option<usize>,
 }
 
 impl CommonDraws {
@@ -25,7 +28,7 @@ impl CommonDraws {
             let z: Vec<f64> = (0..inputs).map(|_| normals.draw()).collect();
             deviations.extend(uncertainty.deviations(&z));
         }
-        Self { deviations, inputs, draws }
+        Self { deviations, inputs, draws, rim: uncertainty.rim() }
     }
 
     /// How often `judge` holds of the values of `about`, moved to first order by each draw.
@@ -46,6 +49,8 @@ impl CommonDraws {
         let moving: Vec<usize> = (0..self.inputs)
             .filter(|&input| of(input) && about.slopes()[input].iter().any(|slope| *slope != 0.0))
             .collect();
+        let height_m = about.design().rim_height_m();
+        let off = |input: usize, by: f64| if self.rim == Some(input) { folded(height_m, by) } else { by };
         let mut values = about.values().to_vec();
         let mut held = 0_usize;
         for draw in 0..self.draws {
@@ -53,7 +58,7 @@ impl CommonDraws {
             values.copy_from_slice(about.values());
             for &input in &moving {
                 for (value, slope) in values.iter_mut().zip(&about.slopes()[input]) {
-                    *value += deviations[input] * slope;
+                    *value += off(input, deviations[input]) * slope;
                 }
             }
             held += usize::from(judge(&values));
@@ -70,7 +75,7 @@ mod tests {
 
     #[test]
     fn the_share_within_a_band_is_that_of_the_normal_distribution() {
-        let tolerances = Tolerances { std_m: [3e-6, 0.0, 0.0], width_spacing_correlation: 0.0 };
+        let tolerances = Tolerances { std_m: [3e-6, 0.0, 0.0], ..Tolerances::default() };
         let known = Uncertainty::new(&tolerances, &[vec![16.0]]).unwrap();
         let draws = CommonDraws::new(&known, 20_000, 7);
         let design = Pattern::new(Planform::Groove, 1e-4, 1e-4, 1e-5).unwrap();

@@ -18,7 +18,7 @@
 //! | [`search_multi_fidelity`], [`LowFidelityCorrection`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
 //! | [`explain_infeasibility`], [`Explanation`], [`Relief`] | why a target is out of reach, and what would bring it within |
-//! | [`sensitivities`], [`Slope`] | how a response moves with the dimensions, and how well that is known |
+//! | [`sensitivities`], [`Slope`], [`with_rim_off`] | how a response moves with the dimensions, and how well that is known |
 //! | [`Tolerances`], [`Uncertainty`], [`propagate`], [`Linearization`] | what uncertain dimensions and parameters make of it |
 //! | [`search_robust`] | the design whose samples, as they are made, miss the target least |
 //! | [`select`], [`Merits`], [`CommonDraws`] | of the designs on target the one whose samples are likeliest there, and cheap |
@@ -100,7 +100,7 @@ pub use propagation::{Linearization, Probability, Propagation, Spread, Uncertain
 pub use robust::{RobustOutcome, search_robust};
 pub use search::{SearchOptions, search, search_near};
 pub use selection::{Choice, Merits, Selection, SelectionOptions, select, select_multi_fidelity};
-pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities};
+pub use sensitivity::{AxisSensitivity, Sensitivities, Slope, sensitivities, with_rim_off};
 pub use space::{DEPTH_STEP_M, DesignSpace, POSITION_STEP_M};
 pub use target::{Demand, Goal, Misfit, Quantity, Target, TargetPoint, Wanted};
 pub use trade_offs::{Goals, TradeOff, TradeOffOptions, TradeOffs, compare, trade_offs};

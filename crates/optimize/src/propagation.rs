@@ -2,7 +2,7 @@
 
 use crate::ModelFailure;
 use crate::model::as_many;
-use crate::sensitivity::{AXES, lengths_m, with_lengths};
+use crate::sensitivity::{lengths_m, rim_height_m, with_lengths, with_rim_off};
 use crate::uncertainty::Uncertainty;
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -82,9 +82,9 @@ pub fn propagate(
         let drawn = (0..MOST_REDRAWS).find_map(|attempt| {
             let z: Vec<f64> = (0..uncertainty.inputs()).map(|_| normals.draw()).collect();
             let deviations = uncertainty.deviations(&z);
-            let drawn = moved(design, &deviations).ok();
+            let drawn = moved(design, &deviations, uncertainty).ok();
             redrawn += usize::from(drawn.is_none() && attempt + 1 < MOST_REDRAWS);
-            Some((drawn?, deviations[AXES..].to_vec()))
+            Some((drawn?, deviations[uncertainty.parameters()].to_vec()))
         });
         inputs.push(drawn.ok_or_else(|| ModelFailure::Trial {
             reason: "the tolerances hardly leave a dimension positive".to_owned(),
@@ -112,13 +112,17 @@ pub fn propagate(
     Ok(Propagation { failed: draws - samples.len(), samples, redrawn })
 }
 
-/// The design moved by the first deviations.
-fn moved(design: &Pattern, deviations: &[f64]) -> Result<Pattern, ModelFailure> {
+/// The design moved by the first deviations, and its rims by the last where their height is not exact.
+fn moved(design: &Pattern, deviations: &[f64], uncertainty: &Uncertainty) -> Result<Pattern, ModelFailure> {
     let mut moved_m = lengths_m(design);
     for (length_m, by_m) in moved_m.iter_mut().zip(deviations) {
         *length_m += by_m;
     }
-    with_lengths(design, moved_m)
+    let made = with_lengths(design, moved_m)?;
+    Ok(match uncertainty.rim() {
+        Some(place) => with_rim_off(&made, deviations[place]),
+        None => made,
+    })
 }
 
 impl Propagation {
@@ -190,8 +194,8 @@ impl Linearization {
     /// # Errors
     /// [`ModelFailure`] where the design or a neighbour on both sides has no answer, or one of another length.
     pub fn new(model: &dyn UncertainModel, design: &Pattern, uncertainty: &Uncertainty) -> Result<Self, ModelFailure> {
-        let parameters = uncertainty.inputs() - AXES;
-        let values = model.respond_at(design, &vec![0.0; parameters])?;
+        let parameters = uncertainty.parameters();
+        let values = model.respond_at(design, &vec![0.0; parameters.len()])?;
         let slopes = (0..uncertainty.inputs())
             .into_par_iter()
             .map(|input| {
@@ -199,17 +203,23 @@ impl Linearization {
                 if std == 0.0 {
                     return Ok(vec![0.0; values.len()]);
                 }
+                // Rims are no lower than the land: beside it differences are one-sided.
+                let is_lowest = uncertainty.rim() == Some(input) && design.rim_height_m() < std;
                 let step = lengths_m(design).get(input).map_or(std, |length_m| std.min(WIDEST_SHARE * length_m));
                 let ask = |by: f64| {
                     let mut deviations = vec![0.0; uncertainty.inputs()];
                     deviations[input] = by;
-                    let answer = model.respond_at(&moved(design, &deviations)?, &deviations[AXES..])?;
+                    let made = moved(design, &deviations, uncertainty)?;
+                    let answer = model.respond_at(&made, &deviations[parameters.clone()])?;
                     as_many(answer, values.len())
                 };
                 // (v(x + s) - v(x - s)) / 2s, one-sided beside designs that cannot be computed
                 let difference = |above: &[f64], below: &[f64], width: f64| {
                     above.iter().zip(below).map(|(above, below)| (above - below) / width).collect()
                 };
+                if is_lowest {
+                    return Ok(difference(&ask(step)?, &values, step));
+                }
                 match (ask(step), ask(-step)) {
                     (Ok(above), Ok(below)) => Ok(difference(&above, &below, 2.0 * step)),
                     (Ok(above), Err(ModelFailure::Trial { .. })) => Ok(difference(&above, &values, step)),
@@ -227,6 +237,11 @@ impl Linearization {
         Self { design, values, slopes }
     }
 
+    /// The design.
+    pub(crate) const fn design(&self) -> &Pattern {
+        &self.design
+    }
+
     /// The values at the design.
     #[must_use]
     pub fn values(&self) -> &[f64] {
@@ -238,7 +253,8 @@ impl Linearization {
         &self.slopes
     }
 
-    /// Standard deviation of each value: sqrt(g' C g), g its slopes and C the inputs' covariance.
+    /// Standard deviation of each value: sqrt(g' C g), g its slopes and C the inputs' covariance; of rims whose height may
+    /// vanish the root mean square about the design.
     #[must_use]
     pub fn std(&self, uncertainty: &Uncertainty) -> Vec<f64> {
         self.std_of(uncertainty, &|_| true)
@@ -266,7 +282,9 @@ impl UncertainModel for Linearization {
     fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
         let by = lengths_m(design).into_iter().zip(lengths_m(&self.design)).map(|(at, about)| at - about);
         let mut values = self.values.clone();
-        for (by, slopes) in by.chain(deviations.iter().copied()).zip(&self.slopes) {
+        let about_m = self.design.depth_m();
+        let raised = rim_height_m(design, about_m) - rim_height_m(&self.design, about_m);
+        for (by, slopes) in by.chain(deviations.iter().copied()).chain([raised]).zip(&self.slopes) {
             for (value, slope) in values.iter_mut().zip(slopes) {
                 *value += by * slope;
             }

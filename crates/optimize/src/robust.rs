@@ -10,7 +10,7 @@
 //! and a cliff within it is seen. So the target is asked of all these designs at once, and searched as any other.
 
 use crate::search::search_along;
-use crate::sensitivity::{AXES, lengths_m, with_lengths};
+use crate::sensitivity::{AXES, lengths_m, with_lengths, with_rim_off};
 use crate::{
     Bound, Candidate, Constraints, DesignSpace, ForwardModel, Limit, LowFidelityCorrection, Misfit, ModelFailure,
     Response, SearchError, SearchOptions, SearchOutcome, Target, Tolerances, Uncertainty, search_multi_fidelity,
@@ -105,26 +105,28 @@ pub fn search_robust(
 struct Samples<'a> {
     model: &'a dyn ForwardModel,
     quantities: &'a [Limit],
-    /// From the design to its samples, itself first.
-    displacements_m: Vec<[f64; AXES]>,
+    /// From the design to its samples, itself first: width, spacing, depth and the height of the rims.
+    displacements_m: Vec<[f64; AXES + 1]>,
 }
 
 impl<'a> Samples<'a> {
     fn new(model: &'a dyn ForwardModel, quantities: &'a [Limit], tolerances: &Tolerances) -> Result<Self, SearchError> {
         let uncertainty = Uncertainty::new(tolerances, &[])?;
         let direction = |axis: usize| {
-            let mut unit = [0.0; AXES];
+            let mut unit = vec![0.0; uncertainty.inputs()];
             unit[axis] = 1.0;
             let deviation = uncertainty.deviations(&unit);
-            [deviation[0], deviation[1], deviation[2]]
+            [deviation[0], deviation[1], deviation[2], uncertainty.rim().map_or(0.0, |place| deviation[place])]
         };
-        let directions: Vec<[f64; AXES]> =
-            (0..AXES).map(direction).filter(|direction| direction.iter().any(|length_m| *length_m != 0.0)).collect();
+        let directions: Vec<[f64; AXES + 1]> = (0..uncertainty.inputs())
+            .map(direction)
+            .filter(|direction| direction.iter().any(|length_m| *length_m != 0.0))
+            .collect();
         // a^2 = (2 m + 1) / 2: the mean of the squares of 2 m + 1 equal weights is the variance
         let reach = (directions.len() as f64 + 0.5).sqrt();
         let both =
             directions.iter().flat_map(|direction| [direction.map(|d| d * reach), direction.map(|d| -d * reach)]);
-        Ok(Self { model, quantities, displacements_m: std::iter::once([0.0; AXES]).chain(both).collect() })
+        Ok(Self { model, quantities, displacements_m: std::iter::once([0.0; AXES + 1]).chain(both).collect() })
     }
 
     fn count(&self) -> usize {
@@ -141,7 +143,9 @@ impl ForwardModel for Samples<'_> {
                 let designed_m = lengths_m(design);
                 let made_m =
                     std::array::from_fn(|axis| (designed_m[axis] + by_m[axis]).max(LEAST_SHARE * designed_m[axis]));
-                self.model.respond(&with_lengths(design, made_m)?)
+                let made = with_lengths(design, made_m)?;
+                // A design without rims, or whose rims are exact, is itself.
+                self.model.respond(&if by_m[AXES] == 0.0 { made } else { with_rim_off(&made, by_m[AXES]) })
             })
             .collect::<Result<Vec<Response>, ModelFailure>>()?;
         let worst = |(place, limit): (usize, &Limit)| {
@@ -161,7 +165,7 @@ mod tests {
     use super::*;
     use crate::{Quantity, Status, TargetPoint, propagate, search};
     use slipgrid_monitor::Unwatched;
-    use slipgrid_pattern::Planform;
+    use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
 
     fn space() -> DesignSpace {
         DesignSpace::new(Planform::Groove, [40e-6, 400e-6], [40e-6, 400e-6], [5e-6, 5e-6]).unwrap()
@@ -172,7 +176,7 @@ mod tests {
     }
 
     fn tolerances(std_um: [f64; 3]) -> Tolerances {
-        Tolerances { std_m: std_um.map(|um| um * 1e-6), width_spacing_correlation: 0.0 }
+        Tolerances { std_m: std_um.map(|um| um * 1e-6), ..Tolerances::default() }
     }
 
     fn both(
@@ -197,7 +201,7 @@ mod tests {
             let [w, s, _] = lengths_m(design).map(|length_m| length_m * 1e6);
             Ok(Response { value: vec![0.9 + 1e-3 * w - 2e-3 * s], limited: vec![w, w] })
         };
-        let known = Tolerances { std_m: [4e-6, 3e-6, 0.0], width_spacing_correlation: -0.5 };
+        let known = Tolerances { std_m: [4e-6, 3e-6, 0.0], width_spacing_correlation: -0.5, ..Tolerances::default() };
         let limit = |bound| Limit { name: "width", unit: "", unit_si: 1.0, bound, scale: 1.0, loosest: 0.0 };
         let quantities = [limit(Bound::AtMost(1e3)), limit(Bound::AtLeast(1.0))];
         let samples = Samples::new(&model, &quantities, &known).unwrap();
@@ -210,6 +214,21 @@ mod tests {
         let expected = (0.02_f64.powi(2) + variance).sqrt() / 0.01;
         assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
         assert!(response.limited[0] > 104.0 && response.limited[1] < 96.0, "the worst of the samples");
+    }
+
+    #[test]
+    fn samples_have_rims_of_other_heights_and_none_below_the_land() {
+        let model = |design: &Pattern| Ok(Response { value: vec![design.rim_height_m() * 1e6], limited: Vec::new() });
+        let known = Tolerances { rim_height_std_m: 0.05e-6, ..Tolerances::default() };
+        let samples = Samples::new(&model, &[], &known).unwrap();
+        for (height_um, mean_square) in [(0.3, 0.3_f64.powi(2) + 0.05_f64.powi(2)), (0.0, 0.05_f64.powi(2))] {
+            let rim = Rim::new(height_um * 1e-6, 10e-6, RimProfile::Round).unwrap();
+            let texture = Texture::new(Planform::Groove).with_rim(rim);
+            let heights = samples.respond(&Pattern::new(texture, 1e-4, 1e-4, 1e-5).unwrap()).unwrap().value;
+            let found = heights.iter().map(|height| height * height).sum::<f64>() / heights.len() as f64;
+            assert!(heights.len() == 3 && heights.iter().all(|height| *height >= 0.0), "{heights:?}");
+            assert!((found / mean_square - 1.0).abs() < 1e-9, "{heights:?}");
+        }
     }
 
     #[test]

@@ -109,6 +109,28 @@ pub(crate) fn with_lengths(design: &Pattern, lengths_m: [f64; AXES]) -> Result<P
         .map_err(|error| ModelFailure::Trial { reason: error.to_string() })
 }
 
+/// Mean height of the rims of cavities as deep as those of `design`, in metres, where it has rims.
+#[must_use]
+pub(crate) fn rim_height_m(design: &Pattern, depth_m: f64) -> f64 {
+    design.texture().rim().map_or(0.0, |rim| rim.height_m(depth_m))
+}
+
+/// The design with the mean height of its rims off by `by_m`: |h + by|, as far above the land as it would be below.
+#[must_use]
+pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
+    let Some(rim) = design.texture().rim() else { return design.to_owned() };
+    let raised = rim.raised(folded(design.rim_height_m(), by_m));
+    let [width_m, spacing_m, depth_m] = lengths_m(design);
+    // The lengths have been accepted before.
+    Pattern::new(design.texture().to_owned().with_rim(raised), width_m, spacing_m, depth_m)
+        .unwrap_or_else(|_| design.to_owned())
+}
+
+/// What a height moves by where it would by `by_m` and is not below the land: |h + by| - h.
+pub(crate) fn folded(height_m: f64, by_m: f64) -> f64 {
+    (height_m + by_m).abs() - height_m
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,6 +15,9 @@ pub struct Tolerances {
     pub std_m: [f64; AXES],
     /// Correlation of width and spacing: -1 where the pitch is exact.
     pub width_spacing_correlation: f64,
+    /// Of the mean height of a sample's rims, in metres. A height below the land counts as far above it, so that the
+    /// heights of a design whose rims have none are half-normal.
+    pub rim_height_std_m: f64,
 }
 
 /// The joint normal distribution of a design's dimensions and of a model's parameters, about the design and zero.
@@ -23,6 +26,8 @@ pub struct Uncertainty {
     covariance: Vec<Vec<f64>>,
     /// Lower triangle L with L L' = covariance.
     factor: Vec<Vec<f64>>,
+    /// The height of the rims is the last input.
+    has_rim: bool,
 }
 
 impl Uncertainty {
@@ -32,7 +37,7 @@ impl Uncertainty {
     /// [`SearchError::OutOfRange`] for a negative or infinite standard deviation, a correlation beyond -1 to 1, or a
     /// matrix that is no covariance.
     pub fn new(tolerances: &Tolerances, parameter_covariance: &[Vec<f64>]) -> Result<Self, SearchError> {
-        for value in tolerances.std_m {
+        for value in tolerances.std_m.into_iter().chain([tolerances.rim_height_std_m]) {
             if !(value.is_finite() && value >= 0.0) {
                 let (quantity, expected) = ("standard deviation of a dimension", "a number that is not negative");
                 return Err(SearchError::OutOfRange { quantity, value, expected });
@@ -48,26 +53,42 @@ impl Uncertainty {
             let (quantity, expected) = ("entries in a row of the covariance", "a square matrix");
             return Err(SearchError::OutOfRange { quantity, value: row.len() as f64, expected });
         }
-        let mut covariance = vec![vec![0.0; AXES + count]; AXES + count];
+        let has_rim = tolerances.rim_height_std_m > 0.0;
+        let inputs = AXES + count + usize::from(has_rim);
+        let mut covariance = vec![vec![0.0; inputs]; inputs];
         for (axis, std_m) in tolerances.std_m.iter().enumerate() {
             covariance[axis][axis] = std_m * std_m;
         }
         let shared = correlation * tolerances.std_m[0] * tolerances.std_m[1];
         (covariance[0][1], covariance[1][0]) = (shared, shared);
         for (row, entries) in parameter_covariance.iter().enumerate() {
-            covariance[AXES + row][AXES..].copy_from_slice(entries);
+            covariance[AXES + row][AXES..AXES + count].copy_from_slice(entries);
+        }
+        if has_rim {
+            covariance[inputs - 1][inputs - 1] = tolerances.rim_height_std_m.powi(2);
         }
         let factor = factorized(&covariance)?;
-        Ok(Self { covariance, factor })
+        Ok(Self { covariance, factor, has_rim })
     }
 
-    /// Dimensions and parameters together.
+    /// Place of the rims' height among the inputs, the last; `None` where it is exact.
+    #[must_use]
+    pub fn rim(&self) -> Option<usize> {
+        self.has_rim.then(|| self.inputs() - 1)
+    }
+
+    /// Places of the parameters among the inputs.
+    pub(crate) fn parameters(&self) -> std::ops::Range<usize> {
+        AXES..self.inputs() - usize::from(self.has_rim)
+    }
+
+    /// Dimensions, parameters and the height of the rims together.
     #[must_use]
     pub fn inputs(&self) -> usize {
         self.covariance.len()
     }
 
-    /// Standard deviation of one input: width, spacing, depth in metres, then the parameters.
+    /// Standard deviation of one input: width, spacing, depth in metres, then the parameters, then the rims' height in metres.
     #[must_use]
     pub fn std(&self, input: usize) -> f64 {
         self.covariance[input][input].sqrt()
@@ -125,7 +146,7 @@ mod tests {
     use super::*;
 
     fn tolerances(std_um: [f64; AXES], width_spacing_correlation: f64) -> Tolerances {
-        Tolerances { std_m: std_um.map(|std_um| std_um * 1e-6), width_spacing_correlation }
+        Tolerances { std_m: std_um.map(|std_um| std_um * 1e-6), width_spacing_correlation, rim_height_std_m: 0.0 }
     }
 
     #[test]
@@ -149,6 +170,19 @@ mod tests {
         let exact_pitch = Uncertainty::new(&tolerances([8.0, 8.0, 0.0], -1.0), &[]).unwrap();
         let moved = exact_pitch.deviations(&[1.3, 0.4, 2.0]);
         assert!((moved[0] + moved[1]).abs() < 1e-15 && moved[2] == 0.0);
+    }
+
+    #[test]
+    fn the_height_of_rims_is_the_last_input_and_independent_of_the_others() {
+        let made = Tolerances { rim_height_std_m: 5e-8, ..tolerances([8.0, 13.0, 1.3], -1.0) };
+        let known = Uncertainty::new(&made, &[vec![4e-4]]).unwrap();
+        assert_eq!((known.inputs(), known.rim(), known.parameters()), (5, Some(4), 3..4));
+        assert!((known.std(4) - 5e-8).abs() < 1e-22 && (0..4).all(|other| known.covariance[4][other] == 0.0));
+        assert!((known.deviations(&[0.3, 1.0, 0.0, -2.0, 1.5])[4] - 7.5e-8).abs() < 1e-22);
+        let exact = Uncertainty::new(&tolerances([8.0, 13.0, 1.3], -1.0), &[vec![4e-4]]).unwrap();
+        assert_eq!((exact.inputs(), exact.rim(), exact.parameters()), (4, None, 3..4));
+        let bad = Tolerances { rim_height_std_m: -1e-8, ..Tolerances::default() };
+        assert!(matches!(Uncertainty::new(&bad, &[]), Err(SearchError::OutOfRange { .. })));
     }
 
     #[test]

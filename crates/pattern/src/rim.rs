@@ -15,8 +15,6 @@ use std::str::FromStr;
 use crate::error::length;
 use crate::{Pattern, PatternError, Planform};
 
-/// Most depths for which heights may be given.
-const MOST_HEIGHTS: usize = 8;
 /// Highest rim that is accepted, in metres.
 const MOST_HEIGHT_M: f64 = 1e-3;
 /// Nodes and weights on [0, 1] of Gauss and Legendre's rule of 8 points, the first half; the others mirror them.
@@ -24,7 +22,7 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.019_855_071_751_231_9, 0.050_614_268_145_188_1],
     [0.101_666_761_293_186_6, 0.111_190_517_226_687_2],
     [0.237_233_795_041_835_5, 0.156_853_322_938_943_6],
-    [0.408_282_678_752_175_1, 0.181_341_891_689_181_0],
+    [0.408_282_678_752_175_1, 0.181_341_891_689_181],
 ];
 
 /// How a rim falls from the edge of its cavity outward.
@@ -104,7 +102,7 @@ impl FromStr for RimProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rim {
     /// Depth of a cavity and height of its rim, ascending in depth; the first `known` count.
-    heights_m: [[f64; 2]; MOST_HEIGHTS],
+    heights_m: [[f64; 2]; Self::MOST_HEIGHTS],
     known: usize,
     width_m: f64,
     profile: RimProfile,
@@ -112,6 +110,9 @@ pub struct Rim {
 }
 
 impl Rim {
+    /// Most depths for which heights may be given.
+    pub const MOST_HEIGHTS: usize = 8;
+
     /// A rim `height_m` above the land at the edge of the cavity and `width_m` wide, whatever the cavity's depth.
     ///
     /// # Errors
@@ -128,13 +129,13 @@ impl Rim {
     pub fn following_depth(heights_m: &[[f64; 2]], width_m: f64, profile: RimProfile) -> Result<Self, PatternError> {
         let ascends = heights_m.windows(2).all(|pair| pair[0][0] < pair[1][0]);
         let is_depth = heights_m.iter().all(|[depth_m, _]| depth_m.is_finite() && *depth_m >= 0.0);
-        if heights_m.is_empty() || heights_m.len() > MOST_HEIGHTS || !ascends || !is_depth {
-            return Err(PatternError::RimHeights { count: heights_m.len(), most: MOST_HEIGHTS });
+        if heights_m.is_empty() || heights_m.len() > Self::MOST_HEIGHTS || !ascends || !is_depth {
+            return Err(PatternError::RimHeights { count: heights_m.len(), most: Self::MOST_HEIGHTS });
         }
         for [_, height_m] in heights_m {
             height("rim height", *height_m)?;
         }
-        let mut known = [[0.0; 2]; MOST_HEIGHTS];
+        let mut known = [[0.0; 2]; Self::MOST_HEIGHTS];
         known[..heights_m.len()].copy_from_slice(heights_m);
         let width_m = length("rim width", width_m)?;
         Ok(Self { heights_m: known, known: heights_m.len(), width_m, profile, height_std_m: 0.0 })
@@ -156,6 +157,12 @@ impl Rim {
             *height_m = (*height_m + by_m).clamp(0.0, MOST_HEIGHT_M);
         }
         self
+    }
+
+    /// Whether it rises above the land anywhere: a height or their scatter is not nil.
+    #[must_use]
+    pub fn stands(&self) -> bool {
+        self.height_std_m > 0.0 || self.heights_m().iter().any(|[_, height_m]| *height_m > 0.0)
     }
 
     /// Height above the land at the edge of a cavity `depth_m` deep, in metres.
@@ -180,6 +187,13 @@ impl Rim {
     #[must_use]
     pub const fn width_m(&self) -> f64 {
         self.width_m
+    }
+
+    /// The largest length of which it is at least two wide and `block_m` a whole multiple, in metres: blocks that hold its shape.
+    #[must_use]
+    pub fn block_m(&self, block_m: f64) -> f64 {
+        // A rim of two blocks but for rounding has two.
+        block_m / (2.0 * block_m / self.width_m - 1e-9).ceil().max(1.0)
     }
 
     /// How it falls outward.
@@ -317,6 +331,15 @@ mod tests {
         }
         for bad in [-1e-7, f64::NAN, 2e-3] {
             assert!(matches!(Rim::new(bad, 1e-5, RimProfile::Round), Err(PatternError::RimHeight { .. })));
+        }
+    }
+
+    #[test]
+    fn blocks_are_at_most_half_a_rim_and_a_whole_number_of_times_smaller() {
+        for (rim_um, block_um) in [(10.0, 5.0), (20.0, 10.0), (50.0, 10.0), (12.0, 5.0), (6.0, 2.5), (3.0, 10.0 / 7.0)]
+        {
+            let found_m = Rim::new(1e-7, rim_um * 1e-6, RimProfile::Round).unwrap().block_m(10e-6);
+            assert!((found_m * 1e6 - block_um).abs() < 1e-9, "{rim_um}: {found_m}");
         }
     }
 

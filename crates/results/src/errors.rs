@@ -104,6 +104,24 @@ impl ErrorReport {
         Self { value: value.map(tidy), std: is_known.then(|| tidy(square.sqrt())), interval_95: interval, parts }
     }
 
+    /// The same with one more part, independent of the others.
+    #[must_use]
+    pub fn and(mut self, input: &str, std: f64) -> Self {
+        let Some(value) = self.value else { return self };
+        let reach = NORMAL_95 * std;
+        let [below, above] = self.interval_95.map_or([0.0; 2], |[from, to]| [value - from, to - value]);
+        self.interval_95 = Some([tidy(value - below.hypot(reach)), tidy(value + above.hypot(reach))]);
+        self.std = Some(tidy(self.std.unwrap_or(0.0).hypot(std)));
+        self.parts.push(PartsReport { input: input.to_owned(), std: tidy(std) });
+        self
+    }
+
+    /// Standard deviation by the part `input` alone, where it is known.
+    #[must_use]
+    pub fn std_of(&self, input: &str) -> Option<f64> {
+        self.parts.iter().find(|part| part.input == input).map(|part| part.std)
+    }
+
     /// The part of the run itself: how long it lasted and what it drew.
     #[must_use]
     pub fn std_of_run(&self) -> f64 {

@@ -5,7 +5,7 @@
 //!
 //! | type | holds |
 //! |---|---|
-//! | [`PatternReport`], [`MaterialReport`], [`SpecimenReport`] | what was solved |
+//! | [`PatternReport`], [`RimReport`], [`MaterialReport`], [`SpecimenReport`] | what was solved |
 //! | [`SimulationReport`], [`LoadReport`] | a scene, and the numbers at one pressure |
 //! | [`ErrorsReport`], [`PressureErrors`], [`ErrorReport`] | the error beside every number, and its parts |
 //! | [`CorrectedReport`] | the same numbers times the discrepancy of patterned samples |
@@ -16,6 +16,7 @@
 
 mod corrected;
 pub mod errors;
+pub mod rim;
 mod simulation;
 mod specimen;
 mod table;
@@ -23,6 +24,7 @@ mod timings;
 
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
+pub use rim::RimReport;
 pub use simulation::{
     LoadReport, MaterialReport, PatternReport, SimulationReport, load_reports, model_notes, warnings,
 };

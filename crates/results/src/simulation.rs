@@ -9,6 +9,7 @@ use slipgrid_springblock::{LoadOutcome, Scene, Simulation, Status};
 
 use super::corrected::CorrectedReport;
 use super::errors::{ErrorReport, ErrorsReport};
+use super::rim::RimReport;
 use super::table::{Table, fixed};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
@@ -117,6 +118,9 @@ pub struct PatternReport {
     /// Sliding direction turned from the specimen's x axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
+    /// Rims along the cavities' edges, where there are any.
+    #[serde(flatten)]
+    pub rim: Option<RimReport>,
     /// Share of the surface that is cavity.
     pub areal_density: f64,
     /// Share of the section through the cavities' centres that is cavity.
@@ -140,6 +144,7 @@ impl From<&Pattern> for PatternReport {
             arrangement: (arrangement != Arrangement::Square).then(|| arrangement.name().to_owned()),
             angle_deg: turned(texture.orientation_deg()),
             sliding_angle_deg: turned(texture.sliding_angle_deg()),
+            rim: texture.rim().and_then(RimReport::of),
             areal_density: tidy(pattern.areal_density()),
             section_density: tidy(pattern.section_density()),
         }
@@ -155,7 +160,8 @@ impl PatternReport {
         let angles = [("grooves turned by", self.angle_deg), ("sliding at", self.sliding_angle_deg)];
         let angles = angles.into_iter().filter_map(|(what, angle)| angle.map(|angle| format!(", {what} {angle} deg")));
         let arrangement = self.arrangement.iter().map(|name| format!(", {name}"));
-        lengths.chain(arrangement).chain(angles).collect()
+        let rim = self.rim.iter().map(|rim| format!(", {}", rim.words()));
+        lengths.chain(arrangement).chain(angles).chain(rim).collect()
     }
 }
 

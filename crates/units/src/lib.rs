@@ -84,6 +84,8 @@ impl fmt::Display for Quantity {
 pub const LENGTH_UM: Quantity = Quantity::new(Scale::Over(1e6), "um", 0.0, true, 1e7);
 /// Standard deviations of lengths.
 pub const LENGTH_STD_UM: Quantity = LENGTH_UM.or_least();
+/// Heights of rims, and their scatter.
+pub const RIM_HEIGHT_UM: Quantity = LENGTH_UM.or_least().at_most(1000.0);
 /// Correlations.
 pub const CORRELATION: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, false, 1.0);
 /// Lengths of specimens.

@@ -96,6 +96,9 @@ fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
     if let Some(angle_deg) = design.sliding_angle_deg {
         texture = texture.with_sliding_angle_deg(angle_deg).map_err(|error| refuse("sliding_angle_deg", error))?;
     }
+    if let Some(rim) = &design.rim {
+        texture = texture.with_rim(rim.rim().map_err(|(key, error)| refuse(key, error))?);
+    }
     let (width_m, spacing_m, depth_m) = (
         length("width_um", design.width_um)?,
         length("spacing_um", design.spacing_um)?,

@@ -54,7 +54,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         slope_factors,
         all: args.all,
         sliding_m,
-        rims: true,
+        rims: args.output.is_some(),
         figures: args.output.is_some(),
     };
     let (report, mut outputs) = validate(&task, &disk(), &Job::new(console))?;

@@ -1,6 +1,6 @@
 use super::*;
 use slipgrid_material::{Elastic, LocalFriction};
-use slipgrid_pattern::{Planform, Texture};
+use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::Layer;
 
 fn scene() -> Scene {
@@ -163,4 +163,26 @@ fn further_directions_are_those_of_the_turned_design_solved_alone() {
     assert!((found.peak_pressure_mpa / worst - 1.0).abs() < 1e-9);
     let beside = model.beside(|scene| Ok::<_, ()>(scene.clone())).unwrap();
     assert_eq!(beside.steady(&design).unwrap().ratio.len(), 8);
+}
+
+#[test]
+fn samples_whose_rims_are_of_another_height_have_answers_of_their_own() {
+    let rimmed = |height_um: f64| {
+        let rim = Rim::new(height_um * 1e-6, 20e-6, RimProfile::Flat).unwrap();
+        Texture::new(Planform::Groove).with_rim(rim)
+    };
+    let space = DesignSpace::new(rimmed(0.1), [40e-6, 400e-6], [40e-6, 1000e-6], [2e-6, 50e-6]).unwrap();
+    let model = SteadyModel::new(&scene(), &[], &[], &space, None);
+    let ratio = |height_um: f64| {
+        let design = Pattern::new(rimmed(height_um), 130e-6, 370e-6, 13e-6).unwrap();
+        model.respond(&design).unwrap().value[0]
+    };
+    let (own, higher, again) = (ratio(0.1), ratio(0.2), ratio(0.1));
+    assert!(own == again && higher < own - 0.01, "{own} {higher}");
+    assert_eq!(ratio(0.2), higher);
+    // A design without rims is what one of no height is.
+    let plain = SteadyModel::new(&scene(), &[], &[], &self::space(Planform::Groove), None);
+    let bare = plain.respond(&Pattern::new(Planform::Groove, 130e-6, 370e-6, 13e-6).unwrap()).unwrap().value[0];
+    assert_eq!(ratio(0.0), bare);
+    assert!(own < bare);
 }

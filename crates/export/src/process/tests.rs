@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::work::spots_along;
-use slipgrid_pattern::Texture;
+use slipgrid_pattern::{Rim, RimProfile, Texture};
 
 /// Laser and pattern of the paper, Sec. "Laser patterning"; the repetition rate is ours.
 fn input(repetition_hz: Option<f64>) -> ProcessInput {
@@ -158,4 +158,21 @@ fn leaning_walls_leave_less_volume() {
         assert!((sheet.specimen.cavity_volume_mm3 / expected_mm3 - 1.0).abs() < 1e-5, "{planform}");
         assert_eq!(sheet.work.floor_width_um, Some(119.6));
     }
+}
+
+#[test]
+fn rims_stand_on_the_sheet_as_what_the_design_assumes_and_no_longer_among_what_is_not_modelled() {
+    let plain = ProcessSheet::new(&layout(Planform::Groove, DISC), input(None)).unwrap();
+    assert!(plain.not_modelled[0].starts_with("recast rims") && !plain.to_toml().unwrap().contains("rim_"));
+    let rim = Rim::following_depth(&[[0.0, 0.0], [10.4e-6, 0.2e-6]], 12e-6, RimProfile::Ramp).unwrap();
+    let texture = Texture::new(Planform::Groove).with_rim(rim.with_height_std_m(2e-8).unwrap());
+    let layout = Layout::new(Pattern::new(texture, 130e-6, 370e-6, 5.2e-6).unwrap(), DISC).unwrap();
+    let sheet = ProcessSheet::new(&layout, input(None)).unwrap();
+    assert!(!sheet.not_modelled.iter().any(|what| what.contains("rim")) && sheet.not_modelled.len() == 5);
+    let text = sheet.to_toml().unwrap();
+    for said in ["rim_height_um = 0.1\n", "rim_height_std_um = 0.02", "rim_width_um = 12.0", "rim_profile = \"ramp\""] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    assert!(text.contains("have to be measured"));
+    assert_eq!(toml::from_str::<ProcessSheet>(&text).unwrap(), sheet);
 }

@@ -1,13 +1,14 @@
 use super::*;
-use crate::Tolerances;
-use slipgrid_pattern::Planform;
+use crate::{CommonDraws, Tolerances};
+use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
 
 fn design() -> Pattern {
     Pattern::new(Planform::Groove, 130e-6, 370e-6, 50e-6).unwrap()
 }
 
 fn uncertainty(correlation: f64, parameters: &[Vec<f64>]) -> Uncertainty {
-    let tolerances = Tolerances { std_m: [8e-6, 13e-6, 1.3e-6], width_spacing_correlation: correlation };
+    let tolerances =
+        Tolerances { std_m: [8e-6, 13e-6, 1.3e-6], width_spacing_correlation: correlation, ..Tolerances::default() };
     Uncertainty::new(&tolerances, parameters).unwrap()
 }
 
@@ -157,4 +158,40 @@ fn a_model_that_changes_its_number_of_values_is_broken() {
     assert!(matches!(about, Err(ModelFailure::Broken { .. })), "{about:?}");
     let drawn = propagate(&model, &design(), &known, 40, 1);
     assert!(matches!(drawn, Err(ModelFailure::Broken { .. })), "{drawn:?}");
+}
+
+/// Grooves whose rims are expected to be `height_um` high.
+fn rimmed(height_um: f64) -> Pattern {
+    let rim = Rim::new(height_um * 1e-6, 10e-6, RimProfile::Flat).unwrap();
+    Pattern::new(Texture::new(Planform::Groove).with_rim(rim), 130e-6, 370e-6, 50e-6).unwrap()
+}
+
+/// v = 1e-3 w + 2 h + p; lengths in um.
+fn by_height(at: &Pattern, p: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+    Ok(vec![1e-3 * at.width_m() * 1e6 + 2.0 * at.rim_height_m() * 1e6 + p[0]])
+}
+
+#[test]
+fn the_height_of_rims_scatters_normally_and_half_normally_where_none_is_expected() {
+    let tolerances = Tolerances { std_m: [8e-6, 0.0, 0.0], rim_height_std_m: 0.05e-6, ..Tolerances::default() };
+    let known = Uncertainty::new(&tolerances, &[vec![1e-4]]).unwrap();
+    let draws = 20_000;
+    // (8e-3)^2 + (2 * 0.05)^2 + 1e-4
+    let std = (6.4e-5_f64 + 1e-2 + 1e-4).sqrt();
+    let high = Linearization::new(&by_height, &rimmed(0.5), &known).unwrap();
+    assert!((high.std(&known)[0] / std - 1.0).abs() < 1e-9, "{:?}", high.std(&known));
+    let found = propagate(&by_height, &rimmed(0.5), &known, draws, 7).unwrap().spreads()[0];
+    assert!((found.mean - 1.13).abs() < 4.0 * found.mean_stderr && (found.std / std - 1.0).abs() < 0.02, "{found:?}");
+    // Heights of |z| 0.05 um: 2 E|z| 0.05 = 0.1 sqrt(2 / pi) in the mean, and 0.1 in the root mean square.
+    let none = Linearization::new(&by_height, &rimmed(0.0), &known).unwrap();
+    assert!((none.std(&known)[0] / std - 1.0).abs() < 1e-9, "{:?}", none.std(&known));
+    let exact = propagate(&by_height, &rimmed(0.0), &known, draws, 7).unwrap();
+    let linear = propagate(&none, &rimmed(0.0), &known, draws, 7).unwrap();
+    let mean = 0.13 + 0.1 * (2.0 / std::f64::consts::PI).sqrt();
+    for found in [exact.spreads()[0], linear.spreads()[0]] {
+        assert!((found.mean - mean).abs() < 4.0 * found.mean_stderr, "{found:?} {mean}");
+    }
+    // By the rims alone: |z| below 1.
+    let share = CommonDraws::new(&known, draws, 7).probability_of(&none, &|input| input == 4, |v| v[0] < 0.13 + 0.1);
+    assert!((share.share - 0.6827).abs() < 4.0 * share.stderr, "{share:?}");
 }

@@ -42,7 +42,7 @@ struct Made {
 
 impl Made {
     fn new() -> Self {
-        let tolerances = Tolerances { std_m: [4e-6, 4e-6, 1.3e-6], width_spacing_correlation: 0.0 };
+        let tolerances = Tolerances { std_m: [4e-6, 4e-6, 1.3e-6], ..Tolerances::default() };
         let uncertainty = Uncertainty::new(&tolerances, &[]).unwrap();
         Self { draws: CommonDraws::new(&uncertainty, 2000, 1), uncertainty }
     }

@@ -50,7 +50,7 @@ pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load],
     }
     search(&mut page, report);
     material(&mut page, report, outputs, (area_law, loads));
-    page.model(&report.model);
+    page.model(&report.model, report.design.rim.is_some());
     laser(&mut page, &report.laser, outputs);
     page.finish(&report.name, &report.version)
 }
@@ -143,6 +143,7 @@ fn dimensions(page: &mut Page, report: &DesignReport) {
         ("sliding direction turned by", "degrees", design.sliding_angle_deg),
     ];
     rows.extend(lengths.into_iter().filter_map(|(name, unit, value)| Some(row(name, plain(known(value)?), unit))));
+    rows.extend(design.rim.iter().map(|rim| row("rims, as assumed", rim.words(), "")));
     rows.push(row("share of a period", percent(design.areal_density, 2), "%"));
     rows.push(row("share of the specimen's face", percent(report.specimen_areal_density, 2), "%"));
     rows.extend(report.passes.map(|passes| row("passes", passes.to_string(), "over every line")));

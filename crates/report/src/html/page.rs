@@ -1,7 +1,7 @@
 //! The parts of a page: text, tables that sort, pictures on cards.
 
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
-use slipgrid_export::NOT_MODELLED;
+use slipgrid_export::not_modelled;
 use slipgrid_results::{ErrorReport, PatternReport, fixed};
 
 use super::section::section;
@@ -176,17 +176,19 @@ impl Page {
 
     /// Two periods of a pattern in vertical section; nothing where a length is not positive.
     pub fn section(&mut self, pattern: &PatternReport) {
-        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um);
+        let rim = pattern.rim.as_ref().and_then(|rim| rim.rim().ok());
+        let svg = section(pattern.width_um, pattern.spacing_um, pattern.depth_um, rim.as_ref());
         if !svg.is_empty() {
-            self.picture(&svg, "Vertical section through the centres of cavities, along their row");
+            let words = pattern.rim.as_ref().map_or_else(String::new, |rim| format!("; {}", rim.words()));
+            self.picture(&svg, &format!("Vertical section through the centres of cavities, along their row{words}"));
         }
     }
 
     /// What was modelled, and what never is.
-    pub fn model(&mut self, statements: &[String]) {
+    pub fn model(&mut self, statements: &[String], has_rim: bool) {
         self.heading("What was modelled, and why");
         self.list(statements);
-        self.paragraph(&format!("Not modelled: {}.", NOT_MODELLED.join("; ")));
+        self.paragraph(&format!("Not modelled: {}.", not_modelled(has_rim).join("; ")));
     }
 
     /// Pictures side by side where there is room.

@@ -1,6 +1,8 @@
-//! Two periods of a pattern in vertical section, both axes at one scale.
+//! Two periods of a pattern in vertical section, both axes at one scale; rims too low to be seen are drawn higher.
 
+use slipgrid_pattern::{Rim, RimProfile};
 use slipgrid_results::fixed;
+use slipgrid_units::LENGTH_UM;
 
 /// Width of the picture, and of the two periods in it.
 const WIDTH: f64 = 900.0;
@@ -9,9 +11,57 @@ const LEFT: f64 = 70.0;
 /// Material drawn above a cavity's ceiling, and the most, in picture units.
 const MOST_HEIGHT: f64 = 420.0;
 
+/// Height below which a rim is drawn stretched, and the one to which it is, in picture units.
+const LEAST_RIM: f64 = 1.5;
+const STRETCHED_RIM: f64 = 8.0;
+
+/// A rim as it is drawn, in picture units.
+struct Drawn {
+    profile: RimProfile,
+    height: f64,
+    /// Its own width, and where it ends: half-way to the next cavity at the latest.
+    width: f64,
+    end: f64,
+    /// Drawn height over that to scale.
+    stretch: f64,
+}
+
+impl Drawn {
+    fn new(rim: &Rim, [spacing_um, depth_um]: [f64; 2], scale: f64) -> Option<Self> {
+        let to_scale = LENGTH_UM.from_si(rim.height_m(LENGTH_UM.to_si(depth_um))) * scale;
+        let width = LENGTH_UM.from_si(rim.width_m()) * scale;
+        if to_scale <= 0.0 {
+            return None;
+        }
+        // One digit, so that it can be said.
+        let wanted = STRETCHED_RIM / to_scale;
+        let stretch = if to_scale < LEAST_RIM { format!("{wanted:.0e}").parse().unwrap_or(wanted) } else { 1.0 };
+        let end = width.min(0.5 * spacing_um * scale);
+        Some(Self { profile: rim.profile(), height: stretch * to_scale, width, end, stretch })
+    }
+
+    /// From the land at `face` to the edge at `x`, which it lies beside on the side of `sign`, or back where `back`.
+    fn outline(&self, x: f64, face: f64, sign: f64, back: bool) -> String {
+        let unit = |value: f64| fixed(Some(value), 2);
+        let outer = x + sign * self.end;
+        let step = face + self.height * self.profile.height((self.end / self.width).min(1.0 - f64::EPSILON));
+        let crest = face + self.height;
+        let [(x0, y0), (x1, y1)] = if back { [(x, crest), (outer, step)] } else { [(outer, step), (x, crest)] };
+        // The tangents of a parabola meet half-way; with the crest at the edge, at its height.
+        let way = match self.profile {
+            RimProfile::Round => {
+                format!("Q{} {} {} {}", unit(x + 0.5 * sign * self.end), unit(crest), unit(x1), unit(y1))
+            }
+            RimProfile::Flat | RimProfile::Ramp => format!("L{} {}", unit(x1), unit(y1)),
+        };
+        let last = if back { format!("V{}", unit(face)) } else { String::new() };
+        format!("H{}V{}{way}{last}", unit(x0), unit(y0))
+    }
+}
+
 /// The section through the centres of cavities along their row, the counterface below; lengths in micrometres.
 /// Empty where a length is not positive.
-pub fn section(width_um: f64, spacing_um: f64, depth_um: f64) -> String {
+pub fn section(width_um: f64, spacing_um: f64, depth_um: f64, rim: Option<&Rim>) -> String {
     let pitch_um = width_um + spacing_um;
     let positive = [width_um, spacing_um, depth_um].iter().all(|length_um| length_um.is_finite() && *length_um > 0.0);
     if !positive {
@@ -22,11 +72,20 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64) -> String {
     let body = (3.0 * depth).clamp(40.0, MOST_HEIGHT);
     let depth = depth.min(body);
     let (top, face) = (46.0, 46.0 + body);
-    let height = face + 78.0;
+    let rim = rim.and_then(|rim| Drawn::new(rim, [spacing_um, depth_um], scale));
+    // The body stands on its rims.
+    let counterface = face + rim.as_ref().map_or(0.0, |rim| rim.height);
+    let height = counterface + 78.0;
     let unit = |value: f64| fixed(Some(value), 2);
     let starts = [0.5 * (pitch - width), 0.5 * (pitch - width) + pitch].map(|start| LEFT + start);
     let mut outline = format!("M{} {}H{}V{}", unit(LEFT), unit(top), unit(LEFT + DRAWN), unit(face));
     for start in starts.iter().rev() {
+        if let Some(rim) = &rim {
+            outline += &rim.outline(start + width, face, 1.0, false);
+            outline += &format!("V{}", unit(face - depth));
+            outline += &rim.outline(*start, face, -1.0, true);
+            continue;
+        }
         outline += &format!("H{}V{}H{}V{}", unit(start + width), unit(face - depth), unit(*start), unit(face));
     }
     outline += &format!("H{}z", unit(LEFT));
@@ -37,27 +96,36 @@ pub fn section(width_um: f64, spacing_um: f64, depth_um: f64) -> String {
          <path d=\"M{LEFT} {}H{}\" stroke=\"#333\" stroke-width=\"3\"/>\n",
         unit(height),
         unit(height),
-        unit(face + 2.0),
+        unit(counterface + 2.0),
         unit(LEFT + DRAWN),
     );
+    let scales = match &rim {
+        Some(rim) if rim.stretch != 1.0 => format!("both axes at one scale, rims {} times as high", rim.stretch),
+        _ => "both axes at one scale".to_owned(),
+    };
     let mut label = |x: f64, y: f64, anchor: &str, text: &str| {
         svg += &format!("<text x=\"{}\" y=\"{}\" text-anchor=\"{anchor}\">{text}</text>\n", unit(x), unit(y));
     };
     label(LEFT, 24.0, "start", "textured body");
-    label(LEFT + DRAWN, 24.0, "end", "both axes at one scale");
-    label(LEFT, face + 22.0, "start", "counterface");
+    label(LEFT + DRAWN, 24.0, "end", &scales);
+    label(LEFT, counterface + 22.0, "start", "counterface");
     let middle = starts[0] + width / 2.0;
     label(middle, face - depth - 8.0, "middle", &format!("depth {} µm", unit(depth_um)));
-    label(middle, face + 42.0, "middle", &format!("width {} µm", unit(width_um)));
+    label(middle, counterface + 42.0, "middle", &format!("width {} µm", unit(width_um)));
     label(
         starts[0] + width + (pitch - width) / 2.0,
-        face + 42.0,
+        counterface + 42.0,
         "middle",
         &format!("spacing {} µm", unit(spacing_um)),
     );
-    label(starts[0] + pitch / 2.0, face + 66.0, "middle", &format!("pitch {} µm", unit(pitch_um)));
+    label(starts[0] + pitch / 2.0, counterface + 66.0, "middle", &format!("pitch {} µm", unit(pitch_um)));
     for x in [starts[0], starts[0] + width, starts[1]] {
-        svg += &format!("<path d=\"M{x} {}V{}\" stroke=\"#333\"/>\n", unit(face + 6.0), unit(face + 30.0), x = unit(x));
+        svg += &format!(
+            "<path d=\"M{x} {}V{}\" stroke=\"#333\"/>\n",
+            unit(counterface + 6.0),
+            unit(counterface + 30.0),
+            x = unit(x)
+        );
     }
     svg + "</svg>\n"
 }

@@ -1,5 +1,8 @@
 use slipgrid_design::DesignReport;
+use slipgrid_design::records::{RimSensitivityReport, RimSlopeReport};
 use slipgrid_material::{AreaLaw, LocalFriction};
+use slipgrid_pattern::{Rim, RimProfile};
+use slipgrid_results::RimReport;
 use slipgrid_springblock::Load;
 
 use super::fixture::{goal, number, report};
@@ -172,8 +175,52 @@ fn text_is_escaped_and_loses_its_control_characters_wherever_it_stands() {
 
 #[test]
 fn the_section_is_to_scale() {
-    let svg = super::section::section(130.0, 370.0, 20.0);
+    let svg = super::section::section(130.0, 370.0, 20.0, None);
     // 1000 um over 760 units: the first cavity from 185 to 315 um, 15.2 units deep.
     assert!(svg.contains("H309.40V86.00H210.60V101.20") || svg.contains("H309.40V76.40H210.60V91.60"), "{svg}");
-    assert!(super::section::section(130.0, 370.0, f64::NAN).is_empty());
+    assert!(super::section::section(130.0, 370.0, f64::NAN, None).is_empty());
+}
+
+#[test]
+fn rims_are_drawn_to_scale_where_that_can_be_seen_and_stretched_by_a_number_that_is_said() {
+    let drawn = |height_um: f64, profile: RimProfile| {
+        let rim = Rim::new(height_um * 1e-6, 100e-6, profile).unwrap();
+        super::section::section(130.0, 370.0, 20.0, Some(&rim))
+    };
+    // 10 um are 7.6 units below the land, 100 um 76 units from the edge at 309.40.
+    let flat = drawn(10.0, RimProfile::Flat);
+    assert!(
+        flat.contains("both axes at one scale<") && flat.contains("H385.40V99.20L309.40 99.20V76.40H210.60"),
+        "{flat}"
+    );
+    assert!(flat.contains("H210.60V99.20L134.60 99.20V91.60"), "{flat}");
+    let ramp = drawn(10.0, RimProfile::Ramp);
+    assert!(ramp.contains("H385.40V91.60L309.40 99.20V76.40H210.60V99.20L134.60 91.60V91.60"), "{ramp}");
+    // The tangents of the parabola meet half-way.
+    let round = drawn(10.0, RimProfile::Round);
+    assert!(round.contains("H385.40V91.60Q347.40 99.20 309.40 99.20"), "{round}");
+    assert!(round.contains("H210.60V99.20Q172.60 99.20 134.60 91.60V91.60"), "{round}");
+    // 0.1 um are 0.076 units: a hundred times as high are 7.6.
+    let low = drawn(0.1, RimProfile::Flat);
+    assert!(low.contains("rims 100 times as high") && low.contains("H385.40V99.20L309.40 99.20"), "{low}");
+    let mut report = report();
+    report.design.rim = RimReport::of(&Rim::new(1e-7, 1e-5, RimProfile::Round).unwrap());
+    let slope = RimSlopeReport { pressure_mpa: 0.65, per_um: -0.9, error_per_um: Some(2e-3), change: None };
+    report.sensitivities.as_mut().unwrap().rim = Some(RimSensitivityReport {
+        step_um: 0.02,
+        block_um: 5.0,
+        by_pressure: vec![slope],
+        words: "rims are <high>".to_owned(),
+        ..RimSensitivityReport::default()
+    });
+    let page = page_of(&report, &Outputs::default());
+    for said in ["-9000.00 ± 20.00", "over 0.02 µm in blocks of 5 µm", "Rims are &lt;high&gt;."] {
+        assert!(page.contains(said), "{said}");
+    }
+    for said in
+        ["round rims 0.1 um high, 10 um wide", "rims 100 times as high", "Not modelled: roughening of the surface"]
+    {
+        assert!(page.contains(said), "{said}");
+    }
+    assert!(!page.contains("recast"));
 }

@@ -1,8 +1,8 @@
 //! How far a design's numbers are known, how they move with its dimensions, and what could be had for what.
 
 use slipgrid_design::records::{
-    Dimensions, DiscrepancyReport, DomainReport, PressureParts, Reading, RobustnessReport, SensitivityReport,
-    SpreadReport, TradeOffsReport,
+    Dimensions, DiscrepancyReport, DomainReport, PressureParts, Reading, RimSlopeReport, RobustnessReport,
+    SensitivityReport, SpreadReport, TradeOffsReport,
 };
 use slipgrid_results::ErrorsReport;
 
@@ -42,6 +42,26 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
             ("depth", |row| slope(row.per_um.depth, row.error_per_um.depth)),
         ],
     );
+    let own: Vec<RimSlopeReport> = found.rim_slopes().cloned().collect();
+    if let Some(rim) = found.rim.as_ref().filter(|_| !own.is_empty()) {
+        page.records(
+            &format!(
+                "The same where the mean height of the rims grows by 1 µm, by differences over {} µm in blocks of {} µm.",
+                plain(rim.step_um),
+                plain(rim.block_um),
+            ),
+            &own,
+            &[
+                ("P in MPa", |row| plain(row.pressure_mpa)),
+                ("height of the rims", |row| slope(Some(row.per_um), row.error_per_um)),
+            ],
+        );
+    }
+    if let Some(rim) = &found.rim {
+        let mut letters = rim.words.chars();
+        let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
+        page.paragraph(&format!("{first}{}.", letters.as_str()));
+    }
 }
 
 /// The parts of the errors beside the confirmed values.

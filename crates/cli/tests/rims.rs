@@ -1,0 +1,217 @@
+//! Rims along the edges of cavities: in scenes, designs and calibrations, and in everything that is written of them.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+
+use common::{CALIBRATION, DESIGN, Place, SCENE};
+use serde_json::Value;
+
+const RIMS: &str = "rim_height_um = 0.1\nrim_width_um = 20.0\nrim_profile = \"flat\"\n";
+
+fn scene(rims: &str) -> String {
+    SCENE.replace("depth_um = 20.0\n", &format!("depth_um = 20.0\n{rims}"))
+}
+
+/// A short sample and one pressure.
+fn design(rims: &str, tolerances: &str) -> String {
+    let text = DESIGN
+        .replace("diameter_mm = 10.0", "diameter_mm = 3.0")
+        .replace("[0.65, 2.6]", "[1.3]")
+        .replace("value = 0.9\ntolerance = 0.01", "value = 0.88\ntolerance = 0.03")
+        .replace("[40.0, 400.0]", "[60.0, 150.0]")
+        .replace("[40.0, 1000.0]", "[80.0, 300.0]")
+        .replace("max_evaluations = 50", "max_evaluations = 400")
+        .replace("planform = \"groove\"\n", &format!("planform = \"groove\"\n{rims}"));
+    format!("{text}{tolerances}")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn part(parts: &Value, input: &str) -> f64 {
+    let found = parts.as_array().unwrap().iter().find(|part| part["input"] == input);
+    number(&found.unwrap_or_else(|| panic!("no {input} in {parts}"))["std"])
+}
+
+fn simulated(place: &Place, name: &str) -> Value {
+    serde_json::from_str(&place.succeed(&["simulate", name, "--json"])).unwrap()
+}
+
+#[test]
+fn a_scene_with_rims_slides_with_less_friction_and_says_what_they_are() {
+    let flat = scene("rim_height_um = 0\nrim_width_um = 20.0\n");
+    let (with, without) = (scene(RIMS), scene(""));
+    let place = Place::with(&[("with.toml", &with), ("without.toml", &without), ("flat.toml", &flat)]);
+    let (with, without) = (simulated(&place, "with.toml"), simulated(&place, "without.toml"));
+    assert_eq!((&with["pattern"]["rim_height_um"], &with["pattern"]["rim_width_um"]), (&0.1.into(), &20.0.into()));
+    assert_eq!(
+        (&with["pattern"]["rim_profile"], &with["pattern"]["rim_height_std_um"]),
+        (&"flat".into(), &Value::Null)
+    );
+    for (with, without) in with["results"].as_array().unwrap().iter().zip(without["results"].as_array().unwrap()) {
+        let change = number(&with["ratio"]) - number(&without["ratio"]);
+        assert!(change < -5e-3 && change > -0.2, "{change}");
+    }
+    // The higher the load, the more a rim is pressed into the land.
+    let change = |row: usize| number(&with["results"][row]["ratio"]) - number(&without["results"][row]["ratio"]);
+    assert!(change(0) < change(1), "{} {}", change(0), change(1));
+    assert!(place.succeed(&["simulate", "with.toml"]).contains("flat rims 0.1 um high, 20 um wide"));
+
+    // A rim of no height is none: not even a key of it is written.
+    for name in ["flat", "without"] {
+        place.succeed(&["simulate", &format!("{name}.toml"), "-o", name]);
+    }
+    let bytes = |name: &str| fs::read(place.path(name).join("result.json")).unwrap();
+    assert_eq!(bytes("flat"), bytes("without"));
+}
+
+#[test]
+fn rims_that_mean_nothing_are_refused_and_narrow_ones_told() {
+    let narrow = scene("rim_height_um = 0.1\nrim_width_um = 10.0\n");
+    let place = Place::with(&[("narrow.toml", &narrow)]);
+    let told = String::from_utf8(place.run(&["simulate", "narrow.toml"]).stderr).unwrap();
+    let warned = "warning: narrow.toml:16: pattern.rim_width_um: 10.0 is narrower than two blocks of 10 um";
+    assert!(told.contains(warned) && told.contains("expected block_um = 5 or less"), "{told}");
+    for (rims, refused) in [
+        ("rim_height_um = 0.1\n", "x.toml:15: pattern.rim_height_um: 0.1 stands without a width"),
+        ("rim_width_um = 20\nrim_profile = \"flat\"\n", "x.toml:15: pattern.rim_width_um: 20 stands without a height"),
+        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_heights_um = [[1, 2]]\n", "x.toml:17: pattern.rim_heights_um"),
+        ("rim_heights_um = [[5, 1], [4, 2]]\nrim_width_um = 20\n", "x.toml:15: pattern.rim_heights_um: 4 is no deeper"),
+        ("rim_height_um = 0.1\nrim_width_um = 20\nrim_profile = \"square\"\n", "\"round\" or \"flat\" or \"ramp\""),
+        ("rim_height_um = 2000\nrim_width_um = 20\n", "expected a number from 0 up to 1000 um"),
+    ] {
+        fs::write(place.path("x.toml"), scene(rims)).unwrap();
+        let message = place.refuse(&["simulate", "x.toml"]);
+        assert!(message.contains(refused), "{rims}: {message}");
+    }
+    let unknown = design("", "[tolerances]\nrim_height_std_um = 0.02\n");
+    fs::write(place.path("d.toml"), unknown).unwrap();
+    let message = place.refuse(&["optimize", "d.toml"]);
+    assert!(
+        message.contains("tolerances.rim_height_std_um: 0.02 is of rims that [pattern] does not have"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_design_with_rims_carries_them_and_their_tolerance_into_every_file() {
+    let tolerances = "[tolerances]\nwidth_std_um = 2.0\nrim_height_std_um = 0.02\ndraws = 100\n";
+    let rims = "rim_heights_um = [[2.6, 0.07], [20.0, 0.13]]\nrim_width_um = 20.0\nrim_profile = \"ramp\"\n\
+                rim_height_std_um = 0.01\n";
+    let place = Place::with(&[("d.toml", &design(rims, tolerances))]);
+    let output = place.run(&["optimize", "d.toml", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let summary = String::from_utf8(output.stdout).unwrap();
+    for said in [
+        "ramp rims 0.07 um at a depth of 2.6 um, 0.13 um at a depth of 20 um, 20 um wide, scattering by 0.01 um",
+        "rim height (made to 0.02 um)",
+        "has the largest slope of all",
+        "not modelled: roughening by the laser",
+    ] {
+        assert!(summary.contains(said), "{said}: {summary}");
+    }
+    let read = |name: &str| fs::read_to_string(place.path("out").join(name)).unwrap();
+    let found: Value = serde_json::from_str(&read("result.json")).unwrap();
+    assert_eq!(found["design"]["rim_heights_um"], serde_json::json!([[2.6, 0.07], [20.0, 0.13]]));
+    let slope = &found["sensitivities"]["rim"]["by_pressure"][0];
+    assert_eq!(found["sensitivities"]["rim"]["tried"], false);
+    assert!(number(&slope["per_um"]) < -0.1, "{slope}");
+    // What the tolerance makes of the ratio, to first order: in the errors, and in the robustness tables.
+    let expected = 0.02 * number(&slope["per_um"]).abs();
+    let ratio = &found["errors"]["by_pressure"][0]["ratio"];
+    for std in [part(&ratio["parts"], "rim height"), part(&found["robustness"]["parts"][0]["of"], "rim height")] {
+        assert!((std / expected - 1.0).abs() < 0.05, "{std} {expected}");
+    }
+    assert!(number(&ratio["std"]) > part(&ratio["parts"], "rim height"));
+    let parts = found["chance"]["parts"].as_array().unwrap();
+    assert!(parts.iter().any(|part| part["input"] == "rim height"), "{parts:?}");
+
+    // The scene is the design, to the last digit; so is what is exported of the result.
+    let written = simulated_pattern(&place, "out/design.toml");
+    for key in ["rim_heights_um", "rim_width_um", "rim_profile", "rim_height_std_um", "width_um", "depth_um"] {
+        assert_eq!(written[key], found["design"][key], "{key}");
+    }
+    let process = read("process.toml");
+    for said in ["rim_width_um = 20.0", "rim_profile = \"ramp\"", "rim_height_std_um = 0.01", "have to be measured"] {
+        assert!(process.contains(said), "{said}: {process}");
+    }
+    assert!(!process.contains("recast"));
+    place.succeed(&["export", "out", "-o", "again"]);
+    assert_eq!(fs::read_to_string(place.path("again").join("process.toml")).unwrap(), process);
+    let page = read("report.html");
+    assert!(page.contains("height of the rims") && page.contains("times as high"));
+
+    // Rims of other heights have other answers.
+    fs::write(place.path("d.toml"), design(RIMS, tolerances)).unwrap();
+    let message = place.refuse(&["optimize", "d.toml", "-o", "out", "--resume"]);
+    assert!(message.contains("rim"), "{message}");
+}
+
+fn simulated_pattern(place: &Place, name: &str) -> Value {
+    let told = place.succeed(&["simulate", name, "--json", "--fidelity", "steady", "--extent", "cell"]);
+    serde_json::from_str::<Value>(&told).unwrap()["pattern"].clone()
+}
+
+#[test]
+fn a_design_without_rims_says_what_one_would_change_and_rims_of_no_height_may_have_some() {
+    let half = design(
+        "rim_height_um = 0\nrim_width_um = 20.0\n",
+        "[tolerances]\nrim_height_std_um = 0.02\ndraws = 100\nwidth_std_um = 2.0\n",
+    );
+    let place = Place::with(&[("plain.toml", &design("", "")), ("half.toml", &half)]);
+    let summary = place.succeed(&["optimize", "plain.toml", "-o", "plain"]);
+    let said = "a rim of 0.1 um, 10 um wide, would change the ratio at 1.3 MPa by -0.0";
+    assert!(summary.contains(said) && summary.contains("not modelled: recast rims"), "{summary}");
+    let result = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(place.path(name).join("result.json")).unwrap()).unwrap()
+    };
+    let plain = result("plain");
+    let rim = &plain["sensitivities"]["rim"];
+    assert_eq!(
+        (&rim["tried"], &rim["block_um"], &rim["rim"]["rim_profile"]),
+        (&true.into(), &5.0.into(), &"round".into())
+    );
+    assert!(number(&rim["by_pressure"][0]["change"]) < -5e-3, "{rim}");
+    let page = fs::read_to_string(place.path("plain").join("report.html")).unwrap();
+    assert!(page.contains("A rim of 0.1 um, 10 um wide, would change"));
+    assert!(plain["design"].get("rim_width_um").is_none());
+
+    // Heights on both sides of none are none below it: half-normal.
+    let told = place.succeed(&["optimize", "half.toml", "-o", "half"]);
+    assert!(told.contains("rim height (made to 0.02 um)"), "{told}");
+    let half = result("half");
+    let inputs = half["robustness"]["inputs"].to_string();
+    assert!(inputs.contains("half-normal") && half["design"].get("rim_width_um").is_none(), "{inputs}");
+    let (samples, confirmed) = (&half["robustness"]["samples"]["by_pressure"][0], &half["confirmed"][0]["ratio"]);
+    assert!(number(&samples["ratio"]["mean"]) < number(confirmed), "rims only lower friction");
+}
+
+#[test]
+fn the_rims_of_patterned_samples_are_in_the_modelled_ratio() {
+    let flat = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n75,2,15,0.25,0.002\n\
+                100,2,15,0.26,0.002\n";
+    let patterned = flat.replace("0.25,", "0.22,").replace("0.26,", "0.22,");
+    let calibration = |rims: &str| {
+        let text = CALIBRATION.replace("flat = \"flat.csv\"\n", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"\n");
+        format!("{text}[pattern]\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n{rims}")
+    };
+    let (with, without) = (calibration("rim_height_um = 0.1\nrim_width_um = 10.0\n"), calibration(""));
+    let files = [("flat.csv", flat), ("patterned.csv", &patterned), ("with.toml", &with), ("without.toml", &without)];
+    let place = Place::with(&files);
+    let coefficient = |name: &str| {
+        place.succeed(&["calibrate", &format!("{name}.toml"), "-o", &format!("{name}-m.toml")]);
+        let text = fs::read_to_string(place.path(&format!("{name}-m.toml"))).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        let found = table["discrepancy"].as_table().unwrap().clone();
+        let value = found["all"]["coefficients"].as_array().unwrap()[0].as_float().unwrap();
+        (value, found["pattern"].as_str().unwrap().to_owned())
+    };
+    let ((with, words), (without, plain)) = (coefficient("with"), coefficient("without"));
+    // ln(measured / modelled): rims take some of it upon themselves.
+    assert!(with > without + 0.005, "{with} {without}");
+    assert_eq!(words, format!("{plain}, with round rims 0.1 um high and 10 um wide"));
+}
