@@ -1,9 +1,11 @@
 //! The job of a calibration: from measurements and a surface to a material and what is known of its errors.
 
+use std::sync::Arc;
+
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
@@ -42,6 +44,8 @@ pub struct CalibrationTask {
     pub patterned: Vec<Measurement>,
     /// Pattern of the patterned samples, where it is known.
     pub pattern: Option<Pattern>,
+    /// Measured heights of their face over one period, in place of rims.
+    pub relief: Option<Arc<ReliefMap>>,
     /// How the model's error on patterned samples depends on pressure; `None` where it is not wanted.
     pub discrepancy: Option<DiscrepancyForm>,
     /// What is fitted.

@@ -59,6 +59,7 @@
 //!     flat: vec![measured(100.0, 0.271), measured(200.0, 0.278)],
 //!     patterned: Vec::new(),
 //!     pattern: None,
+//!     relief: None,
 //!     discrepancy: None,
 //!     coefficients: Coefficients::PerCondition,
 //!     relative_std: 0.05,

@@ -182,12 +182,17 @@ fn ratios(
         })
         .collect::<Result<Vec<Load>, MaterialError>>()?;
     let Some(speed_m_s) = pairs.first().map(|(flat, _)| flat.speed_m_s) else { return Ok(Vec::new()) };
-    let block_m = pattern.texture().rim().map_or(task.layer.block_m, |rim| rim.block_m(task.layer.block_m));
+    let block_m = match (pattern.texture().rim(), &task.relief) {
+        (Some(rim), _) => rim.block_m(task.layer.block_m),
+        // Measured rims are some ten micrometres wide.
+        (None, Some(_)) => 0.5 * task.layer.block_m,
+        (None, None) => task.layer.block_m,
+    };
     let scene = Scene {
         elastic: task.elastic,
         area_law,
         pattern: Some(pattern),
-        relief: None,
+        relief: task.relief.clone(),
         layer: Layer { block_m, ..task.layer },
         loads,
         // Steady sliding does not depend on it.

@@ -1,6 +1,7 @@
 //! Calibration files: what `calibrate` takes.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Deserialize;
 use slipgrid_calibrate::{
@@ -9,7 +10,7 @@ use slipgrid_calibrate::{
 };
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
@@ -20,6 +21,7 @@ use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
 use super::measured::{self, Placed, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, read_pattern};
+use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
 use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
@@ -111,6 +113,8 @@ pub struct Calibration {
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples, where the file names it.
     pub pattern: Option<Pattern>,
+    /// Measured heights of the patterned samples over one period, where the file names them.
+    pub relief: Option<Arc<ReliefMap>>,
     /// How the model's error on patterned samples is estimated; `None` where it is not wanted.
     pub discrepancy: Option<DiscrepancyForm>,
     /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
@@ -176,6 +180,10 @@ impl Calibration {
         measured::refuse_repeated(&placed, coefficients)?;
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
+        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => read_relief(document, table, pattern)?,
+            None => None,
+        };
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
@@ -197,6 +205,7 @@ impl Calibration {
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
             pattern,
+            relief,
             area_law_scale_pa,
             measured_law,
             discrepancy: fit.and_then(|fit| fit.discrepancy.as_ref()).map_or(
@@ -240,6 +249,7 @@ impl Calibration {
             flat: self.flat.clone(),
             patterned: self.patterned.clone(),
             pattern: self.pattern,
+            relief: self.relief.clone(),
             discrepancy: self.discrepancy,
             coefficients: self.coefficients,
             relative_std: self.relative_std,

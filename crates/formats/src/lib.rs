@@ -34,6 +34,7 @@ pub mod measurements;
 pub mod pattern;
 pub mod plausible;
 pub mod refused_calibration;
+pub mod relief;
 pub mod rim;
 pub mod run;
 pub mod scene;

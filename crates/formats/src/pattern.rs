@@ -44,6 +44,9 @@ pub struct PatternFile {
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<Number>,
+    /// Map of one period of the measured face, in place of rims.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relief: Option<Spanned<String>>,
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rim_height_um: Option<Number>,
@@ -128,6 +131,7 @@ impl From<&Pattern> for PatternFile {
             arrangement: written.arrangement.map(named),
             angle_deg: written.angle_deg.map(number),
             sliding_angle_deg: written.sliding_angle_deg.map(number),
+            relief: None,
             rim_height_um: rim.and_then(|rim| rim.rim_height_um).map(number),
             rim_heights_um: rim
                 .and_then(|rim| rim.rim_heights_um.as_ref())

@@ -13,6 +13,7 @@ use super::laser::{SpecimenFile, read_specimen};
 use super::material::{ConditionFile, MaterialFile, read_condition};
 use super::material_uncertainty::read_referenced;
 use super::pattern::{PatternFile, read_pattern, require_section};
+use super::relief::read_relief;
 use super::run::{Overrides, RunFile, read_run};
 use super::unusual;
 use super::values::{Number, Numbers, PathOr, list, number_span};
@@ -155,6 +156,10 @@ impl SceneInput {
         let specimen = file.specimen.as_ref().map(|table| read_specimen(&document, table)).transpose()?;
         let layer = read_layer(&document, &file.sample, specimen.as_ref())?;
         let pattern = file.pattern.as_ref().map(|pattern| read_pattern(&document, pattern, &layer)).transpose()?;
+        let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
+            Some((table, pattern)) => read_relief(&document, table, pattern)?,
+            None => None,
+        };
         let run = read_run(&document, &file.run, overrides, specimen.is_some())?;
         let speed_m_s = read_speed(&document, &file.load, condition.as_ref())?;
         // A scene may ask for no load and for no speed: both have a meaning, if no coefficient.
@@ -181,7 +186,7 @@ impl SceneInput {
             elastic: material.elastic,
             area_law: material.area_law.clone(),
             pattern,
-            relief: None,
+            relief,
             layer,
             loads,
             speed_m_s,

@@ -1,0 +1,56 @@
+//! The measured relief of a pattern: the map of one period that a scene or a calibration names.
+
+use std::sync::Arc;
+
+use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_topography::{HeightMap, ReadOptions};
+use toml::Spanned;
+
+use super::altitude_map::open;
+use super::document::Document;
+use super::material::existing;
+use super::pattern::PatternFile;
+use crate::diagnostic::Diagnostic;
+
+/// Reads the relief that `file` names for `pattern`, if it does: one period with the centre of a cavity at its centre, as
+/// `surface --cavities --period-out` writes it.
+///
+/// # Errors
+/// [`Diagnostic`] for a file that cannot be read or is no map, for one of another period, and beside rims.
+pub fn read_relief(
+    document: &Document,
+    file: &Spanned<PatternFile>,
+    pattern: &Pattern,
+) -> Result<Option<Arc<ReliefMap>>, Diagnostic> {
+    let Some(key) = &file.get_ref().relief else { return Ok(None) };
+    if pattern.texture().rim().is_some() {
+        return Err(document
+            .refuse(key.span(), "stands beside rims, which a measured relief holds already")
+            .expected("one of the two"));
+    }
+    let path = existing(document, key, key.get_ref())?;
+    let mut map = open(document.source(), &path, &ReadOptions::default())?.map;
+    map.fill_missing();
+    let relief = relief_of(&map).and_then(|relief| relief.lands(pattern).map(|_| relief));
+    let relief = relief.map_err(|error| document.refuse(key.span(), error.to_string()))?;
+    Ok(Some(Arc::new(relief)))
+}
+
+/// The heights of `map`, whose rows follow each other along x.
+fn relief_of(map: &HeightMap) -> Result<ReliefMap, slipgrid_pattern::PatternError> {
+    let [nx, ny] = [map.rows(), map.cols()];
+    let heights_m = (0..nx * ny).map(|n| map.heights_m()[n % nx * ny + n / nx]).collect();
+    ReliefMap::new([nx as f64 * map.dx_m(), ny as f64 * map.dy_m()], [nx, ny], heights_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_of_a_map_follow_each_other_along_x() {
+        let map = HeightMap::new(2, 3, 2e-6, 1e-6, vec![0.0, 1e-6, 2e-6, 3e-6, 4e-6, 5e-6]).unwrap();
+        let expected = ReliefMap::new([4e-6, 3e-6], [2, 3], vec![0.0, 3e-6, 1e-6, 4e-6, 2e-6, 5e-6]).unwrap();
+        assert_eq!(relief_of(&map).unwrap(), expected);
+    }
+}
