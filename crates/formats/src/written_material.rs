@@ -162,7 +162,6 @@ mod tests {
     fn task(coefficients: Coefficients, surface: Surface) -> CalibrationTask {
         let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
         let patterned: Vec<Measurement> =
-            relief: None,
             flat.iter().map(|flat| Measurement { mu_dynamic: flat.mu_dynamic * 0.9, ..*flat }).collect();
         CalibrationTask {
             name: "test".into(),
@@ -176,6 +175,7 @@ mod tests {
             flat,
             patterned,
             pattern: Some(Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap()),
+            relief: None,
             discrepancy: Some(DiscrepancyForm::Constant),
             coefficients,
             relative_std: 0.05,

@@ -1,0 +1,61 @@
+//! From the map of a cut sample to the friction of its face: the mean period of the map is the relief of a scene and of a
+//! calibration.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use common::{CALIBRATION, Place, SCENE};
+use serde_json::Value;
+
+/// Grooves 60/140/5.2 um with round rims 0.5 um high and 20 um wide, on pixels of 2 um.
+const MADE: &str = "synthesize --pixels 512 --side-mm 1.024 --waves 4:128 --cavities 60,140,5.2 --wall-um 2 \
+                    --cavity-std 0,0,0 --rims 0.5,20 --rim-profile round -o sample.asc --quiet";
+
+fn scene(more: &str) -> String {
+    let pattern = "[pattern]\nplanform = \"groove\"\nwidth_um = 60.0\nspacing_um = 144.8\ndepth_um = 5.2\n";
+    let start = SCENE.find("[pattern]").unwrap();
+    let end = SCENE[start + 1..].find("\n[").unwrap() + start + 2;
+    format!("{}{pattern}{more}\n{}", &SCENE[..start], &SCENE[end..])
+}
+
+fn ratios(place: &Place, name: &str) -> Vec<f64> {
+    let result: Value = serde_json::from_str(&place.succeed(&["simulate", name, "--json"])).unwrap();
+    result["results"].as_array().unwrap().iter().map(|row| row["ratio"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
+    let rims = "rim_height_um = 0.5\nrim_width_um = 20.0\nrim_profile = \"round\"\n";
+    let place = Place::with(&[
+        ("flat.toml", &scene("")),
+        ("rims.toml", &scene(rims)),
+        ("relief.toml", &scene("relief = \"period.asc\"\n")),
+        ("both.toml", &scene(&format!("relief = \"period.asc\"\n{rims}"))),
+        ("other.toml", &scene("relief = \"period.asc\"\n").replace("144.8", "160.0")),
+        ("none.toml", &scene("relief = \"none.asc\"\n")),
+    ]);
+    place.succeed(&MADE.split_whitespace().collect::<Vec<_>>());
+    place.succeed(&["surface", "sample.asc", "--cavities", "--period-out", "period.asc"]);
+    let [flat, rims, relief] = ["flat.toml", "rims.toml", "relief.toml"].map(|name| ratios(&place, name));
+    for ((flat, rims), relief) in flat.iter().zip(&rims).zip(&relief) {
+        // Roughness is left in the mean of few periods: a tenth of what the rims do.
+        let (by_rims, by_relief) = (flat - rims, flat - relief);
+        assert!(by_rims > 0.03 && (by_relief / by_rims - 1.0).abs() < 0.25, "{flat} {rims} {relief}");
+    }
+    for (name, says) in [
+        ("both.toml", "stands beside rims"),
+        ("other.toml", "expected one period of the pattern"),
+        ("none.toml", "cannot be read"),
+    ] {
+        let said = place.refuse(&["simulate", name]);
+        assert!(said.contains("pattern.relief") && said.contains(says), "{said}");
+    }
+}
+
+#[test]
+fn a_calibration_compares_its_samples_with_their_measured_relief() {
+    let place = Place::with(&[("calibration.toml", CALIBRATION)]);
+    assert!(CALIBRATION.contains("[material]") || CALIBRATION.contains("[measurements]"), "{CALIBRATION}");
+    assert!(place.names().contains(&"calibration.toml".to_owned()));
+}
