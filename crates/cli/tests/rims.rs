@@ -18,7 +18,7 @@ fn scene(rims: &str) -> String {
 /// A short sample and one pressure.
 fn design(rims: &str, tolerances: &str) -> String {
     let text = DESIGN
-        .replace("diameter_mm = 10.0", "diameter_mm = 3.0")
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
         .replace("[0.65, 2.6]", "[1.3]")
         .replace("value = 0.9\ntolerance = 0.01", "value = 0.88\ntolerance = 0.03")
         .replace("[40.0, 400.0]", "[60.0, 150.0]")
