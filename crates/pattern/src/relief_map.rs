@@ -2,6 +2,8 @@
 
 use crate::{Pattern, PatternError};
 
+/// Depth over that of the cavity from which a point beside it belongs to its wall: it bears nothing, and lowers no mean.
+const WALL_DEPTH: f64 = 0.1;
 /// Largest departure of the sides of a map from those of the pattern's cell, over them.
 const MOST_MISFIT: f64 = 0.02;
 
@@ -54,23 +56,31 @@ impl ReliefMap {
         let [nx, ny] = self.pixels;
         let pixel_m = [cell_m[0] / nx as f64, cell_m[1] / ny as f64];
         let from_m = cell_m.map(|side_m| -0.5 * side_m);
-        // Sums over the pixels below and to the left, of the lands' area and of their height times it.
-        let mut sums = vec![[0.0; 2]; (nx + 1) * (ny + 1)];
+        // Sums over the pixels below and to the left: of the lands' area without walls and of their height times it, then of
+        // both with them.
+        let mut sums = vec![[0.0; SUMS]; (nx + 1) * (ny + 1)];
         for j in 0..ny {
             let y_m = [0, 1].map(|end| from_m[1] + (j + end) as f64 * pixel_m[1]);
-            let mut row = [0.0; 2];
+            let mut row = [0.0; SUMS];
             for i in 0..nx {
                 let x_m = [0, 1].map(|end| from_m[0] + (i + end) as f64 * pixel_m[0]);
                 let land = 1.0 - pattern.coverage(x_m[0], x_m[1], y_m[0], y_m[1]);
-                row[0] += land;
-                row[1] += land * self.heights_m[j * nx + i];
+                let height_m = self.heights_m[j * nx + i];
+                let top = if height_m < -WALL_DEPTH * pattern.depth_m() { 0.0 } else { land };
+                let own = [top, top * height_m, land, land * height_m];
                 let below = sums[j * (nx + 1) + i + 1];
-                sums[(j + 1) * (nx + 1) + i + 1] = [below[0] + row[0], below[1] + row[1]];
+                for n in 0..SUMS {
+                    row[n] += own[n];
+                    sums[(j + 1) * (nx + 1) + i + 1][n] = below[n] + row[n];
+                }
             }
         }
         Ok(LandRelief { pixels: self.pixels, pixel_m, from_m, sums })
     }
 }
+
+/// Sums that a point of [`LandRelief`] keeps.
+const SUMS: usize = 4;
 
 /// The relief of the lands of one pattern.
 #[derive(Clone, Debug)]
@@ -79,36 +89,41 @@ pub struct LandRelief {
     pixel_m: [f64; 2],
     /// Corner of the map in the pattern's axes.
     from_m: [f64; 2],
-    sums: Vec<[f64; 2]>,
+    sums: Vec<[f64; SUMS]>,
 }
 
 impl LandRelief {
-    /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size; 0 without land.
-    /// Continuous in the rectangle.
+    /// Mean height, in metres, of the land in the rectangle `x_m` by `y_m` in the pattern's axes, of any size, without the walls
+    /// of cavities; 0 without land.
     #[must_use]
     pub fn mean_m(&self, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
         let [x, y] = [(x_m, 0), (y_m, 1)]
             .map(|(ends_m, axis)| ends_m.map(|at_m| (at_m - self.from_m[axis]) / self.pixel_m[axis]));
         let corner = |x: f64, y: f64| self.sum_to(x, y);
         let [high, left, below, low] = [corner(x[1], y[1]), corner(x[0], y[1]), corner(x[1], y[0]), corner(x[0], y[0])];
-        let [land, height] = [0, 1].map(|n| high[n] - left[n] - below[n] + low[n]);
-        // In pixels, of which a block holds some: less land than this is rounding.
-        if land > 1e-9 { height / land } else { 0.0 }
+        let sums: [f64; SUMS] = std::array::from_fn(|n| high[n] - left[n] - below[n] + low[n]);
+        // In pixels, of which a block holds some: less than this is rounding. Where all is wall, its mean is what there is.
+        let [top, top_height, land, height] = sums;
+        match (top > 1e-9, land > 1e-9) {
+            (true, _) => top_height / top,
+            (false, true) => height / land,
+            (false, false) => 0.0,
+        }
     }
 
     /// Sums from the map's corner to (x, y), in pixels, the map being repeated.
-    fn sum_to(&self, x: f64, y: f64) -> [f64; 2] {
+    fn sum_to(&self, x: f64, y: f64) -> [f64; SUMS] {
         let [nx, ny] = self.pixels.map(|count| count as f64);
         let (a, b) = ((x / nx).floor(), (y / ny).floor());
         let (x, y) = (x - a * nx, y - b * ny);
         let whole = self.within(nx, ny);
         let (column, row) = (self.within(nx, y), self.within(x, ny));
         let part = self.within(x, y);
-        [0, 1].map(|n| a * b * whole[n] + a * column[n] + b * row[n] + part[n])
+        std::array::from_fn(|n| a * b * whole[n] + a * column[n] + b * row[n] + part[n])
     }
 
     /// The same within the map: pixels are of one height each.
-    fn within(&self, x: f64, y: f64) -> [f64; 2] {
+    fn within(&self, x: f64, y: f64) -> [f64; SUMS] {
         let [nx, ny] = self.pixels;
         // Both lie within the map: the casts are exact.
         let (i, j) = ((x as usize).min(nx - 1), (y as usize).min(ny - 1));
@@ -116,7 +131,7 @@ impl LandRelief {
         let at = |i: usize, j: usize| self.sums[j * (nx + 1) + i];
         let corners = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
         let weights = [(1.0 - s) * (1.0 - t), s * (1.0 - t), (1.0 - s) * t, s * t];
-        [0, 1].map(|n| corners.iter().zip(weights).map(|(corner, weight)| weight * corner[n]).sum())
+        std::array::from_fn(|n| corners.iter().zip(weights).map(|(corner, weight)| weight * corner[n]).sum())
     }
 }
 
