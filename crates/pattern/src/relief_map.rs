@@ -2,7 +2,8 @@
 
 use crate::{Pattern, PatternError};
 
-/// Depth over that of the cavity from which a point beside it belongs to its wall: it bears nothing, and lowers no mean.
+/// Depth over that of the cavity from which a point belongs to its wall: it bears nothing, and lowers no mean. The points next to
+/// it, which instruments and means of many periods blend with it, are no lower than the land beyond them.
 const WALL_DEPTH: f64 = 0.1;
 /// Largest departure of the sides of a map from those of the pattern's cell, over them.
 const MOST_MISFIT: f64 = 0.02;
@@ -56,6 +57,22 @@ impl ReliefMap {
         let [nx, ny] = self.pixels;
         let pixel_m = [cell_m[0] / nx as f64, cell_m[1] / ny as f64];
         let from_m = cell_m.map(|side_m| -0.5 * side_m);
+        let is_wall: Vec<bool> = self.heights_m.iter().map(|h| *h < -WALL_DEPTH * pattern.depth_m()).collect();
+        let around = |i: usize, j: usize, reach: usize| {
+            let near = move |at: usize, count: usize| {
+                (0..=2 * reach).map(move |n| (at + count + n - reach.min(count)) % count)
+            };
+            near(j, ny).flat_map(move |row| near(i, nx).map(move |column| row * nx + column))
+        };
+        let is_beside_wall = |i: usize, j: usize| around(i, j, 1).any(|n| is_wall[n]);
+        let beside_wall: Vec<bool> = (0..nx * ny).map(|n| is_beside_wall(n % nx, n / nx)).collect();
+        // Height of a point beside a wall: at least the mean of the land within two points.
+        let raised = |i: usize, j: usize| {
+            let clear = around(i, j, 2).filter(|n| !beside_wall[*n]);
+            let (sum_m, count) = clear.fold((0.0, 0), |(sum, count), n| (sum + self.heights_m[n], count + 1));
+            let own_m = self.heights_m[j * nx + i];
+            if count > 0 { own_m.max(sum_m / f64::from(count)) } else { own_m }
+        };
         // Sums over the pixels below and to the left: of the lands' area without walls and of their height times it, then of
         // both with them.
         let mut sums = vec![[0.0; SUMS]; (nx + 1) * (ny + 1)];
@@ -65,8 +82,13 @@ impl ReliefMap {
             for i in 0..nx {
                 let x_m = [0, 1].map(|end| from_m[0] + (i + end) as f64 * pixel_m[0]);
                 let land = 1.0 - pattern.coverage(x_m[0], x_m[1], y_m[0], y_m[1]);
-                let height_m = self.heights_m[j * nx + i];
-                let top = if height_m < -WALL_DEPTH * pattern.depth_m() { 0.0 } else { land };
+                let place = j * nx + i;
+                let height_m = if land > 0.0 && beside_wall[place] && !is_wall[place] {
+                    raised(i, j)
+                } else {
+                    self.heights_m[place]
+                };
+                let top = if is_wall[place] { 0.0 } else { land };
                 let own = [top, top * height_m, land, land * height_m];
                 let below = sums[j * (nx + 1) + i + 1];
                 for n in 0..SUMS {
