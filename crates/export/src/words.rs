@@ -36,6 +36,8 @@ pub(crate) const fn cavities(planform: Planform) -> &'static str {
         Planform::Square => "square cavities",
         Planform::Rectangle => "rectangular cavities",
         Planform::Disc => "round cavities",
+        Planform::Polygon => "polygonal cavities",
+        Planform::Crosshatch => "crossing grooves",
     }
 }
 

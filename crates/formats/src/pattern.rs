@@ -203,7 +203,7 @@ pub fn require_section(document: &Document, file: &TextureFile, texture: &Textur
         return Ok(());
     }
     let refuse = |span: Range<usize>, expected: &str| Err(document.refuse(span, WHY).expected(expected));
-    if let (Planform::Rectangle | Planform::Disc, Some(planform)) = (texture.planform(), &file.planform) {
+    if let (false, Some(planform)) = (matches!(texture.planform(), Planform::Groove | Planform::Square), &file.planform) {
         return refuse(planform.span(), "\"groove\" or \"square\"");
     }
     if let Some(arrangement) = file.arrangement.as_ref().filter(|_| texture.arrangement() != Arrangement::Square) {

@@ -10,6 +10,8 @@
 //! | groove | width / pitch |
 //! | square, rectangle | (width / pitch) (length / pitch across) |
 //! | disc | (pi / 4) (width / pitch) (width / pitch across) |
+//! | polygon | area / (pitch pitch across) |
+//! | crosshatch | 1 - (1 - width / pitch)^2 |
 //!
 //! Three sets of axes meet: the specimen's, X and Y; the pattern's own, x along a row and y across,
 //! turned from them where grooves are; and the sliding direction, at any angle. The periodic cell is
@@ -20,6 +22,7 @@
 //! |---|---|
 //! | [`Texture`] | shape, extent across, arrangement and directions: all but width, spacing and depth |
 //! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
+//! | [`Polygon`] | the outline of a cavity that is neither of the plain ones |
 //! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | why a texture or a pattern was refused |
@@ -43,15 +46,18 @@
 
 mod coverage;
 mod error;
+mod geometry;
 mod limits;
 mod pattern;
 mod planform;
+mod polygon;
 mod texture;
 
 pub use error::PatternError;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use pattern::Pattern;
 pub use planform::{Arrangement, Planform};
+pub use polygon::{OutlineError, Polygon};
 pub use texture::Texture;
 
 #[cfg(test)]

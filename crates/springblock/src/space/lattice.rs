@@ -46,7 +46,7 @@ impl SpaceLattice {
     #[must_use]
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
         let cell_m = pattern.cell_m();
-        let along_y = pattern.length_m().map_or(1.0, |_| divide(cell_m[1] / block_m).1 as f64);
+        let along_y = if pattern.is_uniform_along_y() { 1.0 } else { divide(cell_m[1] / block_m).1 as f64 };
         [divide(cell_m[0] / block_m).1 as f64, along_y]
     }
 
@@ -66,8 +66,15 @@ impl SpaceLattice {
     #[must_use]
     pub fn cell(pattern: &Pattern, block_m: f64, rows: usize) -> Self {
         let cell_m = pattern.cell_m();
-        let extent_m = [Some(pattern.width_m()), pattern.length_m()];
-        let axes = [0, 1].map(|axis| match extent_m[axis] {
+        // Grooves that cross aslant cut columns wherever they lie: a crossing lies on a corner of columns, which keeps the
+        // lattice its own image in the mirrors of the pattern.
+        let extents_m = match (pattern.length_m(), pattern.centres_m().count()) {
+            (Some(length_m), _) => [Some(pattern.width_m()), Some(length_m)],
+            (None, _) if pattern.is_uniform_along_y() => [Some(pattern.width_m()), None],
+            (None, 1) => [Some(pattern.width_m()); 2],
+            (None, _) => [Some(0.0); 2],
+        };
+        let axes = [0, 1].map(|axis| match extents_m[axis] {
             None => (1, 1, 1.0, 0.0),
             Some(extent_m) => {
                 let (_, columns, spacing) = divide(cell_m[axis] / block_m);
