@@ -6,7 +6,7 @@ use crate::geometry::{contains, cross, doubled_area, edges, meet, point_to_segme
 
 /// The outline of a cavity seen from above: a closed polygon that does not meet itself, without holes, concave or convex.
 ///
-/// It has a shape and no size: its vertices run anticlockwise, its bounding box is centred at the origin and 1 wide
+/// It has a shape and no size: its vertices run anticlockwise from that of the least x, of these of the least y, its bounding box is centred at the origin and 1 wide
 /// along x, so that a pattern scales it by its width. Coordinates are whole multiples of a fine grid (2^-44 of the larger
 /// extent), so that an outline written at any scale and read again is the same to the last bit.
 ///
@@ -128,6 +128,10 @@ impl Polygon {
         if doubled < 0.0 {
             normal.reverse();
         }
+        // The same outline from whichever corner it is told.
+        let first = (0..normal.len())
+            .min_by(|&a, &b| normal[a][0].total_cmp(&normal[b][0]).then(normal[a][1].total_cmp(&normal[b][1])));
+        normal.rotate_left(first.unwrap_or(0));
         Ok(Self::kept(normal, length))
     }
 

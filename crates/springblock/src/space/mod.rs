@@ -27,4 +27,6 @@ pub use steady::{SpaceLoad, SpaceSteadyModel};
 #[cfg(test)]
 mod contact_tests;
 #[cfg(test)]
+mod planform_tests;
+#[cfg(test)]
 mod tests;
