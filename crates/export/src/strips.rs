@@ -75,15 +75,26 @@ impl Layout {
     fn along(&self, cavities: &[Cavity], y_m: f64, [left_m, right_m]: [f64; 2]) -> Vec<[f64; 2]> {
         let mut found: Vec<[f64; 2]> = cavities
             .iter()
-            .filter_map(|cavity| {
-                let half_m = half_width_m(cavity, y_m)?;
-                let from_m = (cavity.centre_x_m - half_m).max(left_m) - left_m;
-                let to_m = (cavity.centre_x_m + half_m).min(right_m) - left_m;
+            .flat_map(|cavity| spans_m(cavity, y_m))
+            .filter_map(|[from_m, to_m]| {
+                let from_m = from_m.max(left_m) - left_m;
+                let to_m = to_m.min(right_m) - left_m;
                 (to_m > from_m).then_some([rounded(from_m), rounded(to_m)])
             })
             .collect();
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        found
+        if self.pattern().planform() != Planform::Crosshatch {
+            return found;
+        }
+        // Grooves that cross are one where they do.
+        let mut apart: Vec<[f64; 2]> = Vec::with_capacity(found.len());
+        for [from_m, to_m] in found {
+            match apart.last_mut() {
+                Some(last) if from_m <= last[1] => last[1] = last[1].max(to_m),
+                _ => apart.push([from_m, to_m]),
+            }
+        }
+        apart
     }
 
     fn alike(&self, a: &LaidStrip, b: &LaidStrip) -> bool {
@@ -98,6 +109,18 @@ impl Layout {
 /// same strips to the last bit.
 fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
+}
+
+/// What a cavity takes of the line along x at `y_m`: where it begins and ends, in metres.
+fn spans_m(cavity: &Cavity, y_m: f64) -> Vec<[f64; 2]> {
+    if let Some(face) = &cavity.face {
+        return face.spans_m([1.0, 0.0], y_m);
+    }
+    if cavity.crossed_by.is_some() || !cavity.is_aligned() {
+        return cavity.chord_x_m(y_m).into_iter().collect();
+    }
+    let half_m = half_width_m(cavity, y_m);
+    half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
 }
 
 /// Half of what a cavity whose sides lie along x and y takes of the line at `y_m`, in metres; `None` where it misses it.

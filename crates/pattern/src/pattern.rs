@@ -338,6 +338,16 @@ impl Pattern {
         self.length_m().map_or(self.width_m, |length_m| length_m.min(self.width_m))
     }
 
+    /// The families of grooves that it is made of, each as a pattern of its own on the same specimen: one, of crossing grooves
+    /// two; empty for other planforms.
+    pub fn families(&self) -> impl Iterator<Item = Self> + use<> {
+        let pattern = *self;
+        pattern
+            .texture
+            .families_deg()
+            .map(move |angle_deg| Self { texture: pattern.texture.family(angle_deg), ..pattern })
+    }
+
     /// The same section as grooves across the sliding direction.
     #[must_use]
     pub const fn as_groove(mut self) -> Self {

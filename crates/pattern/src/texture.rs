@@ -203,6 +203,13 @@ impl Texture {
         first.into_iter().chain(self.crossing_angle_deg().map(|crossing_deg| self.groove_angle_deg + crossing_deg))
     }
 
+    /// Grooves alone whose widths lie at `angle_deg` from X, from -90 to 180, sliding as this texture does.
+    pub(crate) fn family(&self, angle_deg: f64) -> Self {
+        // Turned by half a turn grooves are the same.
+        let groove_angle_deg = if angle_deg > MOST_GROOVE_ANGLE_DEG { angle_deg - 180.0 } else { angle_deg };
+        Self { groove_angle_deg, sliding_angle_deg: self.sliding_angle_deg, ..Self::new(Planform::Groove) }
+    }
+
     /// Half the angle between the families of crossing grooves where the own axes lie halfway between them, in degrees.
     pub(crate) fn oblique_half_angle_deg(&self) -> Option<f64> {
         self.crossing_angle_deg()
