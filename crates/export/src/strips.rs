@@ -137,7 +137,7 @@ fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::Outline;
-    use slipgrid_pattern::Pattern;
+    use slipgrid_pattern::{Pattern, Polygon, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
 
@@ -163,6 +163,29 @@ mod tests {
                     (share - layout.areal_density()).abs()
                 });
                 assert!(errors[0] < 0.012 && errors[1] < 1e-3, "{width_um}: {errors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn strips_of_polygons_and_of_crossing_grooves_have_their_share() {
+        let bent = [[0.0, 0.0], [100.0, 10.0], [90.0, 60.0], [65.0, 55.0], [60.0, 110.0], [5.0, 105.0]];
+        let bent = Texture::new(Planform::Polygon).with_outline(Polygon::new(&bent).unwrap()).unwrap();
+        let crossed = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(60.0).unwrap();
+        let plate = Outline::Rectangle { length_m: 2.4e-3, width_m: 1.7e-3 };
+        for texture in [bent, crossed.with_groove_angle_deg(-25.0).unwrap()] {
+            let pattern = Pattern::new(texture, 130e-6, 170e-6, 20e-6).unwrap();
+            for layout in [Layout::new, Layout::clipped] {
+                let layout = layout(pattern, plate).unwrap();
+                let strips = layout.strips(850);
+                let apart = |strip: &LaidStrip| strip.cavities_m.windows(2).all(|pair| pair[0][1] < pair[1][0]);
+                assert!(strips.iter().all(apart));
+                let [_, share] = sums(&strips);
+                assert!(
+                    (share - layout.areal_density()).abs() < 1e-3,
+                    "{texture:?}: {share} {}",
+                    layout.areal_density()
+                );
             }
         }
     }

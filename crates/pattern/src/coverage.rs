@@ -16,6 +16,8 @@ pub(crate) enum Shape<'a> {
     Disc { diameter_m: f64 },
     /// A simple polygon: `scale_m` times its vertices, anticlockwise, within `extents_m` about the origin.
     Polygon { vertices: &'a [[f64; 2]], scale_m: f64, extents_m: [f64; 2] },
+    /// The same by the pieces of its boundary, in any order, what is within on their left.
+    Pieces { pieces: &'a [[[f64; 2]; 2]], scale_m: f64, extents_m: [f64; 2] },
 }
 
 /// Equal shapes at `centre_m` plus whole multiples of `cell_m`.
@@ -38,9 +40,9 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
         return covered_m * (y_m[1] - y_m[0]);
     }
     let (width_m, length_m) = match shape {
-        Shape::Rectangle { width_m, length_m } | Shape::Polygon { extents_m: [width_m, length_m], .. } => {
-            (width_m, length_m)
-        }
+        Shape::Rectangle { width_m, length_m }
+        | Shape::Polygon { extents_m: [width_m, length_m], .. }
+        | Shape::Pieces { extents_m: [width_m, length_m], .. } => (width_m, length_m),
         Shape::Strip { width_m: side_m } | Shape::Disc { diameter_m: side_m } => (side_m, side_m),
     };
     let mut area_m2 = 0.0;
@@ -51,7 +53,10 @@ pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64;
                 for y_m in near(piece_y_m, centre_y_m, cell_y_m, length_m) {
                     piece_m2 += match shape {
                         Shape::Disc { diameter_m } => disc_area(diameter_m / 2.0, x_m, y_m),
-                        Shape::Polygon { vertices, scale_m, .. } => polygon_area(vertices, scale_m, x_m, y_m),
+                        Shape::Polygon { vertices, scale_m, .. } => area_within(edges(vertices), scale_m, x_m, y_m),
+                        Shape::Pieces { pieces, scale_m, .. } => {
+                            area_within(pieces.iter().map(|[a, b]| (*a, *b)), scale_m, x_m, y_m)
+                        }
                         _ => overlap(x_m, width_m) * overlap(y_m, length_m),
                     };
                 }
@@ -75,8 +80,8 @@ fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f6
 fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> impl Iterator<Item = [f64; 2]> {
     let [low_m, high_m] = interval_m.map(|end_m| end_m - centre_m);
     let first = ((low_m - extent_m / 2.0) / period_m).ceil();
-    // Shapes are shorter than the period: at most three can reach into one.
-    (0..3).map(move |k| (first + f64::from(k)) * period_m).filter_map(move |shift_m| {
+    // Shapes are shorter than twice the period: at most four can reach into one.
+    (0..4).map(move |k| (first + f64::from(k)) * period_m).filter_map(move |shift_m| {
         let seen_m = [low_m - shift_m, high_m - shift_m];
         (seen_m[0] < extent_m / 2.0 && seen_m[1] > -extent_m / 2.0).then_some(seen_m)
     })
@@ -88,9 +93,14 @@ fn overlap([low_m, high_m]: [f64; 2], extent_m: f64) -> f64 {
     (high_m.min(half_m) - low_m.max(-half_m)).max(0.0)
 }
 
-/// Area that the rectangle `x` by `y` shares with the polygon of `scale` times `vertices`, anticlockwise: the sum over its
-/// edges of what lies in the rectangle below them, counted positive towards lower x. Each is at most the rectangle.
-fn polygon_area(vertices: &[[f64; 2]], scale: f64, [x0, x1]: [f64; 2], [y0, y1]: [f64; 2]) -> f64 {
+/// Area that the rectangle `x` by `y` shares with what `scale` times `boundary`, edges with their inside on the left, encloses:
+/// the sum over them of what lies in the rectangle below, counted positive towards lower x. Each is at most the rectangle.
+fn area_within(
+    boundary: impl Iterator<Item = ([f64; 2], [f64; 2])>,
+    scale: f64,
+    [x0, x1]: [f64; 2],
+    [y0, y1]: [f64; 2],
+) -> f64 {
     let height = y1 - y0;
     let below = |([xa, ya], [xb, yb]): ([f64; 2], [f64; 2])| {
         let ([xa, xb], [ha, hb]) = ([xa * scale, xb * scale], [ya * scale - y0, yb * scale - y0]);
@@ -101,7 +111,7 @@ fn polygon_area(vertices: &[[f64; 2]], scale: f64, [x0, x1]: [f64; 2], [y0, y1]:
         let at = |x: f64| if x == xb { hb } else { ha + (x - xa) / (xb - xa) * (hb - ha) };
         (from - to) * mean_clamped([at(from), at(to)], height)
     };
-    edges(vertices).map(below).sum::<f64>().max(0.0)
+    boundary.map(below).sum::<f64>().max(0.0)
 }
 
 /// Mean of a height that goes evenly from one end to the other, where it is held to [0, most].

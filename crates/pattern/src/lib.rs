@@ -23,6 +23,7 @@
 //! | [`Texture`] | shape, extent across, arrangement and directions: all but width, spacing and depth |
 //! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
 //! | [`Polygon`] | the outline of a cavity that is neither of the plain ones |
+//! | [`Grown`] | all points within some distance of an outline |
 //! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | why a texture or a pattern was refused |
@@ -47,6 +48,7 @@
 mod coverage;
 mod error;
 mod geometry;
+mod grown;
 mod limits;
 mod pattern;
 mod planform;
@@ -54,6 +56,7 @@ mod polygon;
 mod texture;
 
 pub use error::PatternError;
+pub use grown::Grown;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use pattern::Pattern;
 pub use planform::{Arrangement, Planform};

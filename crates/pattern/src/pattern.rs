@@ -1,6 +1,6 @@
 use crate::coverage::{Shape, Sublattice, covered_area};
 use crate::error::length;
-use crate::{Arrangement, PatternError, Planform, Polygon, Texture};
+use crate::{Arrangement, Grown, PatternError, Planform, Polygon, Texture};
 use libm::{cos, sin};
 
 /// Distance of hexagonal rows over the pitch, sqrt(3)/2.
@@ -188,13 +188,7 @@ impl Pattern {
     /// or one that is not finite, has no cavity: 0.
     #[must_use]
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
-        const ROUNDING: f64 = 1e-12;
-        // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
-        let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
-        let proper = x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0;
-        if !proper {
-            return 0.0;
-        }
+        let Some(area_m2) = proper_area_m2([x0_m, x1_m], [y0_m, y1_m]) else { return 0.0 };
         let cell_m = self.cell_m();
         let covered_m2 = |shape: Shape<'_>, centre_m: [f64; 2]| {
             covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m])
@@ -211,13 +205,20 @@ impl Pattern {
             (_, _, Some(length_m)) => cavities_m2(Shape::Rectangle { width_m, length_m }) / area_m2,
             (_, _, None) => cavities_m2(Shape::Strip { width_m }) / area_m2,
         };
-        if share < ROUNDING {
-            0.0
-        } else if share > 1.0 - ROUNDING {
-            1.0
-        } else {
-            share
-        }
+        rounded(share)
+    }
+
+    /// Share, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that lies within `grown`, the outline of this
+    /// pattern's polygons grown outwards, about any cavity: as [`Self::coverage`]. What two of them share counts twice, at
+    /// most as all: nothing is shared up to half of the narrowest land.
+    #[must_use]
+    pub fn coverage_grown(&self, grown: &Grown, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
+        let Some(area_m2) = proper_area_m2([x0_m, x1_m], [y0_m, y1_m]) else { return 0.0 };
+        let (cell_m, scale_m) = (self.cell_m(), self.width_m);
+        let extents_m = grown.extents().map(|extent| extent * scale_m);
+        let shape = Shape::Pieces { pieces: grown.pieces(), scale_m, extents_m };
+        let covered_m2 = |centre_m| covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m]);
+        rounded(self.centres_m().map(covered_m2).sum::<f64>() / area_m2)
     }
 
     /// Area by `covered_m2` of the land that crossing grooves leave: rhombi, disjoint, half a cell from the crossings.
@@ -353,5 +354,24 @@ impl Pattern {
     pub const fn as_groove(mut self) -> Self {
         self.texture = Texture::new(Planform::Groove);
         self
+    }
+}
+
+/// Area of a rectangle; `None` where it is empty or not finite.
+fn proper_area_m2([x0_m, x1_m]: [f64; 2], [y0_m, y1_m]: [f64; 2]) -> Option<f64> {
+    // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
+    let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
+    (x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0).then_some(area_m2)
+}
+
+/// A share that is 0 or 1 where it is so to 1e-12.
+fn rounded(share: f64) -> f64 {
+    const ROUNDING: f64 = 1e-12;
+    if share < ROUNDING {
+        0.0
+    } else if share > 1.0 - ROUNDING {
+        1.0
+    } else {
+        share
     }
 }
