@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn convex_polygons_are_clipped_as_those_are() {
-        let triangle = vec![[0.0, -0.1], [0.4, 0.0], [0.1, 0.5]];
+        let triangle = [[0.0, -0.1], [0.4, 0.0], [0.1, 0.5]];
         for (dx, dy) in (-6..=6).flat_map(|i| (-6..=6).map(move |j| (f64::from(i) * 0.17, f64::from(j) * 0.19))) {
             let moved: Polygon = triangle.iter().map(|[x, y]| [x + dx, y + dy]).collect();
             for outline in [DISC, PLATE, RING] {

@@ -181,7 +181,7 @@ fn latin(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
     use super::*;
     use crate::Outline;
@@ -223,6 +223,21 @@ mod tests {
                         assert!(pixel_um > 100.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn polygons_whose_rows_reach_between_each_other_are_whole() {
+        let corner = |k: u32| f64::from(60 * k + 30).to_radians();
+        let hexagon: Vec<[f64; 2]> = (0..6).map(|k| [libm::cos(corner(k)), libm::sin(corner(k))]).collect();
+        let texture = Texture::new(Planform::Polygon).with_outline(Polygon::new(&hexagon).unwrap()).unwrap();
+        let texture = texture.with_arrangement(Arrangement::Hexagonal).unwrap();
+        let pattern = Pattern::new(texture, 100e-6, 20e-6, 5e-6).unwrap();
+        for outline in [Outline::Disc { diameter_m: 2e-3 }, Outline::Rectangle { length_m: 2e-3, width_m: 1e-3 }] {
+            for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
+                let cut_m2 = compared(&layout, None, 2.0) as f64 * 4e-12;
+                assert!((cut_m2 / layout.cavity_area_m2() - 1.0).abs() < 2e-3, "{cut_m2}");
             }
         }
     }
