@@ -83,10 +83,10 @@ impl Layout {
             })
             .collect();
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        if self.pattern().planform() != Planform::Crosshatch {
+        if !matches!(self.pattern().planform(), Planform::Crosshatch | Planform::Polygon) {
             return found;
         }
-        // Grooves that cross are one where they do.
+        // Grooves that cross are one where they do, and so are parts of a polygon on either side of a concave corner.
         let mut apart: Vec<[f64; 2]> = Vec::with_capacity(found.len());
         for [from_m, to_m] in found {
             match apart.last_mut() {

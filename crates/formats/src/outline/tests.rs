@@ -58,7 +58,7 @@ fn the_same_outline_comes_from_every_kind_of_drawing() {
         "<path d=\"M0,0L4 0 1-3z\"/>",
         "<path d=\"m 10 10 h4 l-3,-3 Z\" fill=\"red\"/>",
         "<g id=\"a\"><path d='M0 0H4V0L1 -3L0 0'/></g>",
-        "<path d=\"M.0.0 4 0C3.5-.5 1.5-2.5 1-3Q.5-1.5 0 0\"/>",
+        "<path d=\"M.0.0 4 0C3-1 2-2 1-3Q.5-1.5 0 0\"/>",
         "<polygon points=\"0,0 4,0 1,-3\"/>",
     ] {
         let found = svg(body).unwrap();
