@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 /// What each shipped design ends with. A design without an entry fails the test.
-const ENDINGS: [(&str, u8, &str); 7] = [
+const ENDINGS: [(&str, u8, &str); 8] = [
     ("ldpe-any-humidity", 0, "met"),
+    ("ldpe-crosshatch", 0, "met"),
     ("ldpe-lower-friction", 0, "met"),
     ("ldpe-lowest", 0, "met"),
     ("ldpe-rims", 0, "met"),
@@ -49,7 +50,25 @@ fn every_shipped_design_has_a_known_ending() {
         .filter(|name| !name.starts_with("scene-"))
         .collect();
     names.sort();
-    assert_eq!(names, ENDINGS.map(|(name, ..)| name));
+    // Scenes stand beside the designs.
+    let (scenes, designs): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| name.starts_with("scene-"));
+    assert_eq!(designs, ENDINGS.map(|(name, ..)| name));
+    for name in scenes {
+        let scene = root().join("designs").join(format!("{name}.toml"));
+        let (ended, out, err) = slipgrid(&["simulate", scene.to_str().unwrap(), "--json"]);
+        assert_eq!((ended, err.as_str()), (0, ""), "{name}: {out}");
+    }
+}
+
+#[test]
+fn crossing_grooves_reach_the_target_and_are_cut_once() {
+    let (folder, result) = optimize("ldpe-crosshatch");
+    let design = &result["design"];
+    let [width, spacing] = ["width_um", "spacing_um"].map(|key| design[key].as_f64().unwrap());
+    let density = 1.0 - (spacing / (width + spacing)).powi(2);
+    assert!((design["areal_density"].as_f64().unwrap() - density).abs() < 1e-9, "{design}");
+    let process = std::fs::read_to_string(folder.path().join("process.toml")).unwrap();
+    assert!(process.contains("crossings are marked once"), "{process}");
 }
 
 #[test]

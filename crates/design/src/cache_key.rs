@@ -25,25 +25,29 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         layer["thickness_mm"] = json!(LENGTH_MM.from_si(thickness_m));
     }
     let rim = texture.rim().and_then(RimReport::of);
+    let mut pattern = json!({
+        "planform": texture.planform().name(),
+        "arrangement": texture.arrangement().name(),
+        "length_um": texture.length_m().map(um),
+        "spacing_across_um": texture.spacing_across_m().map(um),
+        "angle_deg": texture.groove_angle_deg(),
+        "sliding_angle_deg": match further_deg {
+            [] => json!(texture.sliding_angle_deg()),
+            _ => json!([&[texture.sliding_angle_deg()], further_deg].concat()),
+        },
+    });
+    if let Some(outline) = texture.outline() {
+        pattern["outline"] = json!(outline.vertices());
+    }
+    if let Some(angle_deg) = texture.crossing_angle_deg() {
+        pattern["crossing_angle_deg"] = json!(angle_deg);
+    }
     let mut entries = [
         ("area_law", json!(area_law)),
         ("dimensions", json!(scene.run.dimensions.unwrap_or_else(|| texture.dimensions()))),
         ("layer", layer),
         ("loads", loads.collect()),
-        (
-            "pattern",
-            json!({
-                "planform": texture.planform().name(),
-                "arrangement": texture.arrangement().name(),
-                "length_um": texture.length_m().map(um),
-                "spacing_across_um": texture.spacing_across_m().map(um),
-                "angle_deg": texture.orientation_deg(),
-                "sliding_angle_deg": match further_deg {
-                    [] => json!(texture.sliding_angle_deg()),
-                    _ => json!([&[texture.sliding_angle_deg()], further_deg].concat()),
-                },
-            }),
-        ),
+        ("pattern", pattern),
         ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
     ];
     if let Some(rim) = rim {

@@ -237,7 +237,7 @@ impl<'a> SteadyModel<'a> {
         let Some((_, cell)) = self.solver.each.first().filter(|(_, cell)| cell.is_spatial()) else { return 1 };
         let [nx, ny] = cell.columns(design);
         // A groove is as long as its period.
-        let columns = nx * if design.length_m().is_none() { nx } else { ny };
+        let columns = nx * if design.is_uniform_along_y() { nx } else { ny };
         // Between 1 and MOST_DRAWS: the cast is exact.
         (contacts / (columns * (1.0 - design.areal_density()))).ceil().clamp(1.0, MOST_DRAWS as f64) as u64
     }

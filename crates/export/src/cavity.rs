@@ -2,6 +2,9 @@ use slipgrid_pattern::Planform;
 
 use crate::Outline;
 use crate::clip::{area_m2, circle, clip};
+use crate::clip_simple::clip_simple;
+use crate::crossing::Crossing;
+use crate::face::Face;
 
 /// One cavity seen from above, on the specimen's axes x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,10 +20,14 @@ pub struct Cavity {
     pub length_m: f64,
     /// Unit vector of the width's direction: the pattern's own x axis.
     pub orientation: [f64; 2],
-    /// Disc or rectangle: a groove laid on a specimen is a rectangle.
+    /// Disc, polygon or rectangle: a groove laid on a specimen is a rectangle.
     pub planform: Planform,
     /// What cuts it, where it passes the specimen's rim.
     pub cut_by: Option<Outline>,
+    /// Its outline, of a polygon: width and length are those of its bounding box.
+    pub(crate) face: Option<Face>,
+    /// The grooves that cross it, of a groove of the second family: it is what they leave of it.
+    pub(crate) crossed_by: Option<Crossing>,
 }
 
 /// The outline of a cavity, or of one part of it where the specimen's rim cuts it.
@@ -58,9 +65,25 @@ impl Boundary {
 }
 
 impl Cavity {
-    /// Its outline: one boundary, or one for each part where the rim cuts it.
+    /// Its outline: one boundary, or one for each part where the rim or other grooves cut it.
     #[must_use]
     pub fn boundaries(&self) -> Vec<Boundary> {
+        let polygons =
+            |parts: Vec<Vec<[f64; 2]>>| parts.into_iter().map(|corners_m| Boundary::Polygon { corners_m }).collect();
+        if let Some(face) = &self.face {
+            let Some(corners_m) = face.inner_corners_m() else { return Vec::new() };
+            return polygons(match &self.cut_by {
+                None => vec![corners_m],
+                Some(outline) => clip_simple(&corners_m, outline),
+            });
+        }
+        if let Some(crossing) = &self.crossed_by {
+            let parts = crossing.outside(self.corners_m().to_vec());
+            return polygons(match &self.cut_by {
+                None => parts,
+                Some(outline) => parts.into_iter().flat_map(|part| clip(part, outline)).collect(),
+            });
+        }
         let whole = match self.planform {
             Planform::Disc => {
                 Boundary::Circle { centre_m: [self.centre_x_m, self.centre_y_m], radius_m: self.width_m / 2.0 }
@@ -89,15 +112,22 @@ impl Cavity {
             None => None,
             Some(outline) => Some(outline.inset(rim_m)?),
         };
-        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, ..*self })
+        let face = self.face.map(|face| Face { inset_m: face.inset_m + wall_m, ..face });
+        // The walls of all families move alike.
+        let crossed_by = self.crossed_by.map(|crossing| Crossing { grown_m: crossing.grown_m - wall_m, ..crossing });
+        Some(Self { width_m: less(self.width_m)?, length_m: less(self.length_m)?, cut_by, face, crossed_by, ..*self })
     }
 
     /// Distance of a point inside to the nearest wall, in metres; negative outside. The rim is no wall.
     #[must_use]
     pub fn wall_distance_m(&self, [x_m, y_m]: [f64; 2]) -> f64 {
+        let at_m = [x_m, y_m];
         let (x_m, y_m) = (x_m - self.centre_x_m, y_m - self.centre_y_m);
         if self.cut_by.is_some_and(|outline| !outline.contains([x_m + self.centre_x_m, y_m + self.centre_y_m])) {
             return f64::NEG_INFINITY;
+        }
+        if let Some(face) = &self.face {
+            return face.wall_distance_m(at_m);
         }
         let [cosine, sine] = self.orientation;
         match self.planform {
@@ -109,9 +139,13 @@ impl Cavity {
         }
     }
 
-    /// Where the line along x at `y_m` enters and leaves its walls, in metres; the rim is no wall. `None` where
+    /// Where the line along x at `y_m` first enters and last leaves its walls, in metres; the rim is no wall. `None` where
     /// it passes by.
     pub(crate) fn chord_x_m(&self, y_m: f64) -> Option<[f64; 2]> {
+        if let Some(face) = &self.face {
+            let spans_m = face.spans_m([1.0, 0.0], y_m);
+            return spans_m.first().zip(spans_m.last()).map(|(first, last)| [first[0], last[1]]);
+        }
         let face = match self.planform {
             Planform::Disc => Outline::Disc { diameter_m: self.width_m },
             _ => Outline::Rectangle { length_m: self.width_m, width_m: self.length_m },
@@ -137,10 +171,26 @@ impl Cavity {
         })
     }
 
-    /// Area, in square metres.
+    /// The nearest and the farthest of a polygon's points from the specimen's centre, in metres; `None` for others.
+    pub(crate) fn polygon_reach_m(&self) -> Option<[f64; 2]> {
+        let corners = self.face?.corners_m();
+        let far_m = corners.iter().map(|[x_m, y_m]| x_m.hypot(*y_m)).fold(0.0, f64::max);
+        let near_m = -self.face?.wall_distance_m([0.0; 2]);
+        Some([near_m.max(0.0), far_m])
+    }
+
+    /// Whether every line along x meets it once at most, and it is nothing but floor between its walls there.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.cut_by.is_none() && self.face.is_none()
+    }
+
+    /// Area, in square metres; where walls lean and the rim cuts a polygon, that within walls that are planes.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
-        if self.cut_by.is_some() {
+        if let (Some(face), None) = (&self.face, &self.cut_by) {
+            return face.area_m2();
+        }
+        if self.cut_by.is_some() || self.crossed_by.is_some() {
             let parts = self.boundaries();
             return parts.iter().map(|part| area_m2(&part.polygon_m())).sum();
         }

@@ -16,7 +16,7 @@ type Polygon = Vec<[f64; 2]>;
 
 /// The parts of a convex polygon that lie on the specimen.
 pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
-    let mut parts = match *outline {
+    let parts = match *outline {
         Outline::Disc { diameter_m } => vec![within_disc(&polygon, diameter_m / 2.0)],
         Outline::Rectangle { length_m, width_m } => {
             let sides =
@@ -27,8 +27,24 @@ pub(crate) fn clip(polygon: Polygon, outline: &Outline) -> Vec<Polygon> {
             outside_disc(&within_disc(&polygon, outer_diameter_m / 2.0), inner_diameter_m / 2.0)
         }
     };
+    kept(parts)
+}
+
+/// Those parts that are more than rounding.
+pub(crate) fn kept(mut parts: Vec<Polygon>) -> Vec<Polygon> {
     parts.retain(|part| area_m2(part) > LEAST_AREA_M2);
     parts
+}
+
+/// The parts of a convex polygon outside a convex one that `sides` bound: points x with n x <= d for each (n, d). They are convex
+/// and do not overlap.
+pub(crate) fn outside_sides(polygon: Polygon, sides: &[([f64; 2], f64)]) -> Vec<Polygon> {
+    let (mut parts, mut left) = (Vec::new(), polygon);
+    for &([nx, ny], limit_m) in sides {
+        parts.push(within_side(&left, [-nx, -ny], -limit_m));
+        left = within_side(&left, [nx, ny], limit_m);
+    }
+    kept(parts)
 }
 
 /// Area of a polygon, positive where it runs anticlockwise, in square metres.
@@ -63,17 +79,17 @@ fn chords(angle: f64, radius_m: f64) -> usize {
     (angle / one).ceil().clamp(1.0, 1e6) as usize
 }
 
-fn edges(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+pub(crate) fn edges(polygon: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     let next = polygon.iter().skip(1).chain(polygon.first());
     polygon.iter().copied().zip(next.copied())
 }
 
-fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
+pub(crate) fn at([xa, ya]: [f64; 2], [xb, yb]: [f64; 2], t: f64) -> [f64; 2] {
     [xa + t * (xb - xa), ya + t * (yb - ya)]
 }
 
 /// The part of the edge from `a` to `b` within the disc of `radius_m`, as shares of the edge.
-fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[f64; 2]> {
+pub(crate) fn chord_in_disc(a: [f64; 2], b: [f64; 2], radius_m: f64) -> Option<[f64; 2]> {
     // |a + t (b - a)|^2 = R^2
     let along = [b[0] - a[0], b[1] - a[1]];
     let square = along[0] * along[0] + along[1] * along[1];
@@ -99,6 +115,30 @@ fn contains_origin(polygon: &[[f64; 2]]) -> bool {
     !polygon.is_empty() && edges(polygon).all(|([xa, ya], [xb, yb])| xa * yb - xb * ya > 0.0)
 }
 
+/// The part of a segment within a convex polygon bounded by `sides`, as shares of it; `None` where there is none.
+pub(crate) fn within_sides([a, b]: [[f64; 2]; 2], sides: &[([f64; 2], f64)]) -> Option<[f64; 2]> {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    for &([nx, ny], limit_m) in sides {
+        let [of_a, of_b] = [a, b].map(|[x, y]| x * nx + y * ny - limit_m);
+        if of_a > 0.0 && of_b > 0.0 {
+            return None;
+        }
+        if (of_a > 0.0) != (of_b > 0.0) {
+            let crossing = of_a / (of_a - of_b);
+            (from, to) = if of_a > 0.0 { (from.max(crossing), to) } else { (from, to.min(crossing)) };
+        }
+    }
+    (from < to).then_some([from, to])
+}
+
+/// Whether a point lies within a simple polygon; on its edge either answer may come.
+pub(crate) fn surrounds(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let crosses = |([xa, ya], [xb, yb]): &([f64; 2], [f64; 2])| {
+        (*ya <= y) != (*yb <= y) && xa + (y - ya) / (yb - ya) * (xb - xa) > x
+    };
+    edges(polygon).filter(crosses).count() % 2 == 1
+}
+
 /// Points of a circle nearer than this share of its radius are one: between them lies no arc, and not a whole turn.
 const ONE_POINT: f64 = 1e-9;
 
@@ -107,7 +147,7 @@ fn is_one_point(a: [f64; 2], b: [f64; 2], radius_m: f64) -> bool {
 }
 
 /// Appends the points of the arc between `from` and `to`, without these two.
-fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m: f64, anticlockwise: bool) {
+pub(crate) fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m: f64, anticlockwise: bool) {
     if is_one_point(from, to, radius_m) {
         return;
     }
@@ -176,8 +216,8 @@ fn within_disc(polygon: &[[f64; 2]], radius_m: f64) -> Polygon {
     kept
 }
 
-/// The parts of a convex polygon outside the disc.
-fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
+/// The parts of a polygon outside the disc.
+pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
     // Runs of the boundary outside the disc: each starts where it leaves the disc and ends where it enters.
     let mut runs: Vec<Polygon> = Vec::new();
     let mut current: Polygon = Vec::new();
@@ -197,7 +237,7 @@ fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> {
         }
     }
     if runs.is_empty() {
-        if starts_outside && contains_origin(polygon) {
+        if starts_outside && (contains_origin(polygon) || surrounds(polygon, [0.0; 2])) {
             // The hole lies within: two halves have no hole.
             let half = |side: f64| outside_disc(&within_side(polygon, [side, 0.0], 0.0), radius_m);
             return [half(1.0), half(-1.0)].concat();

@@ -15,7 +15,8 @@ use crate::{Layout, Marking};
 #[must_use]
 pub fn csv_header(layout: &Layout) -> &'static str {
     let texture = layout.pattern().texture();
-    match (texture.planform(), texture.orientation_deg()) {
+    match (texture.planform(), texture.groove_angle_deg()) {
+        (Planform::Crosshatch, _) => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
         (Planform::Disc, _) => "index,centre_x_mm,centre_y_mm,diameter_mm,depth_um,bursts",
         (_, 0.0) => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,depth_um,bursts",
         _ => "index,centre_x_mm,centre_y_mm,width_mm,length_mm,angle_deg,depth_um,bursts",
@@ -25,18 +26,20 @@ pub fn csv_header(layout: &Layout) -> &'static str {
 /// Writes one line per cavity in the layout's order, counted from 1: width along x, length along y, or both
 /// turned by the angle, anticlockwise; millimetres from the specimen's centre rounded to one
 /// nanometre. `bursts` per cavity; the field is empty where it is unknown. Lengths are those before the rim
-/// cuts.
+/// cuts, of a polygon those of its bounding box: [`corners_csv`] has its corners.
 ///
 /// # Errors
 /// Those of `to`.
 pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Result<()> {
     let texture = layout.pattern().texture();
-    let angle = match texture.orientation_deg() {
+    let angle = match texture.groove_angle_deg() {
         0.0 => String::new(),
         angle_deg => format!(",{}", degrees(angle_deg)),
     };
+    let is_crossed = texture.planform() == Planform::Crosshatch;
     let rest = format!(
-        "{angle},{},{}\n",
+        "{},{},{}\n",
+        if is_crossed { "" } else { &angle },
         decimal(layout.pattern().depth_m() * 1e6, MICROMETRE_DECIMALS),
         bursts.map_or_else(String::new, |bursts| bursts.to_string())
     );
@@ -45,6 +48,11 @@ pub fn csv(layout: &Layout, bursts: Option<u32>, to: &mut dyn Write) -> io::Resu
     for (index, cavity) in layout.iter().enumerate() {
         let lengths_m = [cavity.centre_x_m, cavity.centre_y_m, cavity.width_m, cavity.length_m];
         push_row(&mut out, &[index + 1], &lengths_m[..lengths]);
+        if is_crossed {
+            let [cosine, sine] = cavity.orientation;
+            out.push(',');
+            out.push_str(&degrees(libm::atan2(sine, cosine).to_degrees()));
+        }
         out.push_str(&rest);
         hand_on(&mut out, to)?;
     }

@@ -60,6 +60,12 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
         pattern.depth_m() * 1e6,
         layout.cavities()
     ));
+    if let Some(outline) = pattern.texture().outline() {
+        file.comment(&format!("Outline of a cavity: polygon of {} corners", outline.vertices().len()));
+    }
+    if pattern.texture().crossing_angle_deg().is_some() {
+        file.comment("Grooves of the second family end at the walls of the first: nothing is marked twice.");
+    }
     if layout.is_clipped() {
         file.comment("Cavities that pass the rim are cut there.");
     }
@@ -139,7 +145,7 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
 fn texture_words(pattern: &Pattern) -> String {
     let texture = pattern.texture();
     let mut words = String::new();
-    if texture.orientation_deg() != 0.0 {
+    if texture.groove_angle_deg() != 0.0 || texture.crossing_angle_deg().is_some() {
         words.push_str(", ");
         words.push_str(&groove_direction(texture));
     }

@@ -71,6 +71,11 @@ pub enum ExportError {
     /// A solid whose leaning walls the rim would cut.
     #[error("STL holds no leaning walls that the rim cuts: expected whole cavities, or wall_taper_deg = 0")]
     TaperAndCut,
+    /// A solid of which a leaning wall does not reach the floor.
+    #[error(
+        "STL holds no cavity of which a leaning wall ends above the floor: expected longer edges of the outline, or a smaller wall_taper_deg"
+    )]
+    TaperToNothing,
     /// A height map of too many or too few pixels.
     #[error("pixels of {} um make a height map {pixels:.0} wide: expected 1 to {most}", tidy(*pixel_um))]
     NoHeightMap {

@@ -60,9 +60,10 @@ impl HeightMap {
     #[must_use]
     pub fn depth(&self, layout: &Layout, column: u32, row: u32) -> f64 {
         let (x_m, y_m) = (self.x_m(column), self.y_m(row));
+        // Where grooves cross the deeper one counts.
         let inside_m = layout.cell([x_m, y_m]).cavities.into_iter().flatten();
-        let inside_m = inside_m.map(|cavity| cavity.wall_distance_m([x_m, y_m])).find(|&inside_m| inside_m >= 0.0);
-        inside_m.map_or(0.0, |inside_m| self.depth_inside(layout, inside_m))
+        let inside_m = inside_m.map(|cavity| cavity.wall_distance_m([x_m, y_m])).fold(f64::NEG_INFINITY, f64::max);
+        if inside_m >= 0.0 { self.depth_inside(layout, inside_m) } else { 0.0 }
     }
 
     /// The heights of a row's pixels as the file has them: what [`HeightMap::depth`] says of each, but a lattice
@@ -88,7 +89,7 @@ impl HeightMap {
         let (first, end) = (self.after(from_m).saturating_sub(1), (self.after(to_m) + 1).min(heights.len()));
         let wall_distance_m = |column: usize| cavity.wall_distance_m([self.x_m(column as u32), y_m]);
         let mut columns = first..end;
-        if self.slope == 0.0 && cavity.cut_by.is_none() {
+        if self.slope == 0.0 && cavity.is_plain() {
             // Upright walls all round, and nothing but floor between the first and the last inside.
             let inside = |&column: &usize| wall_distance_m(column) >= 0.0;
             if let Some((first, last)) = columns.clone().find(inside).zip(columns.rfind(inside)) {
@@ -99,7 +100,7 @@ impl HeightMap {
         for column in columns {
             let inside_m = wall_distance_m(column);
             if inside_m >= 0.0 {
-                heights[column] = height(self.depth_inside(layout, inside_m));
+                heights[column] = heights[column].min(height(self.depth_inside(layout, inside_m)));
             }
         }
     }
@@ -180,7 +181,7 @@ fn latin(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_pattern::{Arrangement, Pattern, Planform, Polygon, Texture};
 
     use super::*;
     use crate::Outline;
@@ -222,6 +223,21 @@ mod tests {
                         assert!(pixel_um > 100.0 || cut.iter().all(|&cut| cut > 100), "{layout:?}: {cut:?}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn polygons_whose_rows_reach_between_each_other_are_whole() {
+        let corner = |k: u32| f64::from(60 * k + 30).to_radians();
+        let hexagon: Vec<[f64; 2]> = (0..6).map(|k| [libm::cos(corner(k)), libm::sin(corner(k))]).collect();
+        let texture = Texture::new(Planform::Polygon).with_outline(Polygon::new(&hexagon).unwrap()).unwrap();
+        let texture = texture.with_arrangement(Arrangement::Hexagonal).unwrap();
+        let pattern = Pattern::new(texture, 100e-6, 20e-6, 5e-6).unwrap();
+        for outline in [Outline::Disc { diameter_m: 2e-3 }, Outline::Rectangle { length_m: 2e-3, width_m: 1e-3 }] {
+            for layout in [Layout::new(pattern, outline).unwrap(), Layout::clipped(pattern, outline).unwrap()] {
+                let cut_m2 = compared(&layout, None, 2.0) as f64 * 4e-12;
+                assert!((cut_m2 / layout.cavity_area_m2() - 1.0).abs() < 2e-3, "{cut_m2}");
             }
         }
     }

@@ -1,5 +1,7 @@
 use slipgrid_pattern::{Pattern, Planform};
 
+use crate::crossing::Crossing;
+use crate::face::Face;
 use crate::{Boundary, Cavity, ExportError, Outline};
 
 /// Largest number of cavities accepted: a DXF file of them takes about 2.5 GB.
@@ -15,7 +17,8 @@ const FIT_TOLERANCE: f64 = 1e-9;
 /// y = j pitch across with cavities at x = i pitch, odd rows of a staggered arrangement at
 /// x = (i + 1/2) pitch, grooves at i pitch along their own x axis; on a ring the centre is a place like any
 /// other. Cavities come row by row from the least y, each row from the least x; grooves from the least of
-/// their own x.
+/// their own x. Where two families of grooves cross, the second comes after the first and is what that leaves of it: no area is
+/// taken twice.
 ///
 /// [`Layout::new`] lays whole cavities only: one that passes the rim is left out, a groove is the longest
 /// rectangle of its width that fits between the sides of the rim (on a ring one on each side of the hole),
@@ -35,8 +38,9 @@ pub struct Layout {
 /// One cell of the pattern's lattice.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cell {
-    /// What is laid in it: one cavity or none, of grooves on a ring up to two parts.
-    pub(crate) cavities: [Option<Cavity>; 2],
+    /// What is laid in it: one cavity or none, of grooves on a ring up to two parts, of each family, and of polygons whose rows
+    /// reach between each other those beside it.
+    pub(crate) cavities: [Option<Cavity>; 5],
     /// Where it ends towards larger x at the y it was asked at, in metres.
     pub(crate) end_x_m: f64,
 }
@@ -84,7 +88,7 @@ impl Layout {
         let mut whole = 0_usize;
         for cavity in layout.iter() {
             cavities += 1;
-            if cavity.planform != Planform::Groove && cavity.cut_by.is_none() {
+            if cavity.planform != Planform::Groove && cavity.face.is_none() && cavity.cut_by.is_none() {
                 whole += 1;
             } else {
                 area_m2 += cavity.area_m2();
@@ -103,10 +107,13 @@ impl Layout {
     /// The places on the specimen; its cavities are not counted yet.
     fn planned(pattern: Pattern, outline: Outline, is_clipped: bool) -> Result<Self, ExportError> {
         outline.validate()?;
-        let orientation = pattern.texture().orientation();
         let [extent_x_m, extent_y_m] = outline.extents_m();
+        let along = |orientation: [f64; 2]| outline.extent_along_m(orientation) / pattern.pitch_m() + 1.0;
         let columns = match pattern.length_m() {
-            None => outline.extent_along_m(orientation) / pattern.pitch_m() + 1.0,
+            None if pattern.planform() == Planform::Crosshatch => {
+                pattern.families().map(|family| along(family.texture().orientation())).sum()
+            }
+            None => along(pattern.texture().orientation()),
             Some(_) => extent_x_m / pattern.pitch_m() + 1.0,
         };
         let rows = pattern.pitch_across_m().map_or(1.0, |pitch_m| extent_y_m / pitch_m + 1.0);
@@ -163,6 +170,22 @@ impl Layout {
 
     /// The cavities in the order stated above, made one by one.
     pub fn iter(&self) -> impl Iterator<Item = Cavity> + '_ {
+        self.families().into_iter().flat_map(|(family, crossing)| family.own(crossing))
+    }
+
+    /// The layouts of each family of crossing grooves with what crosses it; of others the layout alone.
+    fn families(&self) -> Vec<(Self, Option<Crossing>)> {
+        if self.pattern.planform() != Planform::Crosshatch {
+            return vec![(*self, None)];
+        }
+        let families: Vec<Self> = self.pattern.families().map(|pattern| Self { pattern, ..*self }).collect();
+        let first = families.first().map(|&grooves| Crossing { grooves, grown_m: 0.0 });
+        let crossings = std::iter::once(None).chain(std::iter::repeat(first));
+        families.into_iter().zip(crossings).collect()
+    }
+
+    /// The cavities of one family.
+    fn own(self, crossed_by: Option<Crossing>) -> impl Iterator<Item = Cavity> {
         let [columns, rows] = self.reach;
         let rows = self.pattern.length_m().map_or(0, |_| rows);
         (-rows..=rows)
@@ -173,17 +196,34 @@ impl Layout {
                 })
             })
             .flatten()
+            .map(move |cavity| Cavity { crossed_by, ..cavity })
+            .filter(|cavity| cavity.crossed_by.is_none() || !cavity.boundaries().is_empty())
+    }
+
+    /// The grooves at `column` as rectangles, longer than the specimen where its rim cuts them.
+    pub(crate) fn uncut_grooves(&self, column: i64) -> [Option<Cavity>; 2] {
+        if self.is_clipped { [Some(Cavity { cut_by: None, ..self.strip(column) }), None] } else { self.groove(column) }
     }
 
     /// The lattice cell that holds the point.
     pub(crate) fn cell(&self, [x_m, y_m]: [f64; 2]) -> Cell {
+        if self.pattern.planform() == Planform::Crosshatch {
+            let mut cell = Cell { cavities: [None; 5], end_x_m: f64::INFINITY };
+            for (place, (family, _)) in self.families().iter().enumerate().take(2) {
+                let own = family.cell([x_m, y_m]);
+                cell.cavities[2 * place..2 * place + 2].copy_from_slice(&own.cavities[..2]);
+                cell.end_x_m = cell.end_x_m.min(own.end_x_m);
+            }
+            return cell;
+        }
         let pitch_m = self.pattern.pitch_m();
         let Some((length_m, across_m)) = self.pattern.length_m().zip(self.pattern.pitch_across_m()) else {
             let [cosine, sine] = self.pattern.texture().orientation();
             // Points lie on the specimen, whose places are bounded: the casts are exact.
             let column = ((x_m * cosine + y_m * sine) / pitch_m).round();
             let place = column as i64;
-            let cavities = if self.is_clipped { [Some(self.strip(place)), None] } else { self.groove(place) };
+            let [one, other] = if self.is_clipped { [Some(self.strip(place)), None] } else { self.groove(place) };
+            let cavities = [one, other, None, None, None];
             // x cos a + y sin a = (column +- 1/2) pitch; a groove along x never ends.
             let end_x_m = ((column + 0.5_f64.copysign(cosine)) * pitch_m - y_m * sine) / cosine;
             return Cell { cavities, end_x_m: if cosine == 0.0 { f64::INFINITY } else { end_x_m } };
@@ -191,13 +231,24 @@ impl Layout {
         let row = (y_m / across_m).round() as i64;
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
         let column = (x_m / pitch_m - shift).round();
-        let cavity = self.cavity(column as i64, row, length_m);
-        let laid = match self.lies(&cavity) {
-            Lies::Inside => Some(cavity),
-            Lies::Across if self.is_clipped => Some(Cavity { cut_by: Some(self.outline), ..cavity }),
-            Lies::Across | Lies::Outside => None,
+        let laid = |column: i64, row: i64| {
+            let cavity = self.cavity(column, row, length_m);
+            match self.lies(&cavity) {
+                Lies::Inside => Some(cavity),
+                Lies::Across if self.is_clipped => Some(Cavity { cut_by: Some(self.outline), ..cavity }),
+                Lies::Across | Lies::Outside => None,
+            }
         };
-        Cell { cavities: [laid, None], end_x_m: (column + shift + 0.5) * pitch_m }
+        let mut cavities = [laid(column as i64, row), None, None, None, None];
+        if self.pattern.texture().outline().is_some() && length_m > across_m {
+            // Those of the rows below and above at half a pitch to either side.
+            let left = column as i64 - i64::from(!self.is_shifted(row));
+            for (place, (row, side)) in [(row - 1, 0), (row - 1, 1), (row + 1, 0), (row + 1, 1)].into_iter().enumerate()
+            {
+                cavities[place + 1] = laid(left + side, row);
+            }
+        }
+        Cell { cavities, end_x_m: (column + shift + 0.5) * pitch_m }
     }
 
     /// The cavity as it is laid: whole, cut, or not at all.
@@ -233,7 +284,9 @@ impl Layout {
             Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => diameter_m,
         };
         // Nearest and farthest points from the specimen's centre.
-        let (near_m, far_m) = if cavity.planform == Planform::Disc {
+        let (near_m, far_m) = if let Some([near_m, far_m]) = cavity.polygon_reach_m() {
+            (near_m, far_m)
+        } else if cavity.planform == Planform::Disc {
             let distance_m = x_m.hypot(y_m);
             ((distance_m - half_x_m).max(0.0), distance_m + half_x_m)
         } else {
@@ -256,14 +309,20 @@ impl Layout {
 
     fn cavity(&self, column: i64, row: i64, length_m: f64) -> Cavity {
         let shift = if self.is_shifted(row) { 0.5 } else { 0.0 };
+        let centre_x_m = (column as f64 + shift) * self.pattern.pitch_m();
+        let centre_y_m = row as f64 * self.pattern.pitch_across_m().unwrap_or(0.0);
+        let width_m = self.pattern.width_m();
+        let face = |outline| Face { outline, centre_m: [centre_x_m, centre_y_m], width_m, inset_m: 0.0 };
         Cavity {
-            centre_x_m: (column as f64 + shift) * self.pattern.pitch_m(),
-            centre_y_m: row as f64 * self.pattern.pitch_across_m().unwrap_or(0.0),
-            width_m: self.pattern.width_m(),
+            centre_x_m,
+            centre_y_m,
+            width_m,
             length_m,
             orientation: self.pattern.texture().orientation(),
             planform: self.pattern.planform(),
             cut_by: None,
+            face: self.pattern.texture().outline().map(face),
+            crossed_by: None,
         }
     }
 
@@ -280,6 +339,8 @@ impl Layout {
             orientation,
             planform: Planform::Groove,
             cut_by: None,
+            face: None,
+            crossed_by: None,
         }
     }
 
@@ -359,6 +420,16 @@ pub(crate) fn every_kind() -> Vec<slipgrid_pattern::Texture> {
         ]);
     }
     kinds.push(Texture::new(Planform::Rectangle).with_length_m(288.8e-6).unwrap());
+    // A bent one without symmetry, and two families of grooves.
+    let bent = [[0.0, 0.0], [100.0, 10.0], [90.0, 60.0], [65.0, 55.0], [60.0, 110.0], [5.0, 105.0]];
+    let bent = Texture::new(Planform::Polygon).with_outline(slipgrid_pattern::Polygon::new(&bent).unwrap()).unwrap();
+    let crossed = Texture::new(Planform::Crosshatch);
+    kinds.extend([
+        bent,
+        bent.with_arrangement(Arrangement::Staggered).unwrap().with_spacing_across_m(55.5e-6).unwrap(),
+        crossed,
+        crossed.with_crossing_angle_deg(62.0).unwrap().with_groove_angle_deg(-25.0).unwrap(),
+    ]);
     kinds
 }
 

@@ -48,9 +48,12 @@
 mod ablation;
 mod cavity;
 mod clip;
+mod clip_simple;
+mod crossing;
 mod csv;
 mod dxf;
 mod error;
+mod face;
 mod gcode;
 mod height_map;
 mod hpgl;

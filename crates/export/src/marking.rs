@@ -2,8 +2,10 @@
 //!
 //! Hatching fills a cavity with lines along its longer side (along x where both are alike), every second line
 //! backwards. The spot's edge, not its centre, ends on the cavity's edge: lines lie half a spot inside it. A
-//! mask needs the contour alone.
+//! mask needs the contour alone. Where grooves cross, lines of the second family end half a spot before those of the first.
 
+use crate::crossing::Crossing;
+use crate::face::without;
 use crate::{Boundary, Cavity, ExportError, Exposure, Laser};
 
 /// A straight line of the spot's centre, from one end to the other, in metres.
@@ -65,18 +67,61 @@ impl Marking {
         let Some(inner) = cavity.inset(self.inset_m, self.inset_m) else { return Vec::new() };
         let direction = self.direction(cavity);
         let mut lines = Vec::new();
-        for boundary in inner.boundaries() {
-            match boundary {
-                Boundary::Rectangle { .. } => self.hatch_rectangle(&inner, direction, &mut lines),
-                Boundary::Circle { .. } | Boundary::Polygon { .. } => {
-                    self.hatch_polygon(&boundary.polygon_m(), direction, &mut lines);
-                }
-            }
+        // The spot keeps off the walls of what crosses, which are those of another groove.
+        let keep_off = |crossing: Crossing| Crossing { grown_m: crossing.grown_m + 2.0 * self.inset_m, ..crossing };
+        let inner = Cavity { crossed_by: inner.crossed_by.map(keep_off), ..inner };
+        if inner.face.is_some() {
+            self.hatch_face(&inner, direction, &mut lines);
+        } else if let (Some(crossing), None) = (&inner.crossed_by, &inner.cut_by) {
+            self.hatch_rectangle(&inner, direction, &mut lines);
+            lines = lines.into_iter().flat_map(|line| crossing.parts_of(line)).collect();
+        } else {
+            self.hatch_parts(&inner, direction, &mut lines);
         }
         for line in lines.iter_mut().skip(1).step_by(2) {
             line.reverse();
         }
         lines
+    }
+
+    /// Fills the parts of a cavity that is no polygon.
+    fn hatch_parts(&self, inner: &Cavity, direction: [f64; 2], lines: &mut Vec<Line>) {
+        for boundary in inner.boundaries() {
+            match boundary {
+                Boundary::Rectangle { .. } => self.hatch_rectangle(inner, direction, lines),
+                Boundary::Circle { .. } | Boundary::Polygon { .. } => {
+                    self.hatch_polygon(&boundary.polygon_m(), direction, lines);
+                }
+            }
+        }
+    }
+
+    /// Lines from one edge of a polygon to the other, both included, evenly and at most the distance apart: where the spot has
+    /// room within its walls and on the specimen.
+    fn hatch_face(&self, inner: &Cavity, [dx, dy]: [f64; 2], lines: &mut Vec<Line>) {
+        let Some(face) = &inner.face else { return };
+        let across = face.corners_m().into_iter().map(|[x, y]| y * dx - x * dy);
+        let (low_m, high_m) =
+            across.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let (low_m, across_m) = (low_m + face.inset_m, high_m - low_m - 2.0 * face.inset_m);
+        let gaps = (across_m / self.distance_m - ROUNDING).ceil().max(0.0);
+        // Bounded by the cavity over the distance of lines: the cast is exact.
+        for line in 0..=gaps as u64 {
+            let at_m = low_m + across_m * if gaps > 0.0 { line as f64 / gaps } else { 0.5 };
+            let mut spans_m = face.spans_m([dx, dy], at_m);
+            if let Some(outline) = &inner.cut_by {
+                // Along the line turned by a right angle anticlockwise from its normal: backwards.
+                let Some([low_m, high_m]) = outline.chord_m([-dy, dx], at_m) else { continue };
+                let beyond_m = [[f64::NEG_INFINITY, -high_m], [-low_m, f64::INFINITY]];
+                let hole_m = outline.hole_m() / 2.0;
+                let half_m = ((hole_m - at_m) * (hole_m + at_m)).max(0.0).sqrt();
+                for taken_m in beyond_m.into_iter().chain([[-half_m, half_m]]) {
+                    spans_m = spans_m.into_iter().flat_map(|span_m| without(span_m, taken_m)).collect();
+                }
+            }
+            let point = |along_m: f64| [along_m * dx - at_m * dy, along_m * dy + at_m * dx];
+            lines.extend(spans_m.into_iter().map(|ends_m| ends_m.map(point)));
+        }
     }
 
     /// Lines from one edge to the other, both included, evenly and at most the distance apart.
@@ -134,7 +179,7 @@ mod tests {
     use super::*;
     use crate::layout::every_kind;
     use crate::{Layout, Outline};
-    use slipgrid_pattern::{Pattern, Planform};
+    use slipgrid_pattern::{Pattern, Planform, Polygon, Texture};
 
     const LASER: Laser = Laser {
         wavelength_nm: None,
@@ -199,6 +244,64 @@ mod tests {
                     // What lines sweep is the area within half a spot, but for the ends of strips.
                     let swept: f64 = lines.iter().map(length_m).sum::<f64>();
                     assert!(swept * 15e-6 < 1.3 * cavity.area_m2());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_square_given_as_a_polygon_is_filled_like_the_square() {
+        let marking = Marking::new(&LASER).unwrap();
+        let outline = Polygon::new(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).unwrap();
+        let texture = Texture::new(Planform::Polygon).with_outline(outline).unwrap();
+        for outline in [Outline::Disc { diameter_m: 3e-3 }, Outline::Rectangle { length_m: 2e-3, width_m: 3e-3 }] {
+            let laid =
+                |texture: Texture| Layout::new(Pattern::new(texture, 130e-6, 370e-6, 5e-6).unwrap(), outline).unwrap();
+            let (squares, polygons) = (laid(Planform::Square.into()), laid(texture));
+            assert_eq!(squares.cavities(), polygons.cavities());
+            for (square, polygon) in squares.iter().zip(polygons.iter()) {
+                let lines = [square, polygon].map(|cavity| marking.lines(&cavity).concat().concat());
+                assert_eq!(lines[0].len(), lines[1].len());
+                assert!(lines[0].iter().zip(&lines[1]).all(|(a, b)| (a - b).abs() < 1e-12));
+            }
+        }
+    }
+
+    #[test]
+    fn crossings_are_marked_by_one_family_alone() {
+        let marking = Marking::new(&LASER).unwrap();
+        for (crossing_deg, outline) in [
+            (90.0, Outline::Disc { diameter_m: 4e-3 }),
+            (50.0, Outline::Rectangle { length_m: 3e-3, width_m: 2e-3 }),
+            (50.0, Outline::Ring { outer_diameter_m: 4e-3, inner_diameter_m: 1.3e-3 }),
+        ] {
+            let texture = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(crossing_deg).unwrap();
+            let pattern = Pattern::new(texture.with_groove_angle_deg(10.0).unwrap(), 130e-6, 270e-6, 5e-6).unwrap();
+            for layout in [Layout::new, Layout::clipped] {
+                let layout = layout(pattern, outline).unwrap();
+                let (first, second): (Vec<Cavity>, Vec<Cavity>) =
+                    layout.iter().partition(|cavity| cavity.crossed_by.is_none());
+                assert!(first.len() > 3 && second.len() > 3);
+                // The ends and the middle of each line of the second lie half a spot off every groove of the first.
+                let points = second
+                    .iter()
+                    .flat_map(|groove| marking.lines(groove))
+                    .flat_map(|[from, to]| [from, to, [f64::midpoint(from[0], to[0]), f64::midpoint(from[1], to[1])]]);
+                for point in points {
+                    let inside_m = first.iter().map(|groove| Cavity { cut_by: None, ..*groove }.wall_distance_m(point));
+                    assert!(inside_m.fold(f64::NEG_INFINITY, f64::max) < -11.5e-6 + 1e-10, "{point:?}");
+                }
+                // The areas add up to what points say, and near the pattern's own where nothing is left out.
+                let grooves = [first.as_slice(), &second].concat();
+                let inside = |point: [f64; 2]| grooves.iter().any(|groove| groove.wall_distance_m(point) >= 0.0);
+                let [extent_x_m, extent_y_m] = outline.extents_m();
+                let at = |k: i32, extent_m: f64| (f64::from(k) + 0.5) / 150.0 * extent_m - extent_m / 2.0;
+                let points = (0..150).flat_map(|i| (0..150).map(move |j| [at(i, extent_x_m), at(j, extent_y_m)]));
+                let counted = points.filter(|point| outline.contains(*point) && inside(*point)).count();
+                let counted_m2 = counted as f64 / 22500.0 * extent_x_m * extent_y_m;
+                assert!((layout.cavity_area_m2() / counted_m2 - 1.0).abs() < 0.02, "{counted_m2}");
+                if layout.is_clipped() {
+                    assert!((layout.areal_density() / pattern.areal_density() - 1.0).abs() < 0.05);
                 }
             }
         }

@@ -102,7 +102,7 @@ pub struct ProcessSheet {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PatternSheet {
-    /// `groove`, `square`, `rectangle` or `disc`.
+    /// `groove`, `square`, `rectangle`, `disc`, `polygon` or `crosshatch`.
     pub planform: String,
     /// Width of a cavity along a row, in um; of a disc its diameter. Rows run along the sliding
     /// direction unless an angle says otherwise.
@@ -114,6 +114,9 @@ pub struct PatternSheet {
     /// Length of a rectangle across the rows, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_um: Option<f64>,
+    /// Corners of a polygon as `[x, y]` from the middle of its bounding box, anticlockwise, in um.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vertices_um: Option<Vec<[f64; 2]>>,
     /// Gap between rows, in um, where rows are not a pitch apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<f64>,
@@ -126,6 +129,9 @@ pub struct PatternSheet {
     /// Grooves turned on the specimen from lying across x, anticlockwise, in degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
+    /// The second family of crossing grooves turned from the first, anticlockwise, in degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub crossing_angle_deg: Option<f64>,
     /// Sliding direction turned from x, anticlockwise, in degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
@@ -197,11 +203,16 @@ impl From<&Pattern> for PatternSheet {
             spacing_um: micrometres(pattern.spacing_m()),
             pitch_um: micrometres(pattern.pitch_m()),
             length_um: texture.length_m().map(micrometres),
+            vertices_um: texture.outline().map(|outline| {
+                let at_um = |vertex: &[f64; 2]| vertex.map(|share| micrometres(share * pattern.width_m()));
+                outline.vertices().iter().map(at_um).collect()
+            }),
             spacing_across_um: apart_m.and(pattern.spacing_across_m()).map(micrometres),
             pitch_across_um: apart_m.map(micrometres),
             arrangement: (texture.arrangement() != Arrangement::Square)
                 .then(|| texture.arrangement().name().to_owned()),
-            angle_deg: given(texture.orientation_deg()),
+            angle_deg: given(texture.groove_angle_deg()),
+            crossing_angle_deg: texture.crossing_angle_deg().map(|angle_deg| round_decimals(angle_deg, ANGLE_DECIMALS)),
             sliding_angle_deg: given(texture.sliding_angle_deg()),
             depth_um: micrometres(pattern.depth_m()),
             rim_height_um: rim.map(|_| micrometres(pattern.rim_height_m())),
@@ -305,6 +316,10 @@ fn arrangement(layout: &Layout) -> String {
         Planform::Groove => {
             format!("grooves {}, one through the centre, {ends}", groove_direction(pattern.texture()))
         }
+        Planform::Crosshatch => format!(
+            "{}, one of each family through the centre, {ends}; where they cross the first family is cut, the second ends at its walls",
+            groove_direction(pattern.texture())
+        ),
         _ if layout.is_clipped() => format!("{}, one cavity on the centre, cut at the rim", lattice(pattern)),
         _ => format!("{}, one cavity on the centre, only whole cavities", lattice(pattern)),
     }
@@ -320,7 +335,16 @@ fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
     // Areas go quadratically with depth, where walls lean evenly: d/6 (A_0 + 4 A_1/2 + A_1) is exact.
     let area_m2 = |cavity: &Cavity, share: f64| cavity.inset(share * inset_m, 0.0).map_or(0.0, |at| at.area_m2());
     let six_m2 = |cavity: Cavity| cavity.area_m2() + 4.0 * area_m2(&cavity, 0.5) + area_m2(&cavity, 1.0);
-    layout.iter().map(six_m2).sum::<f64>() * depth_m / 6.0
+    // Whole polygons are all alike, and what is left within their walls takes time to sum up.
+    let mut whole_m2 = None;
+    let each_m2 = |cavity: Cavity| {
+        if cavity.face.is_some() && cavity.cut_by.is_none() {
+            *whole_m2.get_or_insert_with(|| six_m2(cavity))
+        } else {
+            six_m2(cavity)
+        }
+    };
+    layout.iter().map(each_m2).sum::<f64>() * depth_m / 6.0
 }
 
 #[cfg(test)]

@@ -55,29 +55,43 @@ pub fn stl(layout: &Layout, laser: &Laser, heading: &Heading, to: &mut dyn Write
 /// Refuses leaning walls that the rim cuts, and walls that meet above the floor.
 ///
 /// # Errors
-/// [`ExportError::TaperAndCut`]; as [`Laser::check`].
+/// [`ExportError::TaperAndCut`], [`ExportError::TaperToNothing`] for polygons and crossing grooves of which a wall ends above
+/// the floor; as [`Laser::check`].
 pub fn check(layout: &Layout, laser: &Laser) -> Result<(), ExportError> {
     laser.check(layout.pattern())?;
-    let leans = laser.floor_inset_m(layout.pattern().depth_m()) > 0.0;
-    if leans && layout.iter().any(|cavity| cavity.cut_by.is_some()) { Err(ExportError::TaperAndCut) } else { Ok(()) }
+    let inset_m = laser.floor_inset_m(layout.pattern().depth_m());
+    if inset_m > 0.0 && layout.iter().any(|cavity| cavity.cut_by.is_some()) {
+        return Err(ExportError::TaperAndCut);
+    }
+    let has_floor =
+        |cavity: Cavity| cavity.inset(inset_m, 0.0).is_some_and(|floor| matches(&faces(&cavity), &faces(&floor)));
+    let is_plain = layout.iter().all(|cavity| cavity.face.is_none() && cavity.crossed_by.is_none());
+    if inset_m > 0.0 && !is_plain && !layout.iter().all(has_floor) { Err(ExportError::TaperToNothing) } else { Ok(()) }
+}
+
+/// Whether each part has a floor of as many corners.
+fn matches(lids: &[Polygon], floors: &[Polygon]) -> bool {
+    lids.len() == floors.len() && lids.iter().zip(floors).all(|(lid, floor)| lid.len() == floor.len())
 }
 
 /// Corners of a face, anticlockwise, in metres.
 type Polygon = Vec<[f64; 2]>;
 
+/// The faces of a cavity's parts.
+fn faces(cavity: &Cavity) -> Vec<Polygon> {
+    if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
+        let corner = |k: u32| {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);
+            let radius_m = cavity.width_m / 2.0;
+            [cavity.centre_x_m + radius_m * libm::cos(angle), cavity.centre_y_m + radius_m * libm::sin(angle)]
+        };
+        return vec![(0..CHORDS).map(corner).collect()];
+    }
+    cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
+}
+
 /// Lid and floor of a cavity's parts, corner by corner.
 fn solids(cavity: &Cavity, inset_m: f64) -> Vec<(Polygon, Polygon)> {
-    let faces = |cavity: &Cavity| -> Vec<Polygon> {
-        if cavity.planform == Planform::Disc && cavity.cut_by.is_none() {
-            let corner = |k: u32| {
-                let angle = std::f64::consts::TAU * f64::from(k) / f64::from(CHORDS);
-                let radius_m = cavity.width_m / 2.0;
-                [cavity.centre_x_m + radius_m * libm::cos(angle), cavity.centre_y_m + radius_m * libm::sin(angle)]
-            };
-            return vec![(0..CHORDS).map(corner).collect()];
-        }
-        cavity.boundaries().iter().map(|boundary| boundary.polygon_m()).collect()
-    };
     let lids = faces(cavity);
     let floors = match cavity.inset(inset_m, 0.0) {
         Some(floor) if inset_m > 0.0 && cavity.cut_by.is_none() => faces(&floor),

@@ -75,15 +75,26 @@ impl Layout {
     fn along(&self, cavities: &[Cavity], y_m: f64, [left_m, right_m]: [f64; 2]) -> Vec<[f64; 2]> {
         let mut found: Vec<[f64; 2]> = cavities
             .iter()
-            .filter_map(|cavity| {
-                let half_m = half_width_m(cavity, y_m)?;
-                let from_m = (cavity.centre_x_m - half_m).max(left_m) - left_m;
-                let to_m = (cavity.centre_x_m + half_m).min(right_m) - left_m;
+            .flat_map(|cavity| spans_m(cavity, y_m))
+            .filter_map(|[from_m, to_m]| {
+                let from_m = from_m.max(left_m) - left_m;
+                let to_m = to_m.min(right_m) - left_m;
                 (to_m > from_m).then_some([rounded(from_m), rounded(to_m)])
             })
             .collect();
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        found
+        if !matches!(self.pattern().planform(), Planform::Crosshatch | Planform::Polygon) {
+            return found;
+        }
+        // Grooves that cross are one where they do, and so are parts of a polygon on either side of a concave corner.
+        let mut apart: Vec<[f64; 2]> = Vec::with_capacity(found.len());
+        for [from_m, to_m] in found {
+            match apart.last_mut() {
+                Some(last) if from_m <= last[1] => last[1] = last[1].max(to_m),
+                _ => apart.push([from_m, to_m]),
+            }
+        }
+        apart
     }
 
     fn alike(&self, a: &LaidStrip, b: &LaidStrip) -> bool {
@@ -100,6 +111,18 @@ fn rounded(length_m: f64) -> f64 {
     (length_m * 1e12).round() * 1e-12
 }
 
+/// What a cavity takes of the line along x at `y_m`: where it begins and ends, in metres.
+fn spans_m(cavity: &Cavity, y_m: f64) -> Vec<[f64; 2]> {
+    if let Some(face) = &cavity.face {
+        return face.spans_m([1.0, 0.0], y_m);
+    }
+    if cavity.crossed_by.is_some() || !cavity.is_aligned() {
+        return cavity.chord_x_m(y_m).into_iter().collect();
+    }
+    let half_m = half_width_m(cavity, y_m);
+    half_m.map(|half_m| [cavity.centre_x_m - half_m, cavity.centre_x_m + half_m]).into_iter().collect()
+}
+
 /// Half of what a cavity whose sides lie along x and y takes of the line at `y_m`, in metres; `None` where it misses it.
 fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
     let across_m = (y_m - cavity.centre_y_m).abs();
@@ -114,7 +137,7 @@ fn half_width_m(cavity: &Cavity, y_m: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::Outline;
-    use slipgrid_pattern::Pattern;
+    use slipgrid_pattern::{Pattern, Polygon, Texture};
 
     const DISC: Outline = Outline::Disc { diameter_m: 10e-3 };
 
@@ -140,6 +163,29 @@ mod tests {
                     (share - layout.areal_density()).abs()
                 });
                 assert!(errors[0] < 0.012 && errors[1] < 1e-3, "{width_um}: {errors:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn strips_of_polygons_and_of_crossing_grooves_have_their_share() {
+        let bent = [[0.0, 0.0], [100.0, 10.0], [90.0, 60.0], [65.0, 55.0], [60.0, 110.0], [5.0, 105.0]];
+        let bent = Texture::new(Planform::Polygon).with_outline(Polygon::new(&bent).unwrap()).unwrap();
+        let crossed = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(60.0).unwrap();
+        let plate = Outline::Rectangle { length_m: 2.4e-3, width_m: 1.7e-3 };
+        for texture in [bent, crossed.with_groove_angle_deg(-25.0).unwrap()] {
+            let pattern = Pattern::new(texture, 130e-6, 170e-6, 20e-6).unwrap();
+            for layout in [Layout::new, Layout::clipped] {
+                let layout = layout(pattern, plate).unwrap();
+                let strips = layout.strips(850);
+                let apart = |strip: &LaidStrip| strip.cavities_m.windows(2).all(|pair| pair[0][1] < pair[1][0]);
+                assert!(strips.iter().all(apart));
+                let [_, share] = sums(&strips);
+                assert!(
+                    (share - layout.areal_density()).abs() < 1e-3,
+                    "{texture:?}: {share} {}",
+                    layout.areal_density()
+                );
             }
         }
     }

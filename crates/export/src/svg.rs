@@ -92,6 +92,7 @@ fn arrangement(pattern: &Pattern) -> String {
     let what = cavities(pattern.planform());
     let words = match pattern.planform() {
         Planform::Groove => format!("{what} {}", groove_direction(pattern.texture())),
+        Planform::Crosshatch => groove_direction(pattern.texture()),
         _ => format!("{what} on a {}", lattice(pattern)),
     };
     let mut letters = words.chars();
@@ -113,6 +114,10 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
     if let Some(length_m) = texture.length_m() {
         lines.push(("length", um(length_m)));
     }
+    if let Some(outline) = texture.outline() {
+        lines.push(("corners", outline.vertices().len().to_string()));
+        lines.extend(pattern.length_m().map(|length_m| ("extent across", um(length_m))));
+    }
     if let Some(pitch_m) = pattern.pitch_across_m().filter(|&pitch_m| pitch_m != pattern.pitch_m()) {
         lines.push(("spacing across", um(pattern.spacing_across_m().unwrap_or(0.0))));
         lines.push(("pitch across", um(pitch_m)));
@@ -121,7 +126,7 @@ fn dimensions(layout: &Layout) -> Vec<(&'static str, String)> {
         ("depth", um(pattern.depth_m())),
         ("areal density", format!("{:.2} % of the pattern", 100.0 * pattern.areal_density())),
         ("", format!("{:.2} % of the specimen", 100.0 * layout.areal_density())),
-        (if pattern.planform() == Planform::Groove { "grooves" } else { "cavities" }, layout.cavities().to_string()),
+        (if pattern.planform().is_grooves() { "grooves" } else { "cavities" }, layout.cavities().to_string()),
         (
             layout.outline().name(),
             match *layout.outline() {

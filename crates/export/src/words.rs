@@ -22,7 +22,15 @@ pub(crate) fn sliding_direction(texture: &Texture) -> String {
 
 /// Where grooves lie on the specimen: across the sliding direction, or where.
 pub(crate) fn groove_direction(texture: &Texture) -> String {
-    match (texture.orientation_deg(), texture.sliding_angle_deg()) {
+    if let Some(crossing_deg) = texture.crossing_angle_deg() {
+        let (first_deg, second_deg) = (texture.groove_angle_deg(), texture.groove_angle_deg() + crossing_deg);
+        return format!(
+            "two families of grooves turned by {} and by {} degrees from lying across x",
+            degrees(first_deg),
+            degrees(second_deg)
+        );
+    }
+    match (texture.groove_angle_deg(), texture.sliding_angle_deg()) {
         (0.0, 0.0) => "across the sliding direction".to_owned(),
         (0.0, _) => "across x".to_owned(),
         (angle_deg, _) => format!("turned by {} degrees from lying across x", degrees(angle_deg)),
@@ -36,6 +44,8 @@ pub(crate) const fn cavities(planform: Planform) -> &'static str {
         Planform::Square => "square cavities",
         Planform::Rectangle => "rectangular cavities",
         Planform::Disc => "round cavities",
+        Planform::Polygon => "polygonal cavities",
+        Planform::Crosshatch => "crossing grooves",
     }
 }
 

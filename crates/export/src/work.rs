@@ -118,6 +118,10 @@ impl WorkSheet {
             floor_width_um: (inset_m > 0.0).then(|| micrometres((layout.pattern().width_m() - 2.0 * inset_m).max(0.0))),
             spots_formula: match layout.pattern().planform() {
                 Planform::Disc => format!("{SPOTS_FORMULA}; a disc counts as the square around it"),
+                Planform::Polygon => format!("{SPOTS_FORMULA}; a polygon counts as the rectangle around it"),
+                Planform::Crosshatch => {
+                    format!("{SPOTS_FORMULA}; crossings count in both grooves, though they are cut once")
+                }
                 _ => SPOTS_FORMULA.to_owned(),
             },
             ..Self::default()
@@ -149,6 +153,10 @@ impl WorkSheet {
         self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
         self.marking_direction = Some(
             match marking.exposure() {
+                Exposure::Hatch if layout.pattern().planform() == Planform::Crosshatch => {
+                    "along the grooves, first one family and then the other, whose lines end half a spot before the grooves of the \
+                     first: crossings are marked once; every second line backwards"
+                }
                 Exposure::Hatch => {
                     "along the longer side of a cavity, along x where both are alike; every second line backwards"
                 }

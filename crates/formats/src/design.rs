@@ -87,7 +87,7 @@ pub struct Design {
     pub task: DesignTask,
     /// The file that the material has to be calibrated from.
     pub calibration: Option<PathBuf>,
-    /// The design's file and that of its material.
+    /// The design's file, that of its material, and the drawing of its outline.
     pub inputs: Vec<PathBuf>,
     /// What is unusual in the design's file.
     pub told: Vec<Diagnostic>,
@@ -220,7 +220,8 @@ impl Design {
             discrepancy: discrepancy.map_or(0..0, Spanned::span),
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
         };
-        let inputs = std::iter::once(document.path().to_owned()).chain(named).collect();
+        let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
+        let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
         let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
         let told = unusual::of_rims(&document, task.space.texture().rim(), pattern, sample).into_iter().collect();
         let mut design = Self { task, calibration, inputs, told, document, places };

@@ -12,7 +12,7 @@
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
-//! | [`pattern`], [`rim`], [`laser`] | textures, specimens, lasers |
+//! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
 //! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
 
@@ -31,6 +31,7 @@ pub mod material;
 pub mod material_uncertainty;
 pub mod measured;
 pub mod measurements;
+pub mod outline;
 pub mod pattern;
 pub mod plausible;
 pub mod refused_calibration;

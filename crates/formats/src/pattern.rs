@@ -14,7 +14,8 @@ use super::document::Document;
 use super::rim::read_rim;
 use super::values::{Number, NumberList, Numbers, list, number, number_list};
 use crate::diagnostic::Diagnostic;
-use slipgrid_units::{GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
+use crate::outline::read_outline;
+use slipgrid_units::{CROSSING_ANGLE_DEG, GROOVE_ANGLE_DEG, LENGTH_UM, SLIDING_ANGLE_DEG};
 
 /// A pattern as a scene writes it.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -34,6 +35,15 @@ pub struct PatternFile {
     pub length_um: Option<Number>,
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outline: Option<Spanned<String>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outline_layer: Option<Spanned<String>>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing_across_um: Option<Number>,
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -41,6 +51,9 @@ pub struct PatternFile {
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<Number>,
+    /// As in [`TextureFile`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crossing_angle_deg: Option<Number>,
     /// As in [`TextureFile`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<Number>,
@@ -72,12 +85,21 @@ pub struct TextureFile {
     pub planform: Option<Spanned<String>>,
     /// Extent of a rectangle across its row.
     pub length_um: Option<Number>,
+    /// The outline of a polygon: its corners as `[x, y]` in order, the last joined to the first. Their shape counts: they are
+    /// scaled so that the extent along x is the width.
+    pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
+    /// The same as the one closed outline of a drawing, SVG or DXF.
+    pub outline: Option<Spanned<String>>,
+    /// The layer of a DXF drawing on which it stands; any when absent.
+    pub outline_layer: Option<Spanned<String>>,
     /// Gap between rows; as along the row when absent.
     pub spacing_across_um: Option<Number>,
     /// `square`, `staggered` or `hexagonal`; `square` when absent.
     pub arrangement: Option<Spanned<String>>,
-    /// Grooves turned from lying across the specimen's x axis; 0 when absent.
+    /// Grooves, of crossing ones the first family, turned from lying across the specimen's x axis; 0 when absent.
     pub angle_deg: Option<Number>,
+    /// Second family of crossing grooves turned from the first; 90 when absent.
+    pub crossing_angle_deg: Option<Number>,
     /// Sliding direction turned from the specimen's x axis; 0 when absent. A design may name several.
     pub sliding_angle_deg: Option<Spanned<Numbers>>,
     /// Height of the rims at the edges of cavities, whatever their depth; no rims when neither this nor the next is given.
@@ -99,9 +121,13 @@ impl PatternFile {
         TextureFile {
             planform: self.planform.clone(),
             length_um: self.length_um.clone(),
+            vertices_um: self.vertices_um.clone(),
+            outline: self.outline.clone(),
+            outline_layer: self.outline_layer.clone(),
             spacing_across_um: self.spacing_across_um.clone(),
             arrangement: self.arrangement.clone(),
             angle_deg: self.angle_deg.clone(),
+            crossing_angle_deg: self.crossing_angle_deg.clone(),
             sliding_angle_deg: self
                 .sliding_angle_deg
                 .as_ref()
@@ -127,9 +153,13 @@ impl From<&Pattern> for PatternFile {
             depth_um: number(written.depth_um),
             planform: Some(named(written.planform)),
             length_um: written.length_um.map(number),
+            vertices_um: written.vertices_um.map(|vertices| Spanned::new(0..0, vertices)),
+            outline: None,
+            outline_layer: None,
             spacing_across_um: written.spacing_across_um.map(number),
             arrangement: written.arrangement.map(named),
             angle_deg: written.angle_deg.map(number),
+            crossing_angle_deg: written.crossing_angle_deg.map(number),
             sliding_angle_deg: written.sliding_angle_deg.map(number),
             relief: None,
             rim_height_um: rim.and_then(|rim| rim.rim_height_um).map(number),
@@ -173,6 +203,15 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     if planform == Planform::Rectangle && file.length_um.is_none() {
         return Err(document.missing(table, "length_um"));
     }
+    let drawn = [
+        file.vertices_um.as_ref().map(Spanned::span),
+        file.outline.as_ref().map(Spanned::span),
+        file.outline_layer.as_ref().map(Spanned::span),
+    ];
+    if let (Some(key), true) = (drawn.into_iter().flatten().next(), planform != Planform::Polygon) {
+        let refused = document.refuse(key, format!("has no meaning for planform \"{planform}\""));
+        return Err(refused.expected("planform = \"polygon\", or no such key"));
+    }
     // What the planform lacks is refused at the key that asks for it.
     let refuse = |span: Range<usize>, error: &PatternError, expected: &'static str| match error {
         PatternError::NoSuchProperty { .. } => {
@@ -181,6 +220,12 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
         _ => document.refuse(span, error.to_string()),
     };
     let mut texture = Texture::new(planform);
+    if planform == Planform::Polygon {
+        let (vertices, drawing, layer) =
+            (file.vertices_um.as_ref(), file.outline.as_ref(), file.outline_layer.as_ref());
+        let outline = read_outline(document, vertices, drawing, layer, table.clone())?;
+        texture = texture.with_outline(outline).map_err(|error| document.refuse(table, error.to_string()))?;
+    }
     if let Some(length) = &file.length_um {
         texture = texture
             .with_length_m(document.number(length, LENGTH_UM)?)
@@ -188,19 +233,28 @@ pub fn read_texture(document: &Document, file: &TextureFile, table: Range<usize>
     }
     if let Some(spacing) = &file.spacing_across_um {
         texture = texture.with_spacing_across_m(document.number(spacing, LENGTH_UM)?).map_err(|error| {
-            refuse(spacing.span(), &error, "planform = \"square\", \"rectangle\" or \"disc\", or no such key")
+            refuse(
+                spacing.span(),
+                &error,
+                "planform = \"square\", \"rectangle\", \"disc\" or \"polygon\", or no such key",
+            )
         })?;
     }
     if let Some(name) = &file.arrangement {
         let arrangement = document.choice(name, &Arrangement::ALL, Arrangement::name)?;
         texture = texture.with_arrangement(arrangement).map_err(|error| {
-            refuse(name.span(), &error, "\"square\", or planform = \"square\", \"rectangle\" or \"disc\"")
+            refuse(name.span(), &error, "\"square\", or planform = \"square\", \"rectangle\", \"disc\" or \"polygon\"")
         })?;
     }
     if let Some(angle) = &file.angle_deg {
+        texture = texture.with_groove_angle_deg(document.number(angle, GROOVE_ANGLE_DEG)?).map_err(|error| {
+            refuse(angle.span(), &error, "planform = \"groove\" or \"crosshatch\", or sliding_angle_deg instead")
+        })?;
+    }
+    if let Some(angle) = &file.crossing_angle_deg {
         texture = texture
-            .with_groove_angle_deg(document.number(angle, GROOVE_ANGLE_DEG)?)
-            .map_err(|error| refuse(angle.span(), &error, "planform = \"groove\", or sliding_angle_deg instead"))?;
+            .with_crossing_angle_deg(document.number(angle, CROSSING_ANGLE_DEG)?)
+            .map_err(|error| refuse(angle.span(), &error, "planform = \"crosshatch\", or no such key"))?;
     }
     if let Some(angle) = &file.sliding_angle_deg {
         texture = texture
@@ -247,7 +301,8 @@ pub fn require_section(document: &Document, file: &TextureFile, texture: &Textur
         return Ok(());
     }
     let refuse = |span: Range<usize>, expected: &str| Err(document.refuse(span, WHY).expected(expected));
-    if let (Planform::Rectangle | Planform::Disc, Some(planform)) = (texture.planform(), &file.planform) {
+    if let (false, Some(planform)) = (matches!(texture.planform(), Planform::Groove | Planform::Square), &file.planform)
+    {
         return refuse(planform.span(), "\"groove\" or \"square\"");
     }
     if let Some(arrangement) = file.arrangement.as_ref().filter(|_| texture.arrangement() != Arrangement::Square) {
@@ -295,6 +350,8 @@ mod tests {
             "angle_deg = 45\nsliding_angle_deg = 180",
             "rim_height_um = 0.13\nrim_width_um = 11.7",
             "rim_heights_um = [[5.2, 0.1], [20, 0.57]]\nrim_width_um = 9.9\nrim_profile = \"ramp\"\nrim_height_std_um = 0.03",
+            "planform = \"polygon\"\nvertices_um = [[0, 0], [10.1, 3], [7, 7.7], [0.3, 3]]\narrangement = \"staggered\"",
+            "planform = \"crosshatch\"\nangle_deg = -20\ncrossing_angle_deg = 60.5\nsliding_angle_deg = 10",
         ] {
             let (pattern, _) = read(keys).unwrap();
             #[derive(Serialize)]

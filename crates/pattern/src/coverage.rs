@@ -3,15 +3,21 @@
 //! Whole periods are counted, what is left is the sum over the few shapes that reach into it. Areas
 //! are sums of terms that are not negative, so nothing cancels where rectangles are small.
 
+use crate::geometry::edges;
+
 /// A cavity seen from above, its centre at the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shape {
+pub(crate) enum Shape<'a> {
     /// Without ends along y.
     Strip { width_m: f64 },
     /// `width_m` along x and `length_m` along y.
     Rectangle { width_m: f64, length_m: f64 },
     /// A disc.
     Disc { diameter_m: f64 },
+    /// A simple polygon: `scale_m` times its vertices, anticlockwise, within `extents_m` about the origin.
+    Polygon { vertices: &'a [[f64; 2]], scale_m: f64, extents_m: [f64; 2] },
+    /// The same by the pieces of its boundary, in any order, what is within on their left.
+    Pieces { pieces: &'a [[[f64; 2]; 2]], scale_m: f64, extents_m: [f64; 2] },
 }
 
 /// Equal shapes at `centre_m` plus whole multiples of `cell_m`.
@@ -22,7 +28,7 @@ pub(crate) struct Sublattice {
 }
 
 /// The area of the rectangle `x_m` by `y_m` covered by the shapes of `sublattice`, which do not overlap.
-pub(crate) fn covered_area(shape: Shape, sublattice: &Sublattice, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
+pub(crate) fn covered_area(shape: Shape<'_>, sublattice: &Sublattice, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
     let [cell_x_m, cell_y_m] = sublattice.cell_m;
     let [centre_x_m, centre_y_m] = sublattice.centre_m;
     if let Shape::Strip { width_m } = shape {
@@ -34,7 +40,9 @@ pub(crate) fn covered_area(shape: Shape, sublattice: &Sublattice, x_m: [f64; 2],
         return covered_m * (y_m[1] - y_m[0]);
     }
     let (width_m, length_m) = match shape {
-        Shape::Rectangle { width_m, length_m } => (width_m, length_m),
+        Shape::Rectangle { width_m, length_m }
+        | Shape::Polygon { extents_m: [width_m, length_m], .. }
+        | Shape::Pieces { extents_m: [width_m, length_m], .. } => (width_m, length_m),
         Shape::Strip { width_m: side_m } | Shape::Disc { diameter_m: side_m } => (side_m, side_m),
     };
     let mut area_m2 = 0.0;
@@ -45,6 +53,10 @@ pub(crate) fn covered_area(shape: Shape, sublattice: &Sublattice, x_m: [f64; 2],
                 for y_m in near(piece_y_m, centre_y_m, cell_y_m, length_m) {
                     piece_m2 += match shape {
                         Shape::Disc { diameter_m } => disc_area(diameter_m / 2.0, x_m, y_m),
+                        Shape::Polygon { vertices, scale_m, .. } => area_within(edges(vertices), scale_m, x_m, y_m),
+                        Shape::Pieces { pieces, scale_m, .. } => {
+                            area_within(pieces.iter().map(|[a, b]| (*a, *b)), scale_m, x_m, y_m)
+                        }
                         _ => overlap(x_m, width_m) * overlap(y_m, length_m),
                     };
                 }
@@ -68,8 +80,8 @@ fn pieces(interval_m: [f64; 2], period_m: f64) -> impl Iterator<Item = (f64, [f6
 fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> impl Iterator<Item = [f64; 2]> {
     let [low_m, high_m] = interval_m.map(|end_m| end_m - centre_m);
     let first = ((low_m - extent_m / 2.0) / period_m).ceil();
-    // Shapes are shorter than the period: at most three can reach into one.
-    (0..3).map(move |k| (first + f64::from(k)) * period_m).filter_map(move |shift_m| {
+    // Shapes are shorter than twice the period: at most four can reach into one.
+    (0..4).map(move |k| (first + f64::from(k)) * period_m).filter_map(move |shift_m| {
         let seen_m = [low_m - shift_m, high_m - shift_m];
         (seen_m[0] < extent_m / 2.0 && seen_m[1] > -extent_m / 2.0).then_some(seen_m)
     })
@@ -79,6 +91,44 @@ fn near(interval_m: [f64; 2], centre_m: f64, period_m: f64, extent_m: f64) -> im
 fn overlap([low_m, high_m]: [f64; 2], extent_m: f64) -> f64 {
     let half_m = extent_m / 2.0;
     (high_m.min(half_m) - low_m.max(-half_m)).max(0.0)
+}
+
+/// Area that the rectangle `x` by `y` shares with what `scale` times `boundary`, edges with their inside on the left, encloses:
+/// the sum over them of what lies in the rectangle below, counted positive towards lower x. Each is at most the rectangle.
+fn area_within(
+    boundary: impl Iterator<Item = ([f64; 2], [f64; 2])>,
+    scale: f64,
+    [x0, x1]: [f64; 2],
+    [y0, y1]: [f64; 2],
+) -> f64 {
+    let height = y1 - y0;
+    let below = |([xa, ya], [xb, yb]): ([f64; 2], [f64; 2])| {
+        let ([xa, xb], [ha, hb]) = ([xa * scale, xb * scale], [ya * scale - y0, yb * scale - y0]);
+        let (from, to) = (xa.clamp(x0, x1), xb.clamp(x0, x1));
+        if from == to {
+            return 0.0;
+        }
+        let at = |x: f64| if x == xb { hb } else { ha + (x - xa) / (xb - xa) * (hb - ha) };
+        (from - to) * mean_clamped([at(from), at(to)], height)
+    };
+    boundary.map(below).sum::<f64>().max(0.0)
+}
+
+/// Mean of a height that goes evenly from one end to the other, where it is held to [0, most].
+fn mean_clamped([one, other]: [f64; 2], most: f64) -> f64 {
+    let (low, high) = (one.min(other), one.max(other));
+    if high <= 0.0 {
+        return 0.0;
+    }
+    if low >= most {
+        return most;
+    }
+    let (from, to) = (low.max(0.0), high.min(most));
+    if high == low {
+        return from;
+    }
+    // 1/(high - low) times the integral of h from `from` to `to`, and of `most` from there to high.
+    ((to - from) * (to + from) / 2.0 + most * (high - to)) / (high - low)
 }
 
 /// Area that the rectangle `x` by `y` shares with a disc about the origin.

@@ -24,7 +24,7 @@ pub enum PatternError {
     /// A property that cavities of this planform do not have.
     #[error("{property} has no meaning for planform \"{planform}\": expected {expected}")]
     NoSuchProperty {
-        /// `a length`, `a spacing across`, `a staggered arrangement` or `a groove angle`.
+        /// `a length`, `an outline`, `a spacing across`, `a staggered arrangement`, `a groove angle` or `a crossing angle`.
         property: &'static str,
         /// The planform.
         planform: Planform,
@@ -34,6 +34,16 @@ pub enum PatternError {
     /// A spacing across of an arrangement that has its own.
     #[error("rows of a hexagonal arrangement are sqrt(3)/2 of a pitch apart: expected no spacing across")]
     HexagonalRows,
+    /// An angle between two families of grooves that is none.
+    #[error("crossing angle of {value_deg} degrees: expected {least_deg} to {most_deg}")]
+    CrossingAngle {
+        /// The value given, in degrees.
+        value_deg: f64,
+        /// The smallest accepted, in degrees.
+        least_deg: f64,
+        /// The largest accepted, in degrees.
+        most_deg: f64,
+    },
     /// Rows of cavities that would run into each other.
     #[error(
         "hexagonal rows are {} um apart, cavities {} um long: they run into each other; expected a larger spacing", um(*pitch_across_m), um(*length_m)
@@ -88,7 +98,9 @@ pub enum PatternError {
         name: String,
     },
     /// A planform that this version does not know.
-    #[error("unknown planform \"{name}\": expected \"groove\", \"square\", \"rectangle\" or \"disc\"")]
+    #[error(
+        "unknown planform \"{name}\": expected \"groove\", \"square\", \"rectangle\", \"disc\", \"polygon\" or \"crosshatch\""
+    )]
     UnknownPlanform {
         /// The name given.
         name: String,

@@ -10,6 +10,8 @@
 //! | groove | width / pitch |
 //! | square, rectangle | (width / pitch) (length / pitch across) |
 //! | disc | (pi / 4) (width / pitch) (width / pitch across) |
+//! | polygon | area / (pitch pitch across) |
+//! | crosshatch | 1 - (1 - width / pitch)^2 |
 //!
 //! Three sets of axes meet: the specimen's, X and Y; the pattern's own, x along a row and y across,
 //! turned from them where grooves are; and the sliding direction, at any angle. The periodic cell is
@@ -22,6 +24,8 @@
 //! | [`Planform`], [`Arrangement`] | what a cavity looks like from above, how rows follow each other |
 //! | [`Rim`], [`RimProfile`] | what stands up along the edge of a cavity |
 //! | [`ReliefMap`], [`LandRelief`] | measured heights of a face over one period, and of the lands of a pattern on it |
+//! | [`Polygon`] | the outline of a cavity that is neither of the plain ones |
+//! | [`Grown`] | all points within some distance of an outline |
 //! | [`Pattern`] | a texture with width, spacing and depth, SI units: cell, coverage, densities |
 //! | [`ManufacturingLimits`] | what a laser can make, and the [`LimitViolation`]s of a pattern |
 //! | [`PatternError`] | why a texture or a pattern was refused |
@@ -45,17 +49,22 @@
 
 mod coverage;
 mod error;
+mod geometry;
+mod grown;
 mod limits;
 mod pattern;
 mod planform;
+mod polygon;
 mod relief_map;
 mod rim;
 mod texture;
 
 pub use error::PatternError;
+pub use grown::Grown;
 pub use limits::{LimitViolation, ManufacturingLimits};
 pub use pattern::Pattern;
 pub use planform::{Arrangement, Planform};
+pub use polygon::{OutlineError, Polygon};
 pub use relief_map::{LandRelief, ReliefMap};
 pub use rim::{Rim, RimProfile};
 pub use texture::Texture;

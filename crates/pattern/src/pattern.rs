@@ -1,6 +1,7 @@
 use crate::coverage::{Shape, Sublattice, covered_area};
 use crate::error::length;
-use crate::{Arrangement, PatternError, Planform, Rim, Texture};
+use crate::{Arrangement, Grown, PatternError, Planform, Polygon, Rim, Texture};
+use libm::{cos, sin};
 
 /// Distance of hexagonal rows over the pitch, sqrt(3)/2.
 const HEXAGONAL: f64 = 0.866_025_403_784_438_6;
@@ -23,7 +24,8 @@ impl Pattern {
     ///
     /// # Errors
     /// [`PatternError::NotALength`] if one of the lengths is not positive and finite, [`PatternError::RowsOverlap`] where
-    /// hexagonal rows of squares or rectangles are nearer than these are long.
+    /// hexagonal rows of squares or rectangles are nearer than these are long, or polygons of such rows run into each other or
+    /// reach past two rows.
     pub fn new(texture: impl Into<Texture>, width_m: f64, spacing_m: f64, depth_m: f64) -> Result<Self, PatternError> {
         let pattern = Self {
             texture: texture.into(),
@@ -31,6 +33,12 @@ impl Pattern {
             spacing_m: length("spacing", spacing_m)?,
             depth_m: length("depth", depth_m)?,
         };
+        if let (Arrangement::Hexagonal, Some(outline)) = (pattern.texture.arrangement(), pattern.texture.outline()) {
+            // Rows of polygons may reach between each other.
+            let (length_m, pitch_across_m) = (outline.length() * width_m, HEXAGONAL * pattern.pitch_m());
+            let is_apart = length_m < 2.0 * pitch_across_m && pattern.least_land_m() > 0.0;
+            return is_apart.then_some(pattern).ok_or(PatternError::RowsOverlap { pitch_across_m, length_m });
+        }
         let across = pattern.length_m().zip(pattern.pitch_across_m());
         match (pattern.texture.arrangement(), pattern.planform(), across) {
             // Rows of discs reach between each other.
@@ -82,7 +90,8 @@ impl Pattern {
     #[must_use]
     pub fn length_m(&self) -> Option<f64> {
         match self.planform() {
-            Planform::Groove => None,
+            Planform::Groove | Planform::Crosshatch => None,
+            Planform::Polygon => Some(self.texture.outline().map_or(1.0, |outline| outline.length()) * self.width_m),
             Planform::Rectangle => Some(self.texture.length_m().unwrap_or(self.width_m)),
             Planform::Square | Planform::Disc => Some(self.width_m),
         }
@@ -96,7 +105,7 @@ impl Pattern {
             return Some(HEXAGONAL * self.pitch_m() - self.length_m()?);
         }
         let spacing_across_m = self.texture.spacing_across_m().unwrap_or(self.spacing_m);
-        (self.planform() != Planform::Groove).then_some(spacing_across_m)
+        (!self.planform().is_grooves()).then_some(spacing_across_m)
     }
 
     /// Distance of neighbouring rows along y, length + spacing across, in metres; `None` for grooves.
@@ -108,12 +117,22 @@ impl Pattern {
         Some(self.length_m()? + self.spacing_across_m()?)
     }
 
+    /// Whether it is the same everywhere along y: grooves that none crosses.
+    #[must_use]
+    pub fn is_uniform_along_y(&self) -> bool {
+        self.planform() == Planform::Groove
+    }
+
     /// Sides along x and y of the smallest rectangular periodic cell, in metres. A staggered or hexagonal cell
     /// holds two rows. Grooves are the same everywhere along y: their cell is given as a square, and
-    /// any other length along y would do.
+    /// any other length along y would do. Grooves that cross at an angle c have the cell p / cos(c/2) by p / sin(c/2), in
+    /// which they cross twice, at right angles p by p.
     #[must_use]
     pub fn cell_m(&self) -> [f64; 2] {
         let pitch_m = self.pitch_m();
+        if let Some(half) = self.oblique_half_angle() {
+            return [pitch_m / cos(half), pitch_m / sin(half)];
+        }
         let rows = match self.texture.arrangement() {
             Arrangement::Square => 1.0,
             Arrangement::Staggered | Arrangement::Hexagonal => 2.0,
@@ -121,12 +140,18 @@ impl Pattern {
         [pitch_m, self.pitch_across_m().map_or(pitch_m, |pitch_across_m| rows * pitch_across_m)]
     }
 
-    /// Centres of the cavities of one cell, in metres from the centre of the first, the origin.
+    /// Half the angle between crossing grooves that have no cell along them, in radians.
+    fn oblique_half_angle(&self) -> Option<f64> {
+        self.texture.oblique_half_angle_deg().map(f64::to_radians)
+    }
+
+    /// Centres of the cavities of one cell, of crossing grooves their crossings, in metres from the first, the origin.
     pub fn centres_m(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let second = match (self.texture.arrangement(), self.pitch_across_m()) {
             (arrangement, Some(pitch_across_m)) if arrangement.shifts_rows() => {
                 Some([self.pitch_m() / 2.0, pitch_across_m])
             }
+            _ if self.oblique_half_angle().is_some() => Some(self.cell_m().map(|side_m| side_m / 2.0)),
             _ => None,
         };
         std::iter::once([0.0, 0.0]).chain(second)
@@ -170,39 +195,75 @@ impl Pattern {
     /// or one that is not finite, has no cavity: 0.
     #[must_use]
     pub fn coverage(&self, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
-        const ROUNDING: f64 = 1e-12;
-        let share = self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]);
-        if share < ROUNDING {
-            0.0
-        } else if share > 1.0 - ROUNDING {
-            1.0
-        } else {
-            share
-        }
+        rounded(self.coverage_within(0.0, [x0_m, x1_m], [y0_m, y1_m]))
     }
 
     /// Share of a rectangle that lies in a cavity or within `distance_m` of one, at most half of the narrowest land; beside
     /// squares and rectangles within as much along x and along y.
     pub(crate) fn coverage_within(&self, distance_m: f64, x_m: [f64; 2], y_m: [f64; 2]) -> f64 {
-        // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
-        let area_m2 = (x_m[1] - x_m[0]) * (y_m[1] - y_m[0]);
-        let proper = x_m[1] > x_m[0] && y_m[1] > y_m[0] && area_m2.is_finite() && area_m2 > 0.0;
-        if !proper {
-            return 0.0;
-        }
+        let Some(area_m2) = proper_area_m2(x_m, y_m) else { return 0.0 };
         let cell_m = self.cell_m();
+        let covered_m2 =
+            |shape: Shape<'_>, centre_m: [f64; 2]| covered_area(shape, &Sublattice { centre_m, cell_m }, x_m, y_m);
+        let cavities_m2 = |shape: Shape<'_>| self.centres_m().map(|centre_m| covered_m2(shape, centre_m)).sum::<f64>();
         let width_m = self.width_m + 2.0 * distance_m;
-        let shape = match (self.planform(), self.length_m()) {
-            (Planform::Disc, _) => Shape::Disc { diameter_m: width_m },
-            (_, Some(length_m)) => Shape::Rectangle { width_m, length_m: length_m + 2.0 * distance_m },
-            (_, None) => Shape::Strip { width_m },
-        };
-        let covered_m2: f64 =
-            self.centres_m().map(|centre_m| covered_area(shape, &Sublattice { centre_m, cell_m }, x_m, y_m)).sum();
-        covered_m2 / area_m2
+        match (self.planform(), self.texture.outline(), self.length_m()) {
+            (Planform::Crosshatch, ..) => {
+                let spacing_m = self.spacing_m - 2.0 * distance_m;
+                if spacing_m > 0.0 { 1.0 - self.land_m2(spacing_m, covered_m2) / area_m2 } else { 1.0 }
+            }
+            (Planform::Disc, ..) => cavities_m2(Shape::Disc { diameter_m: width_m }) / area_m2,
+            (_, Some(outline), Some(_)) if distance_m > 0.0 => {
+                self.share_grown(&outline.grown(distance_m / self.width_m), area_m2, covered_m2)
+            }
+            (_, Some(outline), Some(length_m)) => {
+                let (vertices, extents_m) = (outline.vertices(), [width_m, length_m]);
+                cavities_m2(Shape::Polygon { vertices, scale_m: width_m, extents_m }) / area_m2
+            }
+            (_, _, Some(length_m)) => {
+                cavities_m2(Shape::Rectangle { width_m, length_m: length_m + 2.0 * distance_m }) / area_m2
+            }
+            (_, _, None) => cavities_m2(Shape::Strip { width_m }) / area_m2,
+        }
     }
 
-    /// Share of a vertical section along x through the cavities' centres that is cavity, width / pitch.
+    /// Share of a rectangle of the area `area_m2`, of which shapes cover what `covered_m2` says, that lies within `grown`, the
+    /// outline of this pattern's polygons grown outwards.
+    fn share_grown(&self, grown: &Grown, area_m2: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
+        let scale_m = self.width_m;
+        let extents_m = grown.extents().map(|extent| extent * scale_m);
+        let shape = Shape::Pieces { pieces: grown.pieces(), scale_m, extents_m };
+        self.centres_m().map(|centre_m| covered_m2(shape, centre_m)).sum::<f64>() / area_m2
+    }
+
+    /// Share, from 0 to 1, of the rectangle `[x0_m, x1_m] x [y0_m, y1_m]` that lies within `grown`, the outline of this
+    /// pattern's polygons grown outwards, about any cavity: as [`Self::coverage`]. What two of them share counts twice, at
+    /// most as all: nothing is shared up to half of the narrowest land.
+    #[must_use]
+    pub fn coverage_grown(&self, grown: &Grown, x0_m: f64, x1_m: f64, y0_m: f64, y1_m: f64) -> f64 {
+        let Some(area_m2) = proper_area_m2([x0_m, x1_m], [y0_m, y1_m]) else { return 0.0 };
+        let cell_m = self.cell_m();
+        rounded(self.share_grown(grown, area_m2, |shape, centre_m| {
+            covered_area(shape, &Sublattice { centre_m, cell_m }, [x0_m, x1_m], [y0_m, y1_m])
+        }))
+    }
+
+    /// Area by `covered_m2` of the land that crossing grooves `spacing_m` apart leave: rhombi, disjoint, half a cell from the crossings.
+    fn land_m2(&self, spacing_m: f64, covered_m2: impl Fn(Shape<'_>, [f64; 2]) -> f64) -> f64 {
+        let [cell_x_m, cell_y_m] = self.cell_m();
+        let Some(half) = self.oblique_half_angle() else {
+            let square = Shape::Rectangle { width_m: spacing_m, length_m: spacing_m };
+            return covered_m2(square, [cell_x_m / 2.0, cell_y_m / 2.0]);
+        };
+        // |x cos(c/2) +- y sin(c/2)| <= s/2 about the centre of a land.
+        let (x_m, y_m) = (spacing_m / (2.0 * cos(half)), spacing_m / (2.0 * sin(half)));
+        let vertices = [[x_m, 0.0], [0.0, y_m], [-x_m, 0.0], [0.0, -y_m]];
+        let rhombus = Shape::Polygon { vertices: &vertices, scale_m: 1.0, extents_m: [2.0 * x_m, 2.0 * y_m] };
+        covered_m2(rhombus, [cell_x_m / 2.0, 0.0]) + covered_m2(rhombus, [0.0, cell_y_m / 2.0])
+    }
+
+    /// Share of a vertical section along x through the cavities' centres that is cavity, width / pitch; of a polygon a section
+    /// as wide as it is anywhere, of crossing grooves one across one family between two of the other.
     #[must_use]
     pub fn section_density(&self) -> f64 {
         self.width_m / self.pitch_m()
@@ -211,35 +272,49 @@ impl Pattern {
     /// Share of the surface that is cavity.
     #[must_use]
     pub fn areal_density(&self) -> f64 {
-        // (w / p) times the share of the rows across, weighed by a disc's mean chord
+        // (w / p) times the share of the rows across, weighed by the mean chord; of crossing grooves 1 - (1 - w/p)^2
         self.section_density() * self.share_across()
     }
 
     /// The strip estimate of the friction ratio of a pattern whose vertical section along x, taken
     /// as a transversal groove, has the ratio `ratio_groove`: strips between the rows of cavities
-    /// count as flat, a disc as a rectangle of its diameter and its area.
+    /// count as flat, a disc or a polygon as a rectangle of its width and its area; crossing grooves take away as much more
+    /// friction as they take more of the surface, at most all.
     #[must_use]
     pub fn strip_estimate(&self, ratio_groove: f64) -> f64 {
         match self.planform() {
             Planform::Groove => ratio_groove,
             // ratio = 1 - (length/pitch across) (1 - ratio_groove)
+            Planform::Crosshatch => (1.0 - self.share_across() * (1.0 - ratio_groove)).max(0.0),
             _ => 1.0 - self.share_across() * (1.0 - ratio_groove),
         }
     }
 
-    /// Mean length of a cavity along y over the distance of its rows; 1 for grooves.
+    /// Mean length of a cavity along y over the distance of its rows; 1 for grooves, and for crossing ones
+    /// (1 - (1 - w/p)^2) / (w/p).
     fn share_across(&self) -> f64 {
+        if self.planform() == Planform::Crosshatch {
+            return 2.0 - self.section_density();
+        }
         let Some((length_m, pitch_across_m)) = self.length_m().zip(self.pitch_across_m()) else { return 1.0 };
-        let mean = if self.planform() == Planform::Disc { std::f64::consts::FRAC_PI_4 } else { 1.0 };
+        let mean = match self.texture.outline() {
+            Some(outline) => outline.area() / outline.length(),
+            None if self.planform() == Planform::Disc => std::f64::consts::FRAC_PI_4,
+            None => 1.0,
+        };
         mean * (length_m / pitch_across_m)
     }
 
-    /// Smallest distance between two cavities, in metres: the narrowest land.
+    /// Smallest distance between two cavities, in metres: the narrowest land. That of polygons is exact, whichever of the
+    /// neighbours is the nearest; between crossing grooves it is the spacing.
     #[must_use]
     pub fn least_land_m(&self) -> f64 {
         let (Some(length_m), Some(spacing_across_m)) = (self.length_m(), self.spacing_across_m()) else {
             return self.spacing_m;
         };
+        if let Some(outline) = self.texture.outline() {
+            return self.least_distance_m(outline, length_m + spacing_across_m);
+        }
         match self.texture.arrangement() {
             Arrangement::Square => self.spacing_m.min(spacing_across_m),
             // All six neighbours are as near as those of the row.
@@ -256,10 +331,49 @@ impl Pattern {
         }
     }
 
-    /// Smallest extent of a cavity seen from above, in metres.
+    /// Smallest distance between two polygons of the pattern whose rows are `pitch_across_m` apart, in metres.
+    fn least_distance_m(&self, outline: Polygon, pitch_across_m: f64) -> f64 {
+        // Over the width, as outlines are; steps along x in half pitches.
+        let [half_pitch, pitch_across] = [self.pitch_m() / 2.0, pitch_across_m].map(|pitch_m| pitch_m / self.width_m);
+        let shifts_rows = self.texture.arrangement().shifts_rows();
+        let mut neighbours: Vec<(f64, [f64; 2])> = Vec::new();
+        for row in 0..=3_i32 {
+            let is_shifted = shifts_rows && row % 2 == 1;
+            for step in -6..=6_i32 {
+                let is_neighbour = (step.rem_euclid(2) == 1) == is_shifted && (row, step) > (0, 0);
+                let shift = [f64::from(step) * half_pitch, f64::from(row) * pitch_across];
+                // The distance of the bounding boxes, which that of the outlines is not below.
+                let apart = (shift[0].abs() - 1.0).max(0.0).hypot((shift[1] - outline.length()).max(0.0));
+                if is_neighbour {
+                    neighbours.push((apart, shift));
+                }
+            }
+        }
+        neighbours.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let nearest = neighbours.into_iter().fold(f64::INFINITY, |least, (apart, shift)| {
+            if apart < least { least.min(outline.distance(shift)) } else { least }
+        });
+        nearest * self.width_m
+    }
+
+    /// Smallest extent of a cavity seen from above, in metres; of a polygon its narrowest width, as
+    /// [`Polygon::least_extent`] has it.
     #[must_use]
     pub fn least_extent_m(&self) -> f64 {
+        if let Some(outline) = self.texture.outline() {
+            return outline.least_extent() * self.width_m;
+        }
         self.length_m().map_or(self.width_m, |length_m| length_m.min(self.width_m))
+    }
+
+    /// The families of grooves that it is made of, each as a pattern of its own on the same specimen: one, of crossing grooves
+    /// two; empty for other planforms.
+    pub fn families(&self) -> impl Iterator<Item = Self> + use<> {
+        let pattern = *self;
+        pattern
+            .texture
+            .families_deg()
+            .map(move |angle_deg| Self { texture: pattern.texture.family(angle_deg), ..pattern })
     }
 
     /// The same section, rims included, as grooves across the sliding direction.
@@ -267,5 +381,24 @@ impl Pattern {
     pub fn as_groove(mut self) -> Self {
         self.texture = Texture::new(Planform::Groove).with_rim(self.texture.rim().copied());
         self
+    }
+}
+
+/// Area of a rectangle; `None` where it is empty or not finite.
+fn proper_area_m2([x0_m, x1_m]: [f64; 2], [y0_m, y1_m]: [f64; 2]) -> Option<f64> {
+    // Products and quotients of lengths below 1e-150 m would underflow: none is meant.
+    let area_m2 = (x1_m - x0_m) * (y1_m - y0_m);
+    (x1_m > x0_m && y1_m > y0_m && area_m2.is_finite() && area_m2 > 0.0).then_some(area_m2)
+}
+
+/// A share that is 0 or 1 where it is so to 1e-12.
+fn rounded(share: f64) -> f64 {
+    const ROUNDING: f64 = 1e-12;
+    if share < ROUNDING {
+        0.0
+    } else if share > 1.0 - ROUNDING {
+        1.0
+    } else {
+        share
     }
 }

@@ -15,11 +15,16 @@ pub enum Planform {
     Rectangle,
     /// A disc; its width is its diameter.
     Disc,
+    /// A [`Polygon`](crate::Polygon); its width is its extent along x.
+    Polygon,
+    /// Two families of equal grooves that cross, each `width` wide and `spacing` apart; where they cross they are no deeper.
+    Crosshatch,
 }
 
 impl Planform {
     /// All planforms, in the order in which help texts list them.
-    pub const ALL: [Self; 4] = [Self::Groove, Self::Square, Self::Rectangle, Self::Disc];
+    pub const ALL: [Self; 6] =
+        [Self::Groove, Self::Square, Self::Rectangle, Self::Disc, Self::Polygon, Self::Crosshatch];
 
     /// The name used in files.
     #[must_use]
@@ -29,7 +34,15 @@ impl Planform {
             Self::Square => "square",
             Self::Rectangle => "rectangle",
             Self::Disc => "disc",
+            Self::Polygon => "polygon",
+            Self::Crosshatch => "crosshatch",
         }
+    }
+
+    /// Whether cavities are grooves, which do not end.
+    #[must_use]
+    pub const fn is_grooves(self) -> bool {
+        matches!(self, Self::Groove | Self::Crosshatch)
     }
 }
 

@@ -48,7 +48,7 @@ impl ReliefMap {
     /// end there.
     pub fn lands(&self, pattern: &Pattern) -> Result<LandRelief, PatternError> {
         let mut cell_m = pattern.cell_m();
-        if pattern.length_m().is_none() {
+        if pattern.is_uniform_along_y() {
             cell_m[1] = self.sides_m[1];
         }
         if (0..2).any(|axis| (self.sides_m[axis] / cell_m[axis] - 1.0).abs() > MOST_MISFIT) {

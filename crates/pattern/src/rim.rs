@@ -302,7 +302,7 @@ fn height(quantity: &'static str, value_m: f64) -> Result<f64, PatternError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Planform, Texture};
+    use crate::{Planform, Polygon, Texture};
 
     fn rimmed(planform: Planform, profile: RimProfile) -> Pattern {
         let rim = Rim::new(0.5e-6, 20e-6, profile).unwrap();
@@ -403,6 +403,27 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_rims_of_outlines_and_of_crossing_grooves_are_those_of_the_plain_shapes() {
+        let rim = Rim::new(0.5e-6, 20e-6, RimProfile::Ramp).unwrap();
+        let of = |texture: Texture| Pattern::new(texture.with_rim(rim), 130e-6, 70e-6, 20e-6).unwrap();
+        // A disc against a polygon of 360 corners, whose rim is the same but for flattened arcs.
+        let corners: Vec<[f64; 2]> = (0..360).map(|n| f64::from(n).to_radians()).map(|a| [a.cos(), a.sin()]).collect();
+        let outline = Polygon::new(&corners).unwrap();
+        let polygon = of(Texture::new(Planform::Polygon).with_outline(outline).unwrap());
+        let disc = of(Texture::new(Planform::Disc));
+        let crossing = of(Texture::new(Planform::Crosshatch));
+        let groove = of(Texture::new(Planform::Groove));
+        for (x, y) in [(63.0, 3.0), (71.5, -12.0), (48.0, 48.0), (10.0, 72.0)] {
+            let [x, y] = [x, y].map(|from: f64| [from * 1e-6, (from + 8.0) * 1e-6]);
+            let share = |pattern: &Pattern| pattern.rim_share(x[0], x[1], y[0], y[1]);
+            assert!((share(&polygon) - share(&disc)).abs() < 2e-3, "{x:?}: {} {}", share(&polygon), share(&disc));
+        }
+        // Far from the other family a land beside one groove is that of grooves: its middle lies half a pitch away.
+        let share = |pattern: &Pattern| pattern.rim_share(66e-6, 73e-6, 97e-6, 103e-6);
+        assert!((share(&crossing) - share(&groove)).abs() < 1e-12);
     }
 
     #[test]

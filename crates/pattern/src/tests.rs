@@ -27,8 +27,41 @@ fn kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Patt
     patterns
 }
 
+/// An L, concave and without symmetry, 100 by 70.
+const L: [[f64; 2]; 6] = [[0.0, 0.0], [100.0, 10.0], [90.0, 40.0], [45.0, 35.0], [40.0, 70.0], [5.0, 65.0]];
+
+/// The same of outlines that are none of the plain ones: polygons and crossing grooves.
+fn further_kinds(width: f64, spacing: f64, spacing_across: f64) -> Vec<Pattern> {
+    let pattern = |texture: Texture| Pattern::new(texture, width * 1e-6, spacing * 1e-6, 20e-6).unwrap();
+    let bent = Texture::new(Planform::Polygon).with_outline(Polygon::new(&L).unwrap()).unwrap();
+    let bent = bent.with_spacing_across_m(spacing_across * 1e-6).unwrap();
+    let crossed = Texture::new(Planform::Crosshatch);
+    let textures = [
+        Texture::new(Planform::Polygon),
+        bent,
+        bent.with_arrangement(Arrangement::Staggered).unwrap(),
+        crossed.with_groove_angle_deg(20.0).unwrap(),
+        crossed.with_crossing_angle_deg(55.0).unwrap(),
+        crossed.with_crossing_angle_deg(20.0).unwrap(),
+    ];
+    textures.map(pattern).to_vec()
+}
+
+/// All of these.
+fn all_kinds(width: f64, spacing: f64, length: f64, spacing_across: f64) -> Vec<Pattern> {
+    [kinds(width, spacing, length, spacing_across), further_kinds(width, spacing, spacing_across)].concat()
+}
+
 /// Whether a point lies in a cavity: every cavity near it is tried.
 fn contains(pattern: &Pattern, point_m: [f64; 2]) -> bool {
+    if pattern.planform() == Planform::Crosshatch {
+        // In one of the families, whose widths lie at angles to the specimen's X.
+        return pattern.texture().families_deg().any(|angle_deg| {
+            let turned = (angle_deg - pattern.texture().orientation_deg()).to_radians();
+            let away = (point_m[0] * turned.cos() + point_m[1] * turned.sin()) / pattern.pitch_m();
+            (away - away.round()).abs() * pattern.pitch_m() < pattern.width_m() / 2.0
+        });
+    }
     let cell_m = pattern.cell_m();
     let (half_x_m, half_y_m) = (pattern.width_m() / 2.0, pattern.length_m().map_or(f64::INFINITY, |l| l / 2.0));
     pattern.centres_m().any(|centre_m| {
@@ -36,8 +69,9 @@ fn contains(pattern: &Pattern, point_m: [f64; 2]) -> bool {
             let away = (point_m[axis] - centre_m[axis]) / cell_m[axis];
             (away - away.round()) * cell_m[axis]
         });
-        match pattern.planform() {
-            Planform::Disc => x_m.hypot(y_m) < half_x_m,
+        match (pattern.planform(), pattern.texture().outline()) {
+            (Planform::Disc, _) => x_m.hypot(y_m) < half_x_m,
+            (_, Some(outline)) => outline.contains([x_m, y_m].map(|at_m| at_m / pattern.width_m())),
             _ => x_m.abs() < half_x_m && y_m.abs() < half_y_m,
         }
     })
@@ -56,6 +90,79 @@ fn densities_of_the_published_pattern() {
     let long = Pattern::new(long, 130e-6, 370e-6, 20e-6).unwrap();
     assert!((long.areal_density() - 0.26 * 0.975).abs() < 1e-12);
     assert!((long.strip_estimate(0.827) - (1.0 - 0.975 * 0.173)).abs() < 1e-12);
+}
+
+#[test]
+fn plain_planforms_given_as_polygons_have_the_same_coverage() {
+    let regular = |corners: u32| -> Vec<[f64; 2]> {
+        let angle = |k: u32| 2.0 * PI * f64::from(k) / f64::from(corners);
+        (0..corners).map(|k| [angle(k).cos(), angle(k).sin()]).collect()
+    };
+    let box_of = |length: f64| vec![[0.0, 0.0], [3.0, 0.0], [3.0, 3.0 * length], [0.0, 3.0 * length]];
+    let rectangle = Texture::new(Planform::Rectangle).with_length_m(77.7e-6).unwrap();
+    for (plain, outline, tolerance) in [
+        (Texture::new(Planform::Square), box_of(1.0), 1e-12),
+        (rectangle, box_of(77.7 / 130.0), 1e-12),
+        // Segments between chords and arcs: (2 pi/n)^2/6 of the area, all of it near the edge.
+        (Texture::new(Planform::Disc), regular(720), 4e-4),
+    ] {
+        let polygon = Texture::new(Planform::Polygon).with_outline(Polygon::new(&outline).unwrap()).unwrap();
+        for arrangement in [Arrangement::Square, Arrangement::Staggered] {
+            let [plain, polygon] = [plain, polygon]
+                .map(|texture| texture.with_arrangement(arrangement).unwrap().with_spacing_across_m(41.1e-6).unwrap())
+                .map(|texture| Pattern::new(texture, 130e-6, 60e-6, 5e-6).unwrap());
+            assert!((plain.areal_density() - polygon.areal_density()).abs() < tolerance);
+            assert!((plain.strip_estimate(0.8) - polygon.strip_estimate(0.8)).abs() < tolerance);
+            for (i, j) in (-20..20).flat_map(|i| (-20..20).map(move |j| (f64::from(i), f64::from(j)))) {
+                let (x_m, y_m) = (i * 9.7e-6, j * 11.3e-6);
+                let shares = [plain, polygon].map(|p| p.coverage(x_m, x_m + 9.7e-6, y_m, y_m + 11.3e-6));
+                assert!((shares[0] - shares[1]).abs() < tolerance, "{plain:?} {i} {j}: {shares:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn crossing_grooves_cover_what_either_family_covers() {
+    for (crossing_deg, sides) in [(90.0, [1.0, 1.0]), (60.0, [2.0 / 3_f64.sqrt(), 2.0])] {
+        let texture = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(crossing_deg).unwrap();
+        let texture = texture.with_groove_angle_deg(-30.0).unwrap().with_sliding_angle_deg(10.0).unwrap();
+        let pattern = Pattern::new(texture, 100e-6, 150e-6, 5e-6).unwrap();
+        // 1 - (1 - 0.4)^2
+        assert!((pattern.areal_density() - 0.64).abs() < 1e-15);
+        assert_eq!((pattern.least_land_m(), pattern.least_extent_m(), pattern.dimensions()), (150e-6, 100e-6, 3));
+        let cell_m = pattern.cell_m();
+        assert!((0..2).all(|axis| (cell_m[axis] / 250e-6 - sides[axis]).abs() < 1e-12), "{cell_m:?}");
+        assert_eq!(pattern.centres_m().count(), if crossing_deg == 90.0 { 1 } else { 2 });
+        // The own axes: halfway between the families, at right angles along them.
+        assert_eq!(texture.orientation_deg(), if crossing_deg == 90.0 { -30.0 } else { 0.0 });
+        assert_eq!(texture.families_deg().collect::<Vec<_>>(), [-30.0, crossing_deg - 30.0]);
+        // Far inside a groove of one family, along it.
+        assert_eq!(pattern.coverage(-1e-6, 1e-6, -1e-6, 1e-6), 1.0);
+    }
+    // In between, the share of families that do not feel each other: a small square on the middle of a groove of the first.
+    let texture = Texture::new(Planform::Crosshatch);
+    let pattern = Pattern::new(texture, 100e-6, 150e-6, 5e-6).unwrap();
+    let groove = Pattern::new(Planform::Groove, 100e-6, 150e-6, 5e-6).unwrap();
+    for x_m in [-60e-6, -20e-6, 45e-6, 70e-6] {
+        let share = pattern.coverage(x_m, x_m + 30e-6, 0.0, 250e-6);
+        // A + B - A B over a period across.
+        let alone = groove.coverage(x_m, x_m + 30e-6, 0.0, 250e-6);
+        assert!((share - (alone + 0.4 - 0.4 * alone)).abs() < 1e-12, "{share} {alone}");
+    }
+    let alike = |texture: Texture, angle_deg: f64| texture.slides_alike(angle_deg);
+    let square = Texture::new(Planform::Crosshatch).with_sliding_angle_deg(20.0).unwrap();
+    assert!(alike(square, 70.0) && alike(square, -20.0) && alike(square, -160.0) && !alike(square, 45.0));
+    let rhombic = square.with_crossing_angle_deg(60.0).unwrap();
+    // Mirrored at the axis halfway between the families, at 30 degrees.
+    assert!(alike(rhombic, 40.0) && alike(rhombic, -160.0) && !alike(rhombic, -20.0) && !alike(rhombic, 70.0));
+    for bad in [0.0, 9.9, 90.1, f64::NAN] {
+        let refused = Texture::new(Planform::Crosshatch).with_crossing_angle_deg(bad).unwrap_err().to_string();
+        assert!(refused.contains("expected 10 to 90"), "{refused}");
+    }
+    assert!(Texture::new(Planform::Groove).with_crossing_angle_deg(60.0).is_err());
+    assert!(texture.with_spacing_across_m(1e-5).is_err() && texture.with_length_m(1e-5).is_err());
+    assert!(texture.with_arrangement(Arrangement::Staggered).is_err());
 }
 
 #[test]
@@ -154,7 +261,7 @@ fn hexagonal_cavities_have_six_neighbours_at_one_pitch() {
 
 #[test]
 fn coverage_of_long_and_of_empty_rectangles() {
-    for pattern in kinds(130.0, 370.0, 90.0, 60.0) {
+    for pattern in all_kinds(130.0, 370.0, 90.0, 60.0) {
         // A metre by a metre costs what a block costs, and tends to the areal density.
         let share = pattern.coverage(-0.3, 0.7, -0.4, 0.6);
         assert!((share / pattern.areal_density() - 1.0).abs() < 2e-3, "{pattern:?}: {share}");
@@ -242,7 +349,7 @@ fn coverage_adds_up_to_the_areal_density_over_any_tiling() {
     let tiling = (-2.0..2.0, -2.0..2.0, 1_u32..40, 1_u32..40);
     runner()
         .run(&(dimensions, tiling), |((width, spacing, length, across), (offset_x, offset_y, columns, rows))| {
-            for pattern in kinds(width, spacing, length, across) {
+            for pattern in all_kinds(width, spacing, length, across) {
                 let [cell_x_m, cell_y_m] = pattern.cell_m();
                 let x_m = |i: u32| (offset_x + f64::from(i) / f64::from(columns)) * cell_x_m;
                 let y_m = |j: u32| (offset_y + f64::from(j) / f64::from(rows)) * cell_y_m;
@@ -270,7 +377,8 @@ fn coverage_is_continuous_in_every_dimension() {
             let shares = |numbers: [f64; 6]| -> Vec<f64> {
                 let [width, spacing, length, across, x, y] = numbers;
                 let [x0_m, x1_m, y0_m, y1_m] = [x, x + SIDE, y, y + SIDE].map(|um| um * 1e-6);
-                kinds(width, spacing, length, across).iter().map(|p| p.coverage(x0_m, x1_m, y0_m, y1_m)).collect()
+                let patterns = all_kinds(width, spacing, length, across);
+                patterns.iter().map(|p| p.coverage(x0_m, x1_m, y0_m, y1_m)).collect()
             };
             let mut moved = numbers;
             moved[axis] += STEP;
@@ -291,7 +399,7 @@ fn coverage_is_the_share_of_points_inside() {
     runner()
         .run(&(dimensions, rectangle), |((width, spacing, length, across), (corner, side))| {
             let at_m = |axis: usize, points: f64| (corner[axis] + side[axis] * points / f64::from(POINTS)) * 1e-6;
-            for pattern in kinds(width, spacing, length, across) {
+            for pattern in all_kinds(width, spacing, length, across) {
                 let inside = (0..POINTS)
                     .flat_map(|i| (0..POINTS).map(move |j| [i, j].map(|k| f64::from(k) + 0.5)))
                     .filter(|point| contains(&pattern, [at_m(0, point[0]), at_m(1, point[1])]))

@@ -1,38 +1,46 @@
 use crate::error::length;
-use crate::{Arrangement, PatternError, Planform, Rim};
+use crate::{Arrangement, PatternError, Planform, Polygon, Rim};
 
 /// Everything about a pattern but its width, spacing and depth: shape, extent across, arrangement,
 /// directions and rims.
 ///
 /// A texture lies on a specimen with axes X and Y. Its own axes x and y are turned from them by
 /// `orientation_deg`, anticlockwise: that of grooves is free, cavities of other planforms keep
-/// their sides along X and Y. The specimen slides along a direction `sliding_angle_deg` from X.
+/// their sides along X and Y. The own axes of crossing grooves lie halfway between the families, or, where these are at
+/// right angles, along them: so they have a rectangular cell. The specimen slides along a direction `sliding_angle_deg` from X.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texture {
     planform: Planform,
     length_m: Option<f64>,
+    outline: Option<Polygon>,
     spacing_across_m: Option<f64>,
     arrangement: Arrangement,
-    orientation_deg: f64,
+    groove_angle_deg: f64,
+    crossing_angle_deg: f64,
     sliding_angle_deg: f64,
     rim: Option<Rim>,
 }
 
+/// Nearer to parallel, two families of grooves have a cell of more than eleven pitches.
+const LEAST_CROSSING_ANGLE_DEG: f64 = 10.0;
+const RIGHT_ANGLE_DEG: f64 = 90.0;
 /// Grooves at 90 degrees and at -90 are the same.
 const MOST_GROOVE_ANGLE_DEG: f64 = 90.0;
 const MOST_SLIDING_ANGLE_DEG: f64 = 180.0;
 
 impl Texture {
     /// Cavities of `planform`, as long as wide and as far apart along y as along x, every row like
-    /// the one before, sliding along x.
+    /// the one before, sliding along x. A polygon is a square until it has an outline; grooves cross at right angles.
     #[must_use]
     pub const fn new(planform: Planform) -> Self {
         Self {
             planform,
             length_m: None,
+            outline: None,
             spacing_across_m: None,
             arrangement: Arrangement::Square,
-            orientation_deg: 0.0,
+            groove_angle_deg: 0.0,
+            crossing_angle_deg: RIGHT_ANGLE_DEG,
             sliding_angle_deg: 0.0,
             rim: None,
         }
@@ -50,13 +58,43 @@ impl Texture {
         Ok(self)
     }
 
+    /// Polygons of this outline, scaled by the width.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for other planforms.
+    pub fn with_outline(mut self, outline: Polygon) -> Result<Self, PatternError> {
+        if self.planform != Planform::Polygon {
+            return self.no("an outline", "planform \"polygon\", or no outline");
+        }
+        self.outline = Some(outline);
+        Ok(self)
+    }
+
+    /// A second family of grooves that crosses the first at `angle_deg`, its direction turned from the first's
+    /// anticlockwise.
+    ///
+    /// # Errors
+    /// [`PatternError::NoSuchProperty`] for other planforms than crossing grooves, [`PatternError::CrossingAngle`] outside 10
+    /// to 90 degrees: any two directions are so if the right one is called the first.
+    pub fn with_crossing_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
+        if self.planform != Planform::Crosshatch {
+            return self.no("a crossing angle", "planform \"crosshatch\", or no crossing angle");
+        }
+        let (least_deg, most_deg) = (LEAST_CROSSING_ANGLE_DEG, RIGHT_ANGLE_DEG);
+        if !(least_deg..=most_deg).contains(&angle_deg) {
+            return Err(PatternError::CrossingAngle { value_deg: angle_deg, least_deg, most_deg });
+        }
+        self.crossing_angle_deg = angle_deg;
+        Ok(self)
+    }
+
     /// A gap of `spacing_across_m` between neighbouring rows, along y, in metres.
     ///
     /// # Errors
     /// [`PatternError::NoSuchProperty`] for grooves, [`PatternError::HexagonalRows`] where rows have a distance of their
     /// own, [`PatternError::NotALength`] unless positive.
     pub fn with_spacing_across_m(mut self, spacing_across_m: f64) -> Result<Self, PatternError> {
-        if self.planform == Planform::Groove {
+        if self.planform.is_grooves() {
             return self.no("a spacing across", "another planform, or no spacing across");
         }
         if self.arrangement == Arrangement::Hexagonal {
@@ -72,7 +110,7 @@ impl Texture {
     /// [`PatternError::NoSuchProperty`] for grooves, which have no rows; [`PatternError::HexagonalRows`] where a spacing
     /// across says how far apart they are.
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Result<Self, PatternError> {
-        if self.planform == Planform::Groove && arrangement != Arrangement::Square {
+        if self.planform.is_grooves() && arrangement != Arrangement::Square {
             let property = if arrangement == Arrangement::Staggered {
                 "a staggered arrangement"
             } else {
@@ -88,16 +126,16 @@ impl Texture {
     }
 
     /// Grooves turned on the specimen by `angle_deg`, anticlockwise from lying across X: at 0 and
-    /// sliding along X they are transversal, at 90 longitudinal.
+    /// sliding along X they are transversal, at 90 longitudinal. Of crossing grooves the first family.
     ///
     /// # Errors
     /// [`PatternError::NoSuchProperty`] for other planforms, [`PatternError::AngleOutOfRange`] beyond
     /// 90 degrees either way.
     pub fn with_groove_angle_deg(mut self, angle_deg: f64) -> Result<Self, PatternError> {
-        if self.planform != Planform::Groove {
-            return self.no("a groove angle", "planform \"groove\", or a sliding angle instead");
+        if !self.planform.is_grooves() {
+            return self.no("a groove angle", "planform \"groove\" or \"crosshatch\", or a sliding angle instead");
         }
-        self.orientation_deg = angle("groove angle", angle_deg, MOST_GROOVE_ANGLE_DEG)?;
+        self.groove_angle_deg = angle("groove angle", angle_deg, MOST_GROOVE_ANGLE_DEG)?;
         Ok(self)
     }
 
@@ -139,6 +177,12 @@ impl Texture {
         self.length_m
     }
 
+    /// The outline of polygons; `None` for other planforms, and for polygons that are squares.
+    #[must_use]
+    pub const fn outline(&self) -> Option<Polygon> {
+        self.outline
+    }
+
     /// Gap between neighbouring rows along y, in metres, where it is not the spacing along x.
     #[must_use]
     pub const fn spacing_across_m(&self) -> Option<f64> {
@@ -151,11 +195,48 @@ impl Texture {
         self.arrangement
     }
 
-    /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, and
+    /// How far grooves, of crossing ones the first family, are turned from lying across the specimen's X axis, in degrees;
     /// 0 for other planforms.
     #[must_use]
-    pub const fn orientation_deg(&self) -> f64 {
-        self.orientation_deg
+    pub const fn groove_angle_deg(&self) -> f64 {
+        self.groove_angle_deg
+    }
+
+    /// Angle between the two families of crossing grooves, in degrees; `None` for other planforms.
+    #[must_use]
+    pub const fn crossing_angle_deg(&self) -> Option<f64> {
+        match self.planform {
+            Planform::Crosshatch => Some(self.crossing_angle_deg),
+            _ => None,
+        }
+    }
+
+    /// Angles from the specimen's X axis to the widths of the families of grooves, in degrees: one, of crossing grooves two;
+    /// empty for other planforms.
+    pub fn families_deg(&self) -> impl Iterator<Item = f64> + use<> {
+        let first = self.planform.is_grooves().then_some(self.groove_angle_deg);
+        first.into_iter().chain(self.crossing_angle_deg().map(|crossing_deg| self.groove_angle_deg + crossing_deg))
+    }
+
+    /// Grooves alone whose widths lie at `angle_deg` from X, from -90 to 180, sliding as this texture does.
+    pub(crate) fn family(&self, angle_deg: f64) -> Self {
+        // Turned by half a turn grooves are the same.
+        let groove_angle_deg = if angle_deg > MOST_GROOVE_ANGLE_DEG { angle_deg - 180.0 } else { angle_deg };
+        Self { groove_angle_deg, sliding_angle_deg: self.sliding_angle_deg, ..Self::new(Planform::Groove) }
+    }
+
+    /// Half the angle between the families of crossing grooves where the own axes lie halfway between them, in degrees.
+    pub(crate) fn oblique_half_angle_deg(&self) -> Option<f64> {
+        self.crossing_angle_deg()
+            .filter(|&crossing_deg| crossing_deg != RIGHT_ANGLE_DEG)
+            .map(|crossing_deg| crossing_deg / 2.0)
+    }
+
+    /// Angle from the specimen's X axis to the texture's x axis, in degrees: the groove angle, of crossing grooves that
+    /// between the families unless they are at right angles, and 0 for other planforms.
+    #[must_use]
+    pub fn orientation_deg(&self) -> f64 {
+        self.groove_angle_deg + self.oblique_half_angle_deg().unwrap_or(0.0)
     }
 
     /// Angle from the specimen's X axis to the sliding direction, in degrees.
@@ -167,13 +248,13 @@ impl Texture {
     /// Unit vector of the texture's x axis in the specimen's axes.
     #[must_use]
     pub fn orientation(&self) -> [f64; 2] {
-        unit_vector(self.orientation_deg)
+        unit_vector(self.orientation_deg())
     }
 
     /// Unit vector of the sliding direction in the texture's own axes x and y.
     #[must_use]
     pub fn sliding_direction(&self) -> [f64; 2] {
-        unit_vector(self.sliding_angle_deg - self.orientation_deg)
+        unit_vector(self.sliding_angle_deg - self.orientation_deg())
     }
 
     /// Unit vector of the sliding direction in the specimen's axes X and Y.
@@ -184,16 +265,23 @@ impl Texture {
 
     /// Whether friction when sliding at `other_deg` from X is that of sliding as this texture does, by symmetry: back and
     /// forth are alike, as cavities are their own image when turned by 180 degrees; so are directions that are mirrored
-    /// at a texture's axes, and at the diagonal of squares and discs that lie as far apart across as along.
+    /// at a texture's axes, and at the diagonal of squares and discs that lie as far apart across as along. A polygon has
+    /// what symmetry its outline has, and of a turn by 180 degrees, too, only then one.
     #[must_use]
     pub fn slides_alike(&self, other_deg: f64) -> bool {
         const SAME_DEG: f64 = 1e-9;
-        let has_square_symmetry = matches!(self.planform, Planform::Square | Planform::Disc)
-            && self.arrangement == Arrangement::Square
-            && self.spacing_across_m.is_none();
+        let is_square_lattice = self.arrangement == Arrangement::Square && self.spacing_across_m.is_none();
+        if let Some(outline) = self.outline {
+            // A texture's own axes are the specimen's.
+            let is_square_lattice = is_square_lattice && outline.length() == 1.0;
+            return outline.symmetries().alike(self.sliding_angle_deg, other_deg, is_square_lattice, SAME_DEG);
+        }
+        let is_square =
+            matches!(self.planform, Planform::Square | Planform::Disc | Planform::Polygon) && is_square_lattice;
+        let has_square_symmetry = is_square || self.crossing_angle_deg() == Some(RIGHT_ANGLE_DEG);
         // The angle between the direction and the nearest x or -x, of 0 to 90 degrees, or to 45.
         let folded_deg = |angle_deg: f64| {
-            let turned_deg = (angle_deg - self.orientation_deg).rem_euclid(180.0);
+            let turned_deg = (angle_deg - self.orientation_deg()).rem_euclid(180.0);
             let acute_deg = turned_deg.min(180.0 - turned_deg);
             if has_square_symmetry { acute_deg.min(90.0 - acute_deg) } else { acute_deg }
         };

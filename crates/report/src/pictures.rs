@@ -157,7 +157,7 @@ fn columns(scene: &Scene, points: &[InterfacePoint]) -> [Columns; 2] {
     // Whole numbers, at least 1.
     let divided = |axis: usize| Columns { spacing_m: cell_m[axis] / cells[axis], count: cells[axis].max(1.0) as usize };
     // A groove is as long as its run took it to be.
-    [divided(0), if pattern.length_m().is_none() { filled(reach[1], block_m) } else { divided(1) }]
+    [divided(0), if pattern.is_uniform_along_y() { filled(reach[1], block_m) } else { divided(1) }]
 }
 
 /// The gaps between contact blocks of a patterned surface: its cavities, to within a block.

@@ -95,10 +95,10 @@ fn scatters(pattern: &Pattern) -> bool {
 
 /// Rectangular cells of `pattern` along x and y that a cell in space needs for its rims.
 pub fn cells(pattern: &Pattern) -> [usize; 2] {
-    match (scatters(pattern), pattern.length_m()) {
+    match (scatters(pattern), pattern.is_uniform_along_y()) {
         (false, _) => [1, 1],
-        (true, None) => [SCATTERED_PERIODS, 1],
-        (true, Some(_)) => [2, 2],
+        (true, true) => [SCATTERED_PERIODS, 1],
+        (true, false) => [2, 2],
     }
 }
 

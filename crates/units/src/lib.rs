@@ -136,6 +136,8 @@ pub const STEP_NS: Quantity = Quantity::new(Scale::Over(1e9), "ns", 0.0, true, 1
 pub const POISSON: Quantity = Quantity::new(Scale::Times(1.0), "", -1.0, true, 0.5);
 /// Angles of grooves: turned by half a turn they are the same.
 pub const GROOVE_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -90.0, false, 90.0);
+/// Angles between two families of grooves.
+pub const CROSSING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", 10.0, false, 90.0);
 /// Angles of the sliding direction.
 pub const SLIDING_ANGLE_DEG: Quantity = Quantity::new(Scale::Times(1.0), "degrees", -180.0, false, 180.0);
 /// How far walls lean from upright.

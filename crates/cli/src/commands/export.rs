@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Texture};
+use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Polygon, Texture};
 
 use crate::args::ExportArgs;
 use crate::input::disk;
@@ -80,6 +80,12 @@ fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
         let length_m = length("length_um", length_um)?;
         texture = texture.with_length_m(length_m).map_err(|error| refuse("length_um", error))?;
     }
+    if let Some(vertices_um) = &design.vertices_um {
+        let refused =
+            |reason: String| Diagnostic { key: Some("design.vertices_um".into()), ..Diagnostic::file(path, reason) };
+        let outline = Polygon::new(vertices_um).map_err(|error| refused(error.to_string()))?;
+        texture = texture.with_outline(outline).map_err(|error| refuse("vertices_um", error))?;
+    }
     if let Some(spacing_um) = design.spacing_across_um {
         let spacing_m = length("spacing_across_um", spacing_um)?;
         texture = texture.with_spacing_across_m(spacing_m).map_err(|error| refuse("spacing_across_um", error))?;
@@ -92,6 +98,9 @@ fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
     }
     if let Some(angle_deg) = design.angle_deg {
         texture = texture.with_groove_angle_deg(angle_deg).map_err(|error| refuse("angle_deg", error))?;
+    }
+    if let Some(angle_deg) = design.crossing_angle_deg {
+        texture = texture.with_crossing_angle_deg(angle_deg).map_err(|error| refuse("crossing_angle_deg", error))?;
     }
     if let Some(angle_deg) = design.sliding_angle_deg {
         texture = texture.with_sliding_angle_deg(angle_deg).map_err(|error| refuse("sliding_angle_deg", error))?;

@@ -109,7 +109,7 @@ const OUTLINES: [Outline; 2] = [DISC, Outline::Rectangle { length_m: 6e-3, width
 
 /// How far a cavity passes the outline, in metres; negative inside.
 fn excess_m(cavity: &Cavity, outline: &Outline) -> f64 {
-    let reach_m = match cavity.boundaries().remove(0) {
+    let reach_m = |boundary: Boundary| match boundary {
         Boundary::Circle { centre_m: [x, y], radius_m } => vec![[x, y, radius_m]],
         Boundary::Rectangle { corners_m } => corners_m.map(|[x, y]| [x, y, 0.0]).to_vec(),
         Boundary::Polygon { corners_m } => corners_m.iter().map(|[x, y]| [*x, *y, 0.0]).collect(),
@@ -119,7 +119,7 @@ fn excess_m(cavity: &Cavity, outline: &Outline) -> f64 {
         Outline::Ring { .. } => f64::NAN,
         Outline::Rectangle { length_m, width_m } => (x.abs() - length_m / 2.0).max(y.abs() - width_m / 2.0) + radius_m,
     };
-    reach_m.into_iter().map(excess).fold(f64::NEG_INFINITY, f64::max)
+    cavity.boundaries().into_iter().flat_map(reach_m).map(excess).fold(f64::NEG_INFINITY, f64::max)
 }
 
 #[test]
@@ -144,6 +144,13 @@ fn every_cavity_that_fits_whole_is_laid_and_no_other() {
                     orientation: [1.0, 0.0],
                     planform: pattern.planform(),
                     cut_by: None,
+                    face: pattern.texture().outline().map(|outline| Face {
+                        outline,
+                        centre_m: [x_m + i * cell_x_m, y_m + j * cell_y_m],
+                        width_m: pattern.width_m(),
+                        inset_m: 0.0,
+                    }),
+                    crossed_by: None,
                 };
                 fitting += usize::from(excess_m(&cavity, &outline) < 1e-12);
             }
@@ -220,6 +227,9 @@ fn one_disc_fits_on_a_disc_of_its_size_and_none_on_a_smaller_one() {
 fn span_m(cavity: &Cavity) -> [f64; 2] {
     let [cosine, sine] = cavity.orientation;
     let (x_m, y_m) = (cavity.centre_x_m, cavity.centre_y_m);
+    if let Some(reach_m) = cavity.polygon_reach_m() {
+        return reach_m;
+    }
     if cavity.planform == Planform::Disc {
         let (distance_m, radius_m) = (x_m.hypot(y_m), cavity.width_m / 2.0);
         return [(distance_m - radius_m).max(0.0), distance_m + radius_m];

@@ -46,6 +46,10 @@ impl Page {
     fn detail_cavities(&mut self, pattern: &Pattern, [left, top]: [f64; 2], pitch: f64, width: f64) {
         let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
         let starts = [(pitch - width) / 2.0, (pitch - width) / 2.0 + pitch];
+        if let Some(crossing_deg) = pattern.texture().crossing_angle_deg() {
+            self.detail_crossing(crossing_deg, [left, top], pitch, width);
+            return;
+        }
         let Some((pitch_across_m, length_m)) = pattern.pitch_across_m().zip(pattern.length_m()) else {
             for x in starts {
                 self.rectangle([left + x, top], [width, DETAIL_SIDE], &cavity);
@@ -53,11 +57,12 @@ impl Page {
             return;
         };
         let scale = pitch / pattern.pitch_m();
-        let square = pattern.texture().length_m().is_none();
+        let outline = pattern.texture().outline();
+        let square = pattern.texture().length_m().is_none() && outline.is_none();
         let (pitch_across, length) = (scale * pitch_across_m, if square { width } else { scale * length_m });
         // Two whole periods need no clipping.
         let staggered = pattern.texture().arrangement().shifts_rows();
-        let clipped = staggered || pitch_across_m != pattern.pitch_m();
+        let clipped = staggered || outline.is_some() || pitch_across_m != pattern.pitch_m();
         if clipped {
             self.out.push_str("<clipPath id=\"detail-frame\">\n");
             self.rectangle([left, top], [DETAIL_SIDE; 2], "");
@@ -73,7 +78,12 @@ impl Page {
             let is_drawn = |row: usize| if staggered { row % 2 == parity } else { parity == 0 };
             for &x in columns {
                 for (_, &y) in rows.iter().enumerate().filter(|(row, _)| is_drawn(*row)) {
-                    if pattern.planform() == Planform::Disc {
+                    if let Some(outline) = outline {
+                        let (x, y) = (left + x + width / 2.0, top + y + length / 2.0);
+                        let corners =
+                            outline.vertices().iter().map(|corner| [x + width * corner[0], y - width * corner[1]]);
+                        self.polygon(corners, &cavity);
+                    } else if pattern.planform() == Planform::Disc {
                         self.disc([left + x + width / 2.0, top + y + width / 2.0], width / 2.0, &cavity);
                     } else {
                         self.rectangle([left + x, top + y], [width, length], &cavity);
@@ -84,6 +94,33 @@ impl Page {
         if clipped {
             self.out.push_str("</g>\n");
         }
+    }
+
+    /// Two families of grooves, the first upright, that cross in the middle of the first of these.
+    fn detail_crossing(&mut self, crossing_deg: f64, [left, top]: [f64; 2], pitch: f64, width: f64) {
+        let cavity = format!("fill=\"{CAVITY_COLOUR}\"");
+        self.out.push_str("<clipPath id=\"detail-frame\">\n");
+        self.rectangle([left, top], [DETAIL_SIDE; 2], "");
+        self.out.push_str("</clipPath>\n<g clip-path=\"url(#detail-frame)\">\n");
+        let [x, y] = [left + pitch / 2.0, top + DETAIL_SIDE / 2.0];
+        // y points down: anticlockwise angles count backwards.
+        for angle in [0.0, -crossing_deg.to_radians()] {
+            let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
+            for place in -3..=3 {
+                let offset = f64::from(place) * pitch;
+                let half = 2.0 * DETAIL_SIDE;
+                let corner =
+                    |across: f64, along: f64| [x + across * cosine - along * sine, y + across * sine + along * cosine];
+                let [low, high] = [offset - width / 2.0, offset + width / 2.0];
+                self.polygon([corner(low, -half), corner(high, -half), corner(high, half), corner(low, half)], &cavity);
+            }
+        }
+        self.out.push_str("</g>\n");
+    }
+
+    fn polygon(&mut self, corners: impl IntoIterator<Item = [f64; 2]>, style: &str) {
+        let points: Vec<String> = corners.into_iter().map(|[x, y]| format!("{},{}", self.mm(x), self.mm(y))).collect();
+        let _ = writeln!(self.out, "<polygon points=\"{}\" {style}/>", points.join(" "));
     }
 
     fn disc(&mut self, [x, y]: [f64; 2], radius: f64, style: &str) {

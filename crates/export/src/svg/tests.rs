@@ -25,7 +25,7 @@ fn attribute<'a>(svg: &'a str, marker: &str, name: &str) -> &'a str {
 
 /// What a path of the cavities says: corners, or leftmost point and radius, y turned up again.
 enum Read {
-    Corners([[f64; 2]; 4]),
+    Corners(Vec<[f64; 2]>),
     Circle([f64; 3]),
 }
 
@@ -40,10 +40,10 @@ fn read(path: &str) -> Read {
             assert!(r1 == r && r2 == r && r3 == r && back == -over && (over - 2.0 * r).abs() < 1.1e-6, "{path}");
             Read::Circle([x, -y, r])
         }
-        (false, true, &[a, b, c, d, e, f, g, h]) => Read::Corners([[a, -b], [c, -d], [e, -f], [g, -h]]),
+        (false, true, values) => Read::Corners(values.chunks_exact(2).map(|corner| [corner[0], -corner[1]]).collect()),
         (false, false, &[x, y, width, length, back]) => {
             assert_eq!(width, -back);
-            Read::Corners([[x, -y - length], [x + width, -y - length], [x + width, -y], [x, -y]])
+            Read::Corners(vec![[x, -y - length], [x + width, -y - length], [x + width, -y], [x, -y]])
         }
         _ => panic!("{path}"),
     }
@@ -57,14 +57,16 @@ fn cavities_read_back_to_the_same_shapes_within_two_nanometres() {
             let picture = drawn(&layout, &HEADING);
             let path = attribute(&picture, "id=\"cavities\"", "d");
             let paths: Vec<&str> = path.split_terminator('z').collect();
-            assert_eq!(paths.len(), layout.cavities());
-            for (text, cavity) in paths.iter().zip(layout.iter()) {
-                let (read_mm, laid_m): (Vec<f64>, Vec<f64>) = match (read(text), cavity.boundaries().remove(0)) {
-                    (Read::Corners(corners), Boundary::Rectangle { corners_m }) => {
-                        (corners.concat(), corners_m.concat())
+            let laid: Vec<Boundary> = layout.iter().flat_map(|cavity| cavity.boundaries()).collect();
+            assert_eq!(paths.len(), laid.len());
+            for (text, boundary) in paths.iter().zip(laid) {
+                let (read_mm, laid_m): (Vec<f64>, Vec<f64>) = match (read(text), &boundary) {
+                    (Read::Corners(corners), Boundary::Rectangle { .. } | Boundary::Polygon { .. }) => {
+                        assert_eq!(corners.len(), boundary.polygon_m().len());
+                        (corners.concat(), boundary.polygon_m().concat())
                     }
                     (Read::Circle(circle), Boundary::Circle { centre_m: [x, y], radius_m }) => {
-                        (circle.to_vec(), vec![x - radius_m, y, radius_m])
+                        (circle.to_vec(), vec![x - radius_m, *y, *radius_m])
                     }
                     _ => panic!("{text}"),
                 };

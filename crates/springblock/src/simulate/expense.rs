@@ -119,7 +119,7 @@ fn in_time(scene: &Scene, is_spatial: bool, threads: f64) -> Expense {
     let columns: Vec<f64> = match (&scene.pattern, is_spatial) {
         (Some(pattern), true) => {
             let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
-            vec![nx * if pattern.length_m().is_none() { nx } else { ny }; 2]
+            vec![nx * if pattern.is_uniform_along_y() { nx } else { ny }; 2]
         }
         _ => surfaces(scene).into_iter().flatten().map(|columns| columns as f64).collect(),
     };

@@ -101,7 +101,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     let rows = scene.layer.rows();
     let [nx, ny] = SpaceLattice::columns_of(pattern, scene.layer.block_m);
     // Grooves have no period along themselves: as many columns as across hold as many draws as squares do.
-    let along = if pattern.length_m().is_none() { nx } else { ny };
+    let along = if pattern.is_uniform_along_y() { nx } else { ny };
     let blocks = nx * along * rows as f64;
     if blocks > MOST_BLOCKS {
         return Err(SceneError::TooManyBlocks { blocks, most: MOST_BLOCKS });
@@ -113,7 +113,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     let cell = SteadyCell::in_dimensions(scene, 3);
     let exact = cell.space_lattice(pattern, rows);
     let whole = exact.nearest_whole();
-    let own = if pattern.length_m().is_none() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
+    let own = if pattern.is_uniform_along_y() { whole.repeated_along_y(nx as usize) } else { whole.clone() };
     let flat = SpaceLattice::flat(own.columns(), rows);
     let scheme = SpaceScheme::choose(scene, &own)?;
     SpaceScheme::choose(scene, &SpaceLattice::flat([FLAT_COLUMNS; 2], rows))?;
@@ -204,7 +204,7 @@ fn statements(
         ),
     ];
     describe_protocol(scene, scheme.step_s, &mut model);
-    if pattern.length_m().is_none() {
+    if pattern.is_uniform_along_y() {
         model.push("grooves: as many columns along them as across, with coefficients of their own".to_owned());
     }
     if scene.run.draws == 1 {

@@ -50,7 +50,7 @@ impl SpaceLattice {
     #[must_use]
     pub fn columns_of(pattern: &Pattern, block_m: f64) -> [f64; 2] {
         let cell_m = repeated_cell_m(pattern);
-        let along_y = pattern.length_m().map_or(1.0, |_| divide(cell_m[1] / block_m).1 as f64);
+        let along_y = if pattern.is_uniform_along_y() { 1.0 } else { divide(cell_m[1] / block_m).1 as f64 };
         [divide(cell_m[0] / block_m).1 as f64, along_y]
     }
 
@@ -76,8 +76,15 @@ impl SpaceLattice {
     #[must_use]
     pub fn cell_on(pattern: &Pattern, block_m: f64, rows: usize, map: Option<&ReliefMap>) -> Self {
         let cell_m = repeated_cell_m(pattern);
-        let extent_m = [Some(pattern.width_m()), pattern.length_m()];
-        let axes = [0, 1].map(|axis| match extent_m[axis] {
+        // Grooves that cross aslant cut columns wherever they lie: a crossing lies on a corner of columns, which keeps the
+        // lattice its own image in the mirrors of the pattern.
+        let extents_m = match (pattern.length_m(), pattern.centres_m().count()) {
+            (Some(length_m), _) => [Some(pattern.width_m()), Some(length_m)],
+            (None, _) if pattern.is_uniform_along_y() => [Some(pattern.width_m()), None],
+            (None, 1) => [Some(pattern.width_m()); 2],
+            (None, _) => [Some(0.0); 2],
+        };
+        let axes = [0, 1].map(|axis| match extents_m[axis] {
             None => (1, 1, 1.0, 0.0, 1),
             Some(extent_m) => {
                 let (periods, columns, spacing) = divide(cell_m[axis] / block_m);
@@ -98,7 +105,7 @@ impl SpaceLattice {
         let count = columns[0] * columns[1];
         let coverage =
             (0..count).map(sides).map(|[x0, x1, y0, y1]| pattern.coverage(x0, x1, y0, y1)).map(settled).collect();
-        let periods = [0, 1].map(|axis| if extent_m[axis].is_none() { 1 } else { axes[axis].4 });
+        let periods = [0, 1].map(|axis| if extents_m[axis].is_none() { 1 } else { axes[axis].4 });
         // A map of another pattern is refused with the scene.
         let relief = match map.and_then(|map| map.lands(pattern).ok()) {
             None => relief(pattern, block_m, periods, (0..count).map(sides)),
@@ -312,7 +319,7 @@ fn relief(pattern: &Pattern, block_m: f64, periods: [usize; 2], sides: impl Iter
                 cell += (away.round() as i64).rem_euclid(periods[axis] as i64) as usize * stride;
                 stride *= periods[axis];
                 // Grooves are as near everywhere along themselves.
-                if axis == 0 || pattern.length_m().is_some() {
+                if axis == 0 || !pattern.is_uniform_along_y() {
                     square += ((away - away.round()) * cell_m[axis]).powi(2);
                 }
             }

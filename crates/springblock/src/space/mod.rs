@@ -27,6 +27,8 @@ pub use steady::{SpaceLoad, SpaceSteadyModel};
 #[cfg(test)]
 mod contact_tests;
 #[cfg(test)]
+mod planform_tests;
+#[cfg(test)]
 mod raised_tests;
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,198 @@
+//! Polygons and crossing grooves from a file to a file for the laser.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{Place, SCENE, small};
+use serde_json::Value;
+
+fn shipped(name: &str) -> String {
+    fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../designs").join(name)).unwrap()
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// A scene of coarse blocks with these lines in place of the planform.
+fn scene(keys: &str) -> String {
+    SCENE
+        .replace("planform = \"groove\"", keys)
+        .replace("width_um = 130.0\nspacing_um = 370.0", "width_um = 100.0\nspacing_um = 60.0")
+        .replace("block_um = 10.0", "block_um = 20.0")
+}
+
+fn simulated(place: &Place, text: &str) -> Value {
+    fs::write(place.path("a.toml"), text).unwrap();
+    json(&place.succeed(&["simulate", "a.toml", "--json"]))
+}
+
+#[test]
+fn hexagons_of_a_drawing_are_those_of_a_list_of_vertices() {
+    let place = Place::with(&[]);
+    // Coarser, and with nothing behind the layer: in a second.
+    let coarse = shipped("scene-hexagon.toml").replace("block_um = 20.0", "block_um = 20.0\nlayer_um = 40.0");
+    fs::write(place.path("scene-hexagon.toml"), coarse.replace("depth_um = 20.0", "depth_um = 15.0")).unwrap();
+    fs::write(place.path("hexagon.svg"), shipped("hexagon.svg")).unwrap();
+    let drawn = json(&place.succeed(&["simulate", "scene-hexagon.toml", "--json"]));
+    assert_eq!((drawn["dimensions"].as_u64(), drawn["pattern"]["vertices_um"].as_array().unwrap().len()), (Some(3), 6));
+    // Hexagons within hexagons one pitch apart.
+    assert!((drawn["areal_density"].as_f64().unwrap() - (100.0_f64 / 160.0).powi(2)).abs() < 1e-9);
+    let ratios = |told: &Value| -> Vec<f64> {
+        told["results"].as_array().unwrap().iter().map(|load| load["ratio"].as_f64().unwrap()).collect()
+    };
+    assert!(ratios(&drawn)[1] < 0.95 && ratios(&drawn)[1] < ratios(&drawn)[0], "{drawn}");
+    // The same by a list of vertices at another scale, and by a DXF drawing.
+    let corners: Vec<[f64; 2]> = (0..6)
+        .map(|k| (f64::from(k) * 60.0 + 30.0_f64).to_radians())
+        .map(|angle| [7.0 * angle.cos(), 7.0 * angle.sin()])
+        .collect();
+    let list = format!("vertices_um = {}", serde_json::to_string(&corners).unwrap());
+    let vertices: String = corners.iter().map(|[x, y]| format!("0\nVERTEX\n8\nHEX\n10\n{x}\n20\n{y}\n")).collect();
+    let dxf =
+        format!("0\nSECTION\n2\nENTITIES\n0\nPOLYLINE\n8\nHEX\n66\n1\n70\n1\n{vertices}0\nSEQEND\n0\nENDSEC\n0\nEOF\n");
+    fs::write(place.path("hexagon.dxf"), dxf).unwrap();
+    for other in [list.as_str(), "outline = \"hexagon.dxf\"\noutline_layer = \"HEX\""] {
+        let text = fs::read_to_string(place.path("scene-hexagon.toml"))
+            .unwrap()
+            .lines()
+            .map(|line| if line.starts_with("outline") { other } else { line })
+            .collect::<Vec<_>>()
+            .join("\n");
+        let told = simulated(&place, &text);
+        for (a, b) in ratios(&drawn).iter().zip(ratios(&told)) {
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+    }
+}
+
+#[test]
+fn plain_planforms_as_polygons_and_crossings_as_they_should_be() {
+    let place = Place::with(&[]);
+    let ratio = |keys: &str| simulated(&place, &scene(keys))["results"][1]["ratio"].as_f64().unwrap();
+    let square = ratio("planform = \"square\"");
+    assert!((ratio("planform = \"polygon\"\nvertices_um = [[0, 0], [0, 2], [2, 2], [2, 0]]") - square).abs() < 1e-12);
+    let groove = ratio("planform = \"groove\"");
+    let crossed = simulated(&place, &scene("planform = \"crosshatch\""));
+    assert!((crossed["areal_density"].as_f64().unwrap() - (1.0 - (60.0_f64 / 160.0).powi(2))).abs() < 1e-12);
+    let found = crossed["results"][1]["ratio"].as_f64().unwrap();
+    assert!(found < groove && groove < square, "{found} {groove} {square}");
+    // Along one family or along the other is one by symmetry; turned as one is the same.
+    for keys in ["sliding_angle_deg = 90", "angle_deg = 25\nsliding_angle_deg = 25"] {
+        let same = ratio(&format!("planform = \"crosshatch\"\n{keys}"));
+        assert!((same - found).abs() < 1e-9, "{keys}: {same} {found}");
+    }
+}
+
+#[test]
+fn crossing_grooves_are_searched_confirmed_and_exported() {
+    let place = Place::with(&[]);
+    let keys = "\"crosshatch\"\nangle_deg = -30.0\ncrossing_angle_deg = 60.0";
+    let text = small().replace("\"groove\"", keys).replace("spot_um = 23.0", "spot_um = 23.0\nspeed_mm_s = 100.0");
+    // Grooves that cross take more than half of the face.
+    let text = text.replace("value = 0.9", "value = [0.8, 0.65]");
+    fs::write(place.path("crossed.toml"), text).unwrap();
+    place.succeed(&["optimize", "crossed.toml", "-o", "out"]);
+    let result = json(&fs::read_to_string(place.path("out/result.json")).unwrap());
+    let design = &result["design"];
+    let [width, spacing] = ["width_um", "spacing_um"].map(|key| design[key].as_f64().unwrap());
+    let density = 1.0 - (spacing / (width + spacing)).powi(2);
+    assert!((design["areal_density"].as_f64().unwrap() - density).abs() < 1e-9);
+    assert_eq!((design["crossing_angle_deg"].as_f64(), result["dimensions"].as_u64()), (Some(60.0), Some(3)));
+    let process = fs::read_to_string(place.path("out/process.toml")).unwrap();
+    assert!(
+        process.contains("crossing_angle_deg = 60.0") && process.contains("crossings are marked once"),
+        "{process}"
+    );
+    // The confirming run is a scene that reads back.
+    place.succeed(&["simulate", "out/design.toml", "--json"]);
+    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
+    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
+    for name in ["pattern.gcode", "removed.stl", "height-map.png", "corners.csv"] {
+        assert!(fs::metadata(place.path("files").join(name)).unwrap().len() > 500, "{name}");
+    }
+}
+
+#[test]
+fn polygons_are_searched_confirmed_and_exported() {
+    let place = Place::with(&[]);
+    let keys =
+        "\"polygon\"\nvertices_um = [[0, 0], [10, 1], [9, 6], [6, 5], [6, 11], [0, 10]]\narrangement = \"staggered\"";
+    let text = small().replace("\"groove\"", keys).replace("spot_um = 23.0", "spot_um = 15.0\nspeed_mm_s = 100.0");
+    fs::write(place.path("bent.toml"), text).unwrap();
+    place.succeed(&["optimize", "bent.toml", "-o", "out"]);
+    let result = json(&fs::read_to_string(place.path("out/result.json")).unwrap());
+    let corners = result["design"]["vertices_um"].as_array().unwrap();
+    let x = |corner: &Value| corner[0].as_f64().unwrap();
+    let extent =
+        corners.iter().map(x).fold(f64::NEG_INFINITY, f64::max) - corners.iter().map(x).fold(f64::INFINITY, f64::min);
+    assert!(corners.len() == 6 && (extent - result["design"]["width_um"].as_f64().unwrap()).abs() < 1e-9);
+    place.succeed(&["simulate", "out/design.toml", "--json"]);
+    let formats = "dxf,svg,csv,process,plt,gcode,corners,hatch,png,stl";
+    place.succeed(&["export", "out/result.json", "--format", formats, "-o", "files"]);
+    let rows = fs::read_to_string(place.path("files/corners.csv")).unwrap().lines().count() - 1;
+    let cavities = fs::read_to_string(place.path("files/pattern.csv")).unwrap().lines().count() - 1;
+    assert_eq!(rows, 6 * cavities);
+    // A study of another outline is not taken over.
+    let other = fs::read_to_string(place.path("bent.toml")).unwrap().replace("[6, 5]", "[5, 5]");
+    fs::write(place.path("bent.toml"), other).unwrap();
+    let refused = place.refuse(&["optimize", "bent.toml", "-o", "out", "--resume"]);
+    assert!(refused.contains("outline"), "{refused}");
+}
+
+#[test]
+fn outlines_and_angles_that_mean_nothing_are_refused_where_they_stand() {
+    let place = Place::with(&[("two.svg", "<svg><circle r=\"1\"/>\n<circle r=\"2\"/></svg>"), ("a.txt", "")]);
+    for (keys, says) in [
+        ("planform = \"polygon\"", &["a.toml:", "pattern.vertices_um: is missing", "outline = "][..]),
+        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, 0]]", &["pattern.vertices_um", "2 corners", "at least 3"]),
+        (
+            "planform = \"polygon\"\nvertices_um = [[0, 0], [2, 2], [2, 0], [0, 1]]",
+            &["a.toml:16: pattern.vertices_um", "from corner 1 (0, 0)", "does not cross or touch itself"],
+        ),
+        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, 1], [2, 2]]", &["encloses no area"]),
+        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1, inf], [2, 2]]", &["corner 2", "finite numbers"]),
+        ("planform = \"polygon\"\nvertices_um = [[0, 0], [1], [2, 2]]", &["a.toml:16", "vertices_um"]),
+        ("planform = \"polygon\"\noutline = \"no.svg\"", &["no.svg: cannot be read"]),
+        ("planform = \"polygon\"\noutline = \"two.svg\"", &["two.svg:2: holds 2 closed outlines", "no holes"]),
+        ("planform = \"polygon\"\noutline = \"a.txt\"", &["pattern.outline: \"a.txt\"", ".svg or .dxf"]),
+        (
+            "planform = \"polygon\"\noutline = \"two.svg\"\noutline_layer = \"A\"",
+            &["pattern.outline_layer: \"A\" names a layer where no drawing has any"],
+        ),
+        (
+            "planform = \"polygon\"\noutline = \"two.svg\"\nvertices_um = [[0, 0], [1, 0], [0, 1]]",
+            &["pattern.outline: \"two.svg\" is given beside vertices_um"],
+        ),
+        (
+            "planform = \"disc\"\noutline = \"two.svg\"",
+            &["has no meaning for planform \"disc\"", "planform = \"polygon\""],
+        ),
+        ("planform = \"disc\"\ncrossing_angle_deg = 60", &["crossing_angle_deg: 60 has no meaning", "\"crosshatch\""]),
+        ("planform = \"crosshatch\"\ncrossing_angle_deg = 5", &["crossing_angle_deg: 5 is out of range", "10", "90"]),
+        ("planform = \"crosshatch\"\nspacing_across_um = 5", &["spacing_across_um: 5 has no meaning"]),
+        ("planform = \"crosshatch\"\narrangement = \"staggered\"", &["arrangement: \"staggered\" has no meaning"]),
+        (
+            "planform = \"polygon\"\narrangement = \"hexagonal\"\nvertices_um = [[0, 0], [1, 0], [1, 2], [0, 2]]",
+            &["hexagonal rows are 138.564", "they run into each other"],
+        ),
+    ] {
+        fs::write(place.path("a.toml"), scene(keys)).unwrap();
+        let refused = place.refuse(&["simulate", "a.toml"]);
+        assert!(says.iter().all(|says| refused.contains(says)), "{keys}: {refused}");
+    }
+    // The vertical plane models neither.
+    for planform in ["\"polygon\"\nvertices_um = [[0, 0], [1, 0], [0, 1]]", "\"crosshatch\""] {
+        let text = scene(&format!("planform = {planform}")).replace("seed = 1", "seed = 1\ndimensions = 2");
+        fs::write(place.path("a.toml"), text).unwrap();
+        let refused = place.refuse(&["simulate", "a.toml"]);
+        assert!(
+            refused.contains("needs a three-dimensional cell") && refused.contains("\"groove\" or \"square\""),
+            "{refused}"
+        );
+    }
+}
