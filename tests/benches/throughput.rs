@@ -9,7 +9,7 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile};
 use slipgrid_springblock::{Extent, Fidelity, Scene, SteadyCell, Unwatched, simulate};
 use slipgrid_tests::{polymer_scene, published, published_groove};
 
@@ -87,6 +87,26 @@ fn designs_table(cores: usize, wanted: impl Fn(&str) -> bool) {
             [designs_per_second(&many, condensed), designs_per_second(&few, all_blocks)]
         });
         println!("| {what} | {threads} | {:.0} |\n| {judge} | {threads} | {:.0} |", found[0], found[1]);
+        let rim = Rim::new(0.3e-6, 20e-6, RimProfile::Round).expect("a rim");
+        let rimmed: Vec<Pattern> = many.iter().map(|pattern| pattern.with_rim(rim)).collect();
+        let with_rims = pool(threads).install(|| {
+            designs_per_second(&rimmed, |patterns| {
+                std::hint::black_box(model.ratios_of(patterns));
+            })
+        });
+        println!("| the same with round rims 0.3 um high and 20 um wide | {threads} | {with_rims:.0} |");
+    }
+    for height_um in [0.0, 0.1, 0.3, 1.0].into_iter().filter(|_| wanted("squares in space")) {
+        let rim = Rim::new(height_um * 1e-6, 20e-6, RimProfile::Flat).expect("a rim");
+        let squares =
+            published(Planform::Square).expect("valid lengths").with_rim(Some(rim).filter(|_| height_um > 0.0));
+        let cell = SteadyCell::of_texture(&scene, squares.texture());
+        let found = pool(1).install(|| {
+            designs_per_second(&[squares], |patterns| {
+                std::hint::black_box(cell.ratios(&patterns[0]));
+            })
+        });
+        println!("| squares in space, 50 x 50 x 20 blocks, rims {height_um} um high and 20 um wide | 1 | {found:.1} |");
     }
     if wanted("table") {
         let start = Instant::now();
