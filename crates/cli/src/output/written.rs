@@ -8,7 +8,7 @@ use std::path::Path;
 const HEAD: u64 = 1024;
 
 /// How the tables begin that slipgrid writes.
-const TABLES: [&str; 17] = [
+const TABLES: [&str; 18] = [
     "# By slipgrid traces ",
     "load_mpa,surface,",
     "index,centre_x_mm,centre_y_mm,",
@@ -26,6 +26,7 @@ const TABLES: [&str; 17] = [
     "parameter,value,",
     "surface,force_n,speed_mm_s,humidity_pct,trace,",
     "kind,family,name,",
+    "planform,rim_width_um,rim_height_um,",
 ];
 
 /// How a material file begins.
@@ -112,6 +113,7 @@ mod tests {
             ("map.asc", "# Channel: altitude\n# Width: 1 mm\n", false),
             ("period.asc", "# Channel: mean period\n# mean period of measured cavities, by slipgrid\n", true),
             ("edge-profile.csv", "distance_um,height_um,height_error_um,rim_um\n", true),
+            ("rims.csv", "planform,rim_width_um,rim_height_um,pressure_mpa,ratio,", true),
             ("pattern.dxf", "0\nSECTION", false),
         ] {
             assert_eq!(begins_as_ours(name, head.as_bytes()), ours, "{name} {head}");

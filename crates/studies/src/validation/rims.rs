@@ -260,7 +260,12 @@ pub fn picture(report: &RimsReport) -> Result<String, ChartError> {
         .collect();
     let mut columns = vec![("measured (bars: ± one standard deviation)".to_owned(), measured)];
     let widest = WIDTHS_UM[WIDTHS_UM.len() - 1];
-    for row in report.rows.iter().filter(|row| row.planform == "square" && row.rim_width_um.is_none_or(|w| w == widest))
+    // More would share their marks.
+    for row in report
+        .rows
+        .iter()
+        .filter(|row| row.planform == "square" && row.rim_width_um.is_none_or(|w| w == widest))
+        .filter(|row| row.rim_height_um != HEIGHTS_UM[2])
     {
         let label = if row.rim_height_um > 0.0 {
             format!("squares, rim {} µm", row.rim_height_um)
