@@ -1,7 +1,7 @@
 //! Measured ratios of patterned samples beside the modelled ones, and the discrepancy between the two.
 
 use slipgrid_contact::AreaPoint;
-use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
+use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
@@ -133,7 +133,7 @@ fn ratio_points(
             Some(law) if curve.is_empty() => Some(law.clone()),
             Some(_) => Some(stiffer(curve, log_modulus, task.threshold_pa)?),
         };
-        ratios(task, law, pattern, &pairs, &monitor)
+        ratios(task, task.elastic.at_modulus(log_modulus.exp())?, law, pattern, &pairs, &monitor)
     };
     let [less, here, more] = [modelled(-LOG_MODULUS_STEP)?, modelled(0.0)?, modelled(LOG_MODULUS_STEP)?];
     Ok(pairs
@@ -167,6 +167,7 @@ fn stiffer(curve: &[AreaPoint], log_modulus: f64, threshold_pa: f64) -> Result<A
 /// not converge.
 fn ratios(
     task: &CalibrationTask,
+    elastic: Elastic,
     area_law: Option<AreaLaw>,
     pattern: Pattern,
     pairs: &[(Measurement, Measurement)],
@@ -189,7 +190,7 @@ fn ratios(
         (None, None) => task.layer.block_m,
     };
     let scene = Scene {
-        elastic: task.elastic,
+        elastic,
         area_law,
         pattern: Some(pattern),
         relief: task.relief.clone(),

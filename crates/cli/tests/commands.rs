@@ -307,7 +307,7 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     let pictures = ["area-law.svg", "friction.svg", "interface-end.svg", "interface-squares.svg", "interface.svg"];
     let mut expected = vec!["area-law.csv", "friction.csv", "interface.csv", "ratios.csv", "ratios.svg", "report.html"];
     expected.extend(pictures);
-    expected.extend(["result.json", "timings.json"]);
+    expected.extend(["result.json", "rims.csv", "rims.svg", "timings.json"]);
     expected.sort_unstable();
     assert_eq!(names(&folder), expected);
     let table = fs::read_to_string(folder.join("ratios.csv")).unwrap();
@@ -318,16 +318,25 @@ fn a_validation_goes_to_a_folder_and_says_what_it_rests_on() {
     assert!(fs::read_to_string(folder.join("ratios.svg")).unwrap().contains("(synthetic surface)"));
     // The page holds every picture, every measurement with its deviation, and what time integration found.
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
-    assert_eq!(page.matches("<figure>").count(), pictures.len() + 2);
+    assert_eq!(page.matches("<figure>").count(), pictures.len() + 3);
     for said in [
         "0.278 ± 0.001",
         "0.224 ± 0.001",
         "no_onset",
         "altitude map behind the area law is synthetic",
         "Nothing was tuned",
+        "What rims of unknown height can and cannot explain",
     ] {
         assert!(page.contains(said), "{said}");
     }
+    // Grooves and squares without rims, and with four heights of two widths, at both pressures.
+    assert_eq!(fs::read_to_string(folder.join("rims.csv")).unwrap().lines().count(), 1 + 2 * 9 * 2);
+    let rims = result["rims"]["rows"].as_array().unwrap();
+    let first = |height: f64| {
+        let row = rims.iter().find(|row| row["planform"] == "square" && row["rim_height_um"] == height).unwrap();
+        row["ratio"][0].as_f64().unwrap()
+    };
+    assert!(first(0.0) > first(0.1) && first(0.1) > first(0.5), "{rims:?}");
     // The source is another one: nothing that the LDPE paper says stands here.
     assert_eq!(result["published"], Value::Array(Vec::new()));
     assert_eq!(result["in_time"]["mu_flat"], Value::Null);

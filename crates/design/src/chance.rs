@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, log_covariance, moved, with_scale};
+use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, ScaleShift, log_covariance, moved, with_scale};
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
@@ -55,6 +55,8 @@ pub struct Chances<'a> {
     /// Along flat friction, the area law's scale and its factors: models to both sides, and the way to each.
     friction: Option<Along<'a>>,
     law_scale: Option<Along<'a>>,
+    /// That scale was fitted; otherwise it is Young's modulus.
+    scale_is_fitted: bool,
     law: Option<Along<'a>>,
     discrepancy: Option<Vec<DiscrepancyAt>>,
     aims: bool,
@@ -169,13 +171,15 @@ impl<'a> Chances<'a> {
             parts.inputs.insert(after, Input { name: RIM_HEIGHT, known_to, places: place..place + 1 });
         }
 
+        let is_fitted = material.scale_covariance.is_some();
         let along = |first: Option<usize>, inputs: usize, friction: bool, scale: f64, law: f64| {
             let Some(first) = first else { return Ok(None) };
             let step: Vec<f64> = (0..values).map(|place| uncertainty.std(first + place % inputs)).collect();
             let own = |side: f64| {
                 let by: Vec<f64> = step.iter().map(|step| if friction { side * step } else { 0.0 }).collect();
                 let one = side * step[0];
-                model.beside(|scene: &Scene| moved(scene, &by, scale * one, law * one)).map_err(of_material)
+                let scale = ScaleShift { log: scale * one, is_fitted };
+                model.beside(|scene: &Scene| moved(scene, &by, scale, law * one)).map_err(of_material)
             };
             Ok::<_, DesignError>(Some(Along { above: own(1.0)?, below: own(-1.0)?, step, first }))
         };
@@ -189,6 +193,7 @@ impl<'a> Chances<'a> {
             fine: fine(model)?,
             friction: along(friction_at, count, true, 0.0, 0.0)?,
             law_scale: along(scale_at, 1, false, 1.0, 0.0)?,
+            scale_is_fitted: is_fitted,
             law: along(law_at, 1, false, 0.0, 1.0)?,
             uncertainty,
             discrepancy,
@@ -391,7 +396,8 @@ impl UncertainModel for Sampled<'_> {
         let input = |load: usize| load % chances.inputs_of_loads;
         let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, input(load))).collect();
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
-        let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, log_scale, law));
+        let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
+        let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
         let value = |load: usize| {
             let by = chances.scale[load] * (ratio[load] - self.still[load]);

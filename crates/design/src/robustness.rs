@@ -1,7 +1,7 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
 use slipgrid_calibrate::Discrepancy;
-use slipgrid_calibrate::uncertainty::{Covariance, log_covariance, moved, with_scale};
+use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, log_covariance, moved, with_scale};
 use slipgrid_material::MaterialError;
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
@@ -279,7 +279,8 @@ impl UncertainModel for AboutDesign<'_> {
         let at = |first: Option<usize>, load: usize| first.map_or(0.0, |first| deviations[first + load]);
         let flat: Vec<f64> = (0..count).map(|load| at(self.parameters.friction, load)).collect();
         let log_modulus = at(self.parameters.modulus, 0);
-        let moved = moved(&self.scene, &flat, log_modulus, at(self.parameters.law, 0)).map_err(trial)?;
+        let scale = ScaleShift { log: log_modulus, is_fitted: self.scale_is_fitted };
+        let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
         let steady = self.model.ratios_of(&moved, design, &self.designed)?;
         let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
         let mut values = self.ordered(&ratio, &flat);

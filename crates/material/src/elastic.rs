@@ -33,6 +33,14 @@ impl Elastic {
         self.density_kg_m3
     }
 
+    /// The same solid `factor` times as stiff.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn at_modulus(&self, factor: f64) -> Result<Self, MaterialError> {
+        Self::new(self.youngs_modulus_pa * factor, self.density_kg_m3)
+    }
+
     /// Contact modulus E* = E / (1 - nu^2) against a rigid body, in pascals.
     #[must_use]
     pub fn contact_modulus_pa(&self, poisson_ratio: f64) -> f64 {

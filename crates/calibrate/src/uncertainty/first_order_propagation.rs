@@ -86,6 +86,8 @@ impl Slopes {
             .map_or_else(|| still.clone(), |all| all.iter().map(|v| v.sqrt()).collect());
         let scale_step = knowledge.scale.as_ref().map_or(0.0, |scale| scale.variance.sqrt());
         let law_step = if has_law_errors { 1.0 } else { 0.0 };
+        let is_fitted = knowledge.scale.as_ref().is_some_and(|scale| scale.is_fitted);
+        let shift = |log: f64| ScaleShift { log, is_fitted };
         // (r(x + s) - r(x - s)) / 2s
         let along = |friction: &[f64], scale: f64, law: f64| -> Vec<Option<f64>> {
             if friction.iter().chain([&scale, &law]).all(|step| *step == 0.0) {
@@ -93,8 +95,8 @@ impl Slopes {
             }
             let less: Vec<f64> = friction.iter().map(|step| -step).collect();
             let (above, below) = rayon::join(
-                || ratios(&cell, pattern, friction, scale, law),
-                || ratios(&cell, pattern, &less, -scale, -law),
+                || ratios(&cell, pattern, friction, shift(scale), law),
+                || ratios(&cell, pattern, &less, shift(-scale), -law),
             );
             let difference = |load: usize| Some((above.as_ref().ok()?[load]? - below.as_ref().ok()?[load]?) / 2.0);
             (0..count).map(difference).collect()
@@ -216,15 +218,25 @@ fn steady_cell(scene: &Scene, pattern: &Pattern) -> Scene {
     cell
 }
 
-/// `scene` where flat friction is larger by the shares `friction`, one per load, ln E by `scale` and the area law's factors
+/// By how much the pressures of an area law are larger.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ScaleShift {
+    /// Its logarithm.
+    pub log: f64,
+    /// The scale was fitted; otherwise it is Young's modulus, which resists rims as well.
+    pub is_fitted: bool,
+}
+
+/// `scene` where flat friction is larger by the shares `friction`, one per load, the law's pressures by `scale` and its factors
 /// by `law` standard errors. Flat friction was measured: mu_d = mu_flat / f(P), whatever the law says.
 ///
 /// # Errors
 /// [`MaterialError`] where that leaves no area law or no coefficients.
-pub fn moved(scene: &Scene, friction: &[f64], scale: f64, law: f64) -> Result<Scene, MaterialError> {
+pub fn moved(scene: &Scene, friction: &[f64], scale: ScaleShift, law: f64) -> Result<Scene, MaterialError> {
     let area_law =
-        scene.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.exp())).transpose()?;
-    let mut moved = Scene { area_law, ..scene.clone() };
+        scene.area_law.as_ref().map(|own| own.with_factors_off_by(law).at_modulus(scale.log.exp())).transpose()?;
+    let elastic = if scale.is_fitted { scene.elastic } else { scene.elastic.at_modulus(scale.log.exp())? };
+    let mut moved = Scene { area_law, elastic, ..scene.clone() };
     for (load, by) in moved.loads.iter_mut().zip(friction) {
         let factor = |law: Option<&AreaLaw>| law.map_or(1.0, |law| law.factor(load.pressure_pa));
         let times = (1.0 + by) * factor(scene.area_law.as_ref()) / factor(moved.area_law.as_ref());
@@ -238,7 +250,9 @@ pub fn moved(scene: &Scene, friction: &[f64], scale: f64, law: f64) -> Result<Sc
 /// one cannot be computed.
 fn bends(cell: &Scene, pattern: &Pattern, relative_std: f64) -> Option<Vec<[f64; 4]>> {
     let still = vec![0.0; cell.loads.len()];
-    let at = |log: f64| -> Option<Vec<f64>> { ratios(cell, pattern, &still, log, 0.0).ok()?.into_iter().collect() };
+    let at = |log: f64| -> Option<Vec<f64>> {
+        ratios(cell, pattern, &still, ScaleShift { log, is_fitted: false }, 0.0).ok()?.into_iter().collect()
+    };
     let moved = |reach: f64| at(log_modulus(relative_std, reach));
     let [low, lower, higher, high] = REACHES;
     let ((own, (far_below, below)), (above, far_above)) =
@@ -252,7 +266,7 @@ fn ratios(
     cell: &Scene,
     pattern: &Pattern,
     friction: &[f64],
-    scale: f64,
+    scale: ScaleShift,
     law: f64,
 ) -> Result<Vec<Option<f64>>, MaterialError> {
     Ok(SteadyCell::new(&moved(cell, friction, scale, law)?).ratios(pattern))

@@ -16,7 +16,7 @@ mod material_uncertainty;
 mod sampling_scatter;
 
 pub use covariances::{Covariance, log_covariance, with_scale};
-pub use first_order_propagation::{Deviation, Deviations, Slopes, moved};
+pub use first_order_propagation::{Deviation, Deviations, ScaleShift, Slopes, moved};
 pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
 pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 

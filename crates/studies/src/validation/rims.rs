@@ -167,7 +167,7 @@ fn statements(report: &RimsReport) -> Vec<String> {
     let measured: Vec<Option<f64>> = report.measured.iter().copied().map(Some).collect();
     let Some([low, high]) = ends(&measured, &report.pressure_mpa) else { return Vec::new() };
     let mut said = vec![format!(
-        "The rims of the measured samples were not measured, and the supplementary profile that may show them is not at hand: these heights are a table, fitted to nothing. Flat-topped rims in blocks of {} um{}.",
+        "The rims of the patterned samples were not measured: these heights are a table, fitted to nothing. Flat-topped rims in blocks of {} um{}.",
         report.block_um,
         report.block_error.map_or_else(String::new, |error| format!(
             ", half of which would change a groove's ratio by up to {error:.3}"
@@ -199,7 +199,7 @@ fn statements(report: &RimsReport) -> Vec<String> {
         ));
     }
     said.push(
-        "Grooves with a rim may come near the measurements. That is no validation: the measured samples have squares, and grooves stand here because the source modelled them."
+        "Grooves with a rim may come near what was measured on squares. That is no validation: only the planform that was measured counts."
             .to_owned(),
     );
     said

@@ -1,7 +1,7 @@
 use super::*;
 use crate::uncertainty::{ScaleError, with_scale};
 use slipgrid_material::Elastic;
-use slipgrid_pattern::Planform;
+use slipgrid_pattern::{Planform, Rim, RimProfile};
 use slipgrid_springblock::{Layer, Load, Unwatched, simulate};
 
 /// A(P) = 1 - exp(-P / 4 MPa), from `threshold_pa` on.
@@ -38,11 +38,19 @@ fn modulus(std: f64) -> Option<ScaleError> {
 #[test]
 fn a_stiffer_surface_is_a_lighter_load() {
     // With the threshold below every local pressure mu_d f(p) = mu_flat g(p / E) / g(P / E) depends on p / P and P / E
-    // alone: dr / d ln E = -dr / d ln P at a given mu_flat.
+    // alone: dr / d ln E = -dr / d ln P at a given mu_flat. So do rims, which P / E presses down.
     let area_law = law(0.02e6);
-    let scene = scene(Planform::Groove, Some(area_law.clone()));
+    let rim = Rim::new(0.2e-6, 20e-6, RimProfile::Round).unwrap();
+    for rim in [None, Some(rim)] {
+        let mut scene = scene(Planform::Groove, Some(area_law.clone()));
+        scene.pattern = scene.pattern.map(|pattern| pattern.with_rim(rim));
+        assert_stiffer_is_lighter(&scene, &area_law);
+    }
+}
+
+fn assert_stiffer_is_lighter(scene: &Scene, area_law: &AreaLaw) {
     let std = 0.01;
-    let slopes = Slopes::new(&scene, &InputUncertainty { scale: modulus(std), ..InputUncertainty::default() });
+    let slopes = Slopes::new(scene, &InputUncertainty { scale: modulus(std), ..InputUncertainty::default() });
     const STEP: f64 = 0.01;
     let heavier = |log: f64| {
         let mut moved = scene.clone();
@@ -122,7 +130,9 @@ fn first_order_is_what_samples_scatter() {
             .iter()
             .map(|load| (1.0 + coefficient) * moved.factor(load.pressure_pa) / area_law.factor(load.pressure_pa) - 1.0)
             .collect();
-        let found = ratios(&cell, &scene.pattern.unwrap(), &friction, log_scale, law_off).unwrap();
+        let found =
+            ratios(&cell, &scene.pattern.unwrap(), &friction, ScaleShift { log: log_scale, is_fitted: false }, law_off)
+                .unwrap();
         for load in 0..3 {
             let factor = discrepancy.factor * (own - discrepancy.modulus_sensitivity * log_scale).exp();
             let ratio = found[load].unwrap() * factor;
