@@ -45,7 +45,8 @@ pub(crate) fn outcome(
     let elastic = Elastic::new(
         MODULUS_GPA.as_written(task.elastic.youngs_modulus_pa()),
         DENSITY_G_CM3.as_written(task.elastic.density_kg_m3()),
-    )?;
+    )?
+    .with_yield_pressure_pa(task.elastic.yield_pressure_pa().map(|pa| PRESSURE_MPA.as_written(pa)))?;
     let (friction, mut uncertainty) = if task.coefficients == Coefficients::Single {
         single_pair(task, &fit)?
     } else {

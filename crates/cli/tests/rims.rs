@@ -70,6 +70,35 @@ fn a_scene_with_rims_slides_with_less_friction_and_says_what_they_are() {
 }
 
 #[test]
+fn rims_flatten_where_the_material_yields() {
+    let yields = |mpa: &str| {
+        scene(RIMS).replace("density_g_cm3 = 0.9", &format!("density_g_cm3 = 0.9\nyield_pressure_mpa = {mpa}"))
+    };
+    let (soft, hard) = (yields("3.0"), yields("1000"));
+    let place = Place::with(&[
+        ("soft.toml", &soft),
+        ("hard.toml", &hard),
+        ("never.toml", &scene(RIMS)),
+        ("bad.toml", &yields("-1")),
+    ]);
+    let [soft, hard, never] = ["soft.toml", "hard.toml", "never.toml"].map(|name| simulated(&place, name));
+    for row in 0..2 {
+        let of = |result: &Value, key: &str| number(&result["results"][row][key]);
+        assert_eq!(of(&hard, "ratio"), of(&never, "ratio"));
+        // Nominally 0.65 and 2.6 MPa: what the rims no longer carry the land does.
+        assert!(of(&soft, "ratio") > of(&never, "ratio") + 1e-4, "{soft}");
+        assert!(of(&soft, "peak_pressure_mpa") <= 3.0 * (1.0 + 1e-9), "{soft}");
+    }
+    assert!(
+        soft["model"].to_string().contains("flatten for good at 3 MPa, in the order of the loads"),
+        "{}",
+        soft["model"]
+    );
+    let refused = place.refuse(&["simulate", "bad.toml"]);
+    assert!(refused.contains("material.yield_pressure_mpa") && refused.contains("-1"), "{refused}");
+}
+
+#[test]
 fn rims_that_mean_nothing_are_refused_and_narrow_ones_told() {
     let narrow = scene("rim_height_um = 0.1\nrim_width_um = 10.0\n");
     let place = Place::with(&[("narrow.toml", &narrow)]);

@@ -50,6 +50,9 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         ("pattern", pattern),
         ("youngs_modulus_gpa", json!(MODULUS_GPA.from_si(scene.elastic.youngs_modulus_pa()))),
     ];
+    if let Some(yield_pa) = scene.elastic.yield_pressure_pa().filter(|_| rim.is_some()) {
+        entries[4].1["yield_pressure_mpa"] = json!(PRESSURE_MPA.from_si(yield_pa));
+    }
     if let Some(rim) = rim {
         // Last but one, by its name.
         entries[4].1["rim"] = json!(rim);

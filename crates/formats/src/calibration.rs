@@ -55,6 +55,7 @@ struct BulkFile {
     youngs_modulus_gpa: Number,
     youngs_modulus_std_gpa: Option<Number>,
     density_g_cm3: Number,
+    yield_pressure_mpa: Option<Number>,
     poisson_ratio: Option<Number>,
 }
 
@@ -156,10 +157,12 @@ impl Calibration {
     pub fn from_document(document: &Document) -> Result<Self, Diagnostic> {
         let file: CalibrationFile = document.parse()?;
         let bulk = file.material.get_ref();
+        let yield_pressure_pa = document.optional(bulk.yield_pressure_mpa.as_ref(), PRESSURE_MPA)?;
         let elastic = Elastic::new(
             document.number(&bulk.youngs_modulus_gpa, MODULUS_GPA)?,
             document.number(&bulk.density_g_cm3, DENSITY_G_CM3)?,
         )
+        .and_then(|elastic| elastic.with_yield_pressure_pa(yield_pressure_pa))
         .map_err(|error| document.refuse(file.material.span(), error.to_string()))?;
         let surface = file.surface.as_ref().map_or(Ok(Surface::None), |surface| Surface::new(document, surface))?;
         let threshold = file.surface.as_ref().and_then(|surface| surface.get_ref().threshold_mpa.as_ref());

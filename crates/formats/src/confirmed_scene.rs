@@ -111,6 +111,7 @@ impl DesignScene<'_> {
                 .modulus_relative_std
                 .map(|std| number(tidy(std * youngs_modulus_gpa))),
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
+            yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
             discrepancy: self.discrepancy(),
             area_law: self.material.area_law.as_ref().map(|law| {

@@ -54,6 +54,9 @@ pub struct MaterialFile {
     pub youngs_modulus_std_gpa: Option<Number>,
     /// Density.
     pub density_g_cm3: Number,
+    /// Contact pressure at which rims flatten for good; absent where they are elastic.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yield_pressure_mpa: Option<Number>,
     /// Local friction coefficients.
     pub friction: Spanned<FrictionFile>,
     /// Area law; absent for Amontons-Coulomb.
@@ -218,7 +221,10 @@ pub fn read_material(
     let youngs_modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
     document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
     let density_kg_m3 = document.number(&file.density_g_cm3, DENSITY_G_CM3)?;
-    let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3).map_err(|error| at(document, place, &error))?;
+    let yield_pressure_pa = document.optional(file.yield_pressure_mpa.as_ref(), PRESSURE_MPA)?;
+    let elastic = Elastic::new(youngs_modulus_pa, density_kg_m3)
+        .and_then(|elastic| elastic.with_yield_pressure_pa(yield_pressure_pa))
+        .map_err(|error| at(document, place, &error))?;
     let friction = read_friction(document, &file.friction)?;
     let area_law = file.area_law.as_ref().map(|law| read_area_law(document, law)).transpose()?;
     let mut warnings = file.warnings.clone();

@@ -41,6 +41,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
         youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
         youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
         density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
+        yield_pressure_mpa: task.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
         friction: unplaced(friction(task, outcome)?),
         area_law: facts.law.as_ref().map(|law| {
             let area = |&pressure_pa: &f64| {

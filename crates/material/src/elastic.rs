@@ -7,6 +7,7 @@ use crate::error::positive;
 pub struct Elastic {
     youngs_modulus_pa: f64,
     density_kg_m3: f64,
+    yield_pressure_pa: Option<f64>,
 }
 
 impl Elastic {
@@ -18,6 +19,7 @@ impl Elastic {
         Ok(Self {
             youngs_modulus_pa: positive("Young's modulus", youngs_modulus_pa)?,
             density_kg_m3: positive("density", density_kg_m3)?,
+            yield_pressure_pa: None,
         })
     }
 
@@ -38,7 +40,26 @@ impl Elastic {
     /// # Errors
     /// As [`Self::new`].
     pub fn at_modulus(&self, factor: f64) -> Result<Self, MaterialError> {
-        Self::new(self.youngs_modulus_pa * factor, self.density_kg_m3)
+        Ok(Self {
+            yield_pressure_pa: self.yield_pressure_pa,
+            ..Self::new(self.youngs_modulus_pa * factor, self.density_kg_m3)?
+        })
+    }
+
+    /// The same solid whose rims flatten for good where they are pressed with `yield_pressure_pa`, or never do.
+    ///
+    /// # Errors
+    /// [`MaterialError::OutOfRange`] unless it is positive and finite.
+    pub fn with_yield_pressure_pa(self, yield_pressure_pa: Option<f64>) -> Result<Self, MaterialError> {
+        let checked = yield_pressure_pa.map(|value_pa| positive("yield pressure", value_pa)).transpose()?;
+        Ok(Self { yield_pressure_pa: checked, ..self })
+    }
+
+    /// Contact pressure at which the face's heights flatten for good, in pascals, some three times the yield stress; `None`
+    /// where the solid is elastic.
+    #[must_use]
+    pub const fn yield_pressure_pa(&self) -> Option<f64> {
+        self.yield_pressure_pa
     }
 
     /// Contact modulus E* = E / (1 - nu^2) against a rigid body, in pascals.

@@ -14,7 +14,8 @@ use crate::rims::Rims;
 use crate::scene::{Layer, Load, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 use crate::steady::{
-    CondensedModel, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing, factor_bytes,
+    CondensedModel, FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, band_products, condensing,
+    factor_bytes,
 };
 use crate::{Monitor, Unwatched};
 
@@ -174,9 +175,9 @@ impl SteadyCell {
         }
         let lattice = self.lattice(pattern);
         let stiffness = self.elastic.youngs_modulus_pa();
-        if let Some(model) = raised_model(&lattice, self.layer.block_m, stiffness) {
-            let mut on = Vec::new();
-            return self.solve_in_plane(lattice.nx(), |load| model.solve(load, &mut on));
+        if let Some(model) = raised_model(&lattice, self.layer.block_m, self.elastic) {
+            let mut history = FaceHistory::default();
+            return self.solve_in_plane(lattice.nx(), |load| model.solve(load, &mut history));
         }
         if self.layer.is_backed() {
             let columns = lattice.nx();
@@ -233,7 +234,8 @@ impl SteadyCell {
         monitor: &dyn Monitor,
     ) -> Vec<CellOutcome> {
         let area_law = self.area_law.as_ref();
-        let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff);
+        let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
+            .yielding_at(self.elastic.yield_pressure_pa());
         let loads: Vec<SpaceLoad<'_>> =
             self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern)).collect();
         let outcomes = model.solve_all(&loads, monitor).into_iter().zip(&self.loads);
@@ -282,8 +284,8 @@ impl SteadyCell {
 }
 
 /// The model of a cell whose face has heights; `None` where it has none, or where only the equations of all blocks do.
-pub fn raised_model(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<RaisedModel> {
-    if lattice.is_raised() { RaisedModel::new(lattice, block_m, youngs_modulus_pa) } else { None }
+pub fn raised_model(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<RaisedModel> {
+    if lattice.is_raised() { RaisedModel::new(lattice, block_m, elastic) } else { None }
 }
 
 /// Multiplications and additions, and bytes, that the cell of `pattern` of a thick specimen takes in blocks of `block_m`.

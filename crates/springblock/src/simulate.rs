@@ -23,7 +23,7 @@ use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::{Extent, Fidelity, Load, Scene};
-use crate::steady::{RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
+use crate::steady::{FaceHistory, RaisedModel, SteadyLoad, SteadyModel, ThickModel, factor_bytes};
 
 use behind::Behind;
 use statements::{
@@ -59,6 +59,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     bounded(scene)?;
     let mut simulation = over_layer(scene, monitor)?;
     if let Some(pattern) = &scene.pattern {
+        rim_difference::add_yielding(scene, pattern, &mut simulation.loads, &mut simulation.model);
         Behind::new(scene, pattern, monitor).tell(1.0, &mut simulation.loads, &mut simulation.model);
         blocks::refine(scene, pattern, 1.0, &mut simulation.loads, &mut simulation.model);
     }
@@ -146,7 +147,7 @@ enum Steady {
 impl Steady {
     fn new(scene: &Scene, lattice: Lattice) -> Self {
         let (block_m, stiffness, liftoff) = (scene.layer.block_m, scene.elastic.youngs_modulus_pa(), scene.run.liftoff);
-        if let Some(model) = raised_model(&lattice, block_m, stiffness) {
+        if let Some(model) = raised_model(&lattice, block_m, scene.elastic) {
             Self::Raised(lattice, model)
         } else if lattice.ny() > scene.layer.rows() {
             Self::Thick(ThickModel::new(lattice, block_m, stiffness, liftoff))
@@ -167,7 +168,7 @@ impl Steady {
         match self {
             Self::Blocks(model) => model.solve(load),
             Self::Thick(model) => model.solve(load),
-            Self::Raised(_, model) => model.solve(load, &mut Vec::new()),
+            Self::Raised(_, model) => model.solve(load, &mut FaceHistory::default()),
         }
     }
 }
@@ -191,16 +192,28 @@ fn steady(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError
     };
     let (own, flat) = rayon::join(|| Steady::new(scene, own), || flat.map(|c| Steady::new(scene, lattice(scene, c))));
     let share = 1.0 / scene.loads.len() as f64;
+    let solve = |load: &Load, columns: usize, by: &mut dyn FnMut(&SteadyLoad) -> SurfaceOutcome| {
+        let dynamic_mu = steady_coefficients(scene, load, columns);
+        let area_law = scene.area_law.as_ref();
+        by(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
+    };
+    // What one load has flattened stays flat for the next.
+    let in_turn: Option<Vec<SurfaceOutcome>> = match &own {
+        Steady::Raised(lattice, model) => {
+            let mut history = FaceHistory::default();
+            let mut by = |load: &SteadyLoad| model.solve(load, &mut history);
+            Some(scene.loads.iter().map(|load| solve(load, lattice.nx(), &mut by)).collect())
+        }
+        Steady::Blocks(_) | Steady::Thick(_) => None,
+    };
     let loads = scene
         .loads
         .par_iter()
-        .map(|load| {
-            let solve = |model: &Steady| {
-                let dynamic_mu = steady_coefficients(scene, load, model.lattice().nx());
-                let area_law = scene.area_law.as_ref();
-                model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law })
-            };
-            let outcome = compare(load, solve(&own), flat.as_ref().map(solve));
+        .enumerate()
+        .map(|(number, load)| {
+            let alone = |model: &Steady| solve(load, model.lattice().nx(), &mut |load| model.solve(load));
+            let surface = in_turn.as_ref().map_or_else(|| alone(&own), |all| all[number].clone());
+            let outcome = compare(load, surface, flat.as_ref().map(alone));
             monitor.advance(share);
             outcome
         })

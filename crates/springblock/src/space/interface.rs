@@ -40,10 +40,21 @@ pub struct Surface {
     pub contact: Option<usize>,
     /// Whether it is a contact that has left the counterface.
     lifted: bool,
+    /// Whether it is a contact that yields under the pressure that it bears.
+    yields: bool,
     /// Height of its face, in lattice spacings.
     pub relief: f64,
+    /// Stiffness of its tie to the face where it touches in part; 0 where it does wholly.
+    tie: f64,
     /// Stiffness of its springs upward, and of its tie.
     pivot: f64,
+}
+
+impl Surface {
+    /// Height of the face of a block at the height `height` that yields under `face`: above it by what its tie yields.
+    fn flattened(&self, height: f64, face: Face) -> f64 {
+        if self.tie > 0.0 { height + face.limit * self.contact_share / self.tie } else { height }
+    }
 }
 
 /// The patterned interface of a lattice.
@@ -64,6 +75,15 @@ pub struct Interface {
     wanted: Vec<bool>,
     /// Force per block column over 3/2 of a spring: compression of one row under unit pressure.
     compression: f64,
+}
+
+/// What of a face does not depend on the unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Face {
+    /// Heights of the face over their lengths in lattice spacings: 1 over the unit of displacement of the present load.
+    pub raise: f64,
+    /// Normal force on the area of a whole column at which it yields, in units of P l^2.
+    pub limit: f64,
 }
 
 /// The unknowns' image under the elastic response, and the displacements it came from.
@@ -141,9 +161,20 @@ impl Interface {
                 contacts += 1;
                 contacts - 1
             });
-            let pivot = pivot + free.map_or(0.0, |(_, tie)| tie);
+            let tie = free.map_or(0.0, |(_, tie)| tie);
+            let pivot = pivot + tie;
             let relief = lattice.relief(i, j);
-            surface.push(Surface { column: [i, j], contact_share: share, free, contact, lifted: false, relief, pivot });
+            surface.push(Surface {
+                column: [i, j],
+                contact_share: share,
+                free,
+                contact,
+                lifted: false,
+                yields: false,
+                relief,
+                tie,
+                pivot,
+            });
         }
         let [a, b] = lattice.spacing();
         // sum k e_z^2 of the springs upward
@@ -174,15 +205,23 @@ impl Interface {
     /// The same with the contacts that `lifted` names by their number off the counterface: free, without friction.
     #[must_use]
     pub fn with_lifted(&self, lifted: &[bool]) -> Self {
+        self.with_contacts(lifted, &vec![false; lifted.len()])
+    }
+
+    /// The same where those that `yields` names are flattened, free under the pressure at which they yield.
+    #[must_use]
+    pub fn with_contacts(&self, lifted: &[bool], yields: &[bool]) -> Self {
         let mut interface = self.clone();
         interface.free = 0;
         for surface in &mut interface.surface {
             let tie = surface.free.map_or(0.0, |(_, tie)| tie);
             let lifts = surface.contact.is_some_and(|number| lifted[number]);
-            let kept = if lifts { 0.0 } else { tie };
             surface.lifted = lifts;
+            surface.yields = surface.contact.is_some_and(|number| yields[number]);
+            let is_free = lifts || surface.yields;
+            let kept = if is_free { 0.0 } else { tie };
             surface.pivot += kept - tie;
-            surface.free = (lifts || surface.free.is_some()).then_some((interface.free, kept));
+            surface.free = (is_free || surface.free.is_some()).then_some((interface.free, kept));
             interface.free += usize::from(surface.free.is_some());
         }
         interface
@@ -200,6 +239,32 @@ impl Interface {
         let lifted = self.surface.iter().filter(|surface| surface.contact.is_some()).map(|surface| surface.lifted);
         continued.extend(lifted.zip(friction).map(|(lifted, friction)| if lifted { 0.0 } else { *friction }));
         continued
+    }
+
+    /// Takes the heights of the face from `other`, whose contacts are the same.
+    pub fn take_heights(&mut self, other: &Self) {
+        for (own, other) in self.surface.iter_mut().zip(&other.surface) {
+            own.relief = other.relief;
+        }
+    }
+
+    /// Makes what yields as high as it stands in `unknowns` under `face`.
+    pub fn flatten(&mut self, unknowns: &[f64], face: Face) {
+        let heights = &unknowns[3 * self.support.len()..];
+        for surface in self.surface.iter_mut().filter(|surface| surface.yields) {
+            if let Some((number, _)) = surface.free {
+                surface.relief = surface.flattened(heights[number], face) / face.raise;
+            }
+        }
+    }
+
+    /// Height of the face of each contact that yields, under `face`.
+    pub fn yielding<'a>(&'a self, unknowns: &'a [f64], face: Face) -> impl Iterator<Item = Option<f64>> + 'a {
+        let heights = &unknowns[3 * self.support.len()..];
+        let contacts = self.surface.iter().filter(|surface| surface.contact.is_some());
+        contacts.map(move |surface| {
+            surface.free.filter(|_| surface.yields).map(|(number, _)| surface.flattened(heights[number], face))
+        })
     }
 
     /// Whether each contact is off the counterface, and its height in `unknowns` where it is.
@@ -263,16 +328,16 @@ impl Interface {
             fields[..2 * plane].fill(0.0);
             fields[2 * plane..].fill(-(row as f64) * self.compression);
         }
-        self.observe(0.0, response);
+        self.observe(Face::default(), response);
     }
 
-    /// The linear response to `unknowns`, friction acting along `direction`, and to a face of `raise` times its heights; with
+    /// The linear response to `unknowns`, friction acting along `direction`, and to `face`; with
     /// `everywhere` displacements are complete, otherwise only those that matter are computed.
     pub fn respond(
         &self,
         unknowns: &[f64],
         direction: [f64; 2],
-        raise: f64,
+        face: Face,
         everywhere: bool,
         response: &mut Response,
     ) {
@@ -294,7 +359,7 @@ impl Interface {
             let place = surface.column[1] * nx + surface.column[0];
             match surface.free {
                 Some((number, _)) => fields[2 * plane + place] = heights[number],
-                None => fields[2 * plane + place] = raise * surface.relief,
+                None => fields[2 * plane + place] = face.raise * surface.relief,
             }
             if let Some(number) = surface.contact {
                 fields[place] += direction[0] * friction[number];
@@ -306,11 +371,11 @@ impl Interface {
         } else {
             self.layer.respond(fields, &self.wanted, &mut response.workspace);
         }
-        self.observe(raise, response);
+        self.observe(face, response);
     }
 
     /// R u, normal forces and imbalances from the displacements in `response`.
-    fn observe(&self, raise: f64, response: &mut Response) {
+    fn observe(&self, face: Face, response: &mut Response) {
         let plane = self.columns[0] * self.columns[1];
         let Response { fields, linear, normal, .. } = response;
         let (forces, imbalances) = linear.split_at_mut(3 * self.support.len());
@@ -344,8 +409,9 @@ impl Interface {
             }
             if let Some((number, tie)) = surface.free {
                 let place = surface.column[1] * self.columns[0] + surface.column[0];
-                imbalances[number] =
-                    (pressed + tie * (fields[2 * plane + place] - raise * surface.relief)) / surface.pivot;
+                let borne = if surface.yields { face.limit * surface.contact_share } else { 0.0 };
+                let above = fields[2 * plane + place] - face.raise * surface.relief;
+                imbalances[number] = (pressed - borne + tie * above) / surface.pivot;
             }
             if let Some(number) = surface.contact {
                 normal[number] = if surface.lifted { 0.0 } else { pressed };

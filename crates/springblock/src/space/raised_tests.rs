@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use slipgrid_material::Elastic;
 use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
 
 use super::tests::{largest_imbalance, load};
@@ -10,7 +11,11 @@ use crate::columns;
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::samples::{E_PA, persson_law};
-use crate::steady::{RaisedModel, SteadyLoad};
+use crate::steady::{FaceHistory, RaisedModel, SteadyLoad};
+
+fn elastic(youngs_modulus_pa: f64) -> Elastic {
+    Elastic::new(youngs_modulus_pa, 900.0).unwrap()
+}
 
 fn rimmed(planform: Planform, [width, spacing, depth]: [f64; 3], height_um: f64, rim_um: f64) -> Pattern {
     let rim = Rim::new(height_um * 1e-6, rim_um * 1e-6, RimProfile::Flat).unwrap();
@@ -47,11 +52,11 @@ fn grooves_with_rims_are_those_of_the_vertical_plane() {
         let pattern = rimmed(Planform::Groove, sizes, height, 15.0);
         let plane = Lattice::new(columns::cell(&pattern, 10e-6), 20, true);
         let dynamic_mu = vec![0.27; plane.nx()];
-        let plane = RaisedModel::new(&plane, 10e-6, E_PA * 16.0 / 15.0).unwrap();
+        let plane = RaisedModel::new(&plane, 10e-6, elastic(E_PA * 16.0 / 15.0)).unwrap();
         let space = model(&pattern);
         for pressure in [0.65, 2.6] {
             let in_plane = SteadyLoad { pressure_pa: pressure * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
-            let in_plane = plane.solve(&in_plane, &mut Vec::new());
+            let in_plane = plane.solve(&in_plane, &mut FaceHistory::default());
             let in_space = space.solve(&load(pressure, Some(&law)));
             assert_eq!(
                 (in_plane.status, in_space.status),
@@ -169,4 +174,28 @@ fn rough_faces_touch_as_a_dense_solver_says() {
             assert!((a - b).abs() < 1e-4 * most, "{amplitude}: {a} {b}");
         }
     }
+}
+
+#[test]
+fn grooves_whose_rims_yield_are_those_of_the_vertical_plane() {
+    let law = persson_law();
+    let pattern = rimmed(Planform::Groove, [133.3, 372.9, 17.0], 1.0, 25.0);
+    let plane = Lattice::new(columns::cell(&pattern, 10e-6), 20, true);
+    let dynamic_mu = vec![0.27; plane.nx()];
+    let solid = elastic(E_PA * 16.0 / 15.0).with_yield_pressure_pa(Some(9e6)).unwrap();
+    let plane = RaisedModel::new(&plane, 10e-6, solid).unwrap();
+    let space = model(&pattern).yielding_at(Some(9e6));
+    let pressures_mpa = [0.65, 2.6, 0.65];
+    let loads: Vec<SpaceLoad> = pressures_mpa.iter().map(|mpa| load(*mpa, Some(&law))).collect();
+    let mut history = FaceHistory::default();
+    let mut ratios = Vec::new();
+    for (pressure_mpa, space) in pressures_mpa.into_iter().zip(space.solve_all(&loads, &crate::Unwatched)) {
+        let in_plane = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
+        let plane = plane.solve(&in_plane, &mut history);
+        assert_eq!((plane.status, space.status), (Status::Converged, Status::Converged), "{pressure_mpa}");
+        assert!((plane.mu_dynamic.unwrap() - space.mu_dynamic.unwrap()).abs() < 1e-8, "{pressure_mpa}");
+        assert!(space.peak_pressure_pa <= 9e6 * (1.0 + 1e-6));
+        ratios.push(space.mu_dynamic.unwrap());
+    }
+    assert!(ratios[2] > ratios[0] + 0.005, "{ratios:?}");
 }

@@ -12,7 +12,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_pattern::Pattern;
 
 use super::directions::{Direction, Directions, dot, norm, subtract};
-use super::interface::{Interface, Response};
+use super::interface::{Face, Interface, Response};
 use super::lattice::SpaceLattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use crate::scene::Load;
@@ -67,6 +67,7 @@ pub struct SpaceSteadyModel {
     block_m: f64,
     youngs_modulus_pa: f64,
     liftoff: bool,
+    yield_pressure_pa: Option<f64>,
     interface: Interface,
 }
 
@@ -92,9 +93,8 @@ struct Solver<'a> {
     slope: Vec<f64>,
     /// Direction of the friction that the operator holds.
     along: [f64; 2],
-    /// Heights of the face over their lengths in lattice spacings: 1 over the unit of displacement of the present load; 0
-    /// where the face is even.
-    raise: f64,
+    /// What the present load makes of the heights of the face and of the pressure at which they yield; zero where it is even.
+    face: Face,
     /// Sum of the forces out of balance over the load below which an iteration ends.
     tolerance: f64,
     /// Whether slopes are tangents of the present load.
@@ -117,7 +117,13 @@ impl SpaceSteadyModel {
         let interface = Interface::new(&lattice);
         // A face with heights is off the counterface where it does not reach.
         let liftoff = liftoff || lattice.is_raised();
-        Self { lattice, block_m, youngs_modulus_pa, liftoff, interface }
+        Self { lattice, block_m, youngs_modulus_pa, liftoff, yield_pressure_pa: None, interface }
+    }
+
+    /// The same solid whose heights flatten for good where they bear `yield_pressure_pa`, in pascals, in the order of loads.
+    #[must_use]
+    pub fn yielding_at(self, yield_pressure_pa: Option<f64>) -> Self {
+        Self { yield_pressure_pa, ..self }
     }
 
     /// The lattice.
@@ -157,10 +163,11 @@ impl SpaceSteadyModel {
         let mut solver = Solver::new(self);
         let (_, lifted) = solver.equilibrate(load);
         let solver = lifted.as_ref().unwrap_or(&solver);
-        let whole = Interface::uncondensed(&self.lattice).with_lifted(&solver.lifted());
+        let mut whole = Interface::uncondensed(&self.lattice).with_contacts(&solver.lifted(), &solver.yielding());
+        whole.take_heights(&solver.interface);
         let (mut rest, mut moved) = (whole.response(), whole.response());
         whole.compress(&mut rest);
-        whole.respond(&solver.state.unknowns, solver.along, solver.raise, true, &mut moved);
+        whole.respond(&solver.state.unknowns, solver.along, solver.face, true, &mut moved);
         let unit = self.displacement_unit(load.pressure_pa);
         (0..plane * (self.lattice.rows() + 1))
             .map(|number| {
@@ -222,7 +229,7 @@ impl<'a> Solver<'a> {
             interface,
             slope: Vec::new(),
             along: [0.0; 2],
-            raise: 0.0,
+            face: Face::default(),
             tolerance: TOLERANCE,
             tangent: false,
         };
@@ -237,7 +244,7 @@ impl<'a> Solver<'a> {
         interface.compress(&mut self.response);
         let (linear, normal) = (self.response.linear.clone(), self.response.normal.clone());
         let compressed = self.response.fields.clone();
-        interface.respond(&self.state.unknowns, self.along, self.raise, true, &mut self.response);
+        interface.respond(&self.state.unknowns, self.along, self.face, true, &mut self.response);
         for (field, at_rest) in self.response.fields.iter_mut().zip(&compressed) {
             *field += at_rest;
         }
@@ -269,7 +276,7 @@ impl<'a> Solver<'a> {
         let interface = &self.interface;
         let elastic = interface.elastic_unknowns();
         let heights = elastic - interface.free();
-        interface.respond(&step, self.along, 0.0, false, &mut self.response);
+        interface.respond(&step, self.along, Face::default(), false, &mut self.response);
         let mut image = step.clone();
         for (number, image) in image[..elastic].iter_mut().enumerate() {
             let linear = self.response.linear[number];
@@ -306,6 +313,11 @@ impl<'a> Solver<'a> {
         };
         self.tangent = tangent;
         self.directions.clear();
+    }
+
+    /// Whether each contact yields.
+    fn yielding(&self) -> Vec<bool> {
+        self.interface.yielding(&self.state.unknowns, self.face).map(|height| height.is_some()).collect()
     }
 
     /// Whether each contact is off the counterface.
@@ -352,8 +364,18 @@ impl<'a> Solver<'a> {
     /// The equilibrium under `load` on a face with heights, from the contacts on and off of the load before. Which contacts
     /// these are is found with forces that are nearly balanced; the last iterations balance them wholly.
     fn equilibrate_raised(&mut self, load: &SpaceLoad) -> End {
-        self.raise = 1.0 / self.model.displacement_unit(load.pressure_pa);
-        self.observe();
+        let area = self.interface.column_area();
+        self.face = Face {
+            raise: 1.0 / self.model.displacement_unit(load.pressure_pa),
+            limit: self.model.yield_pressure_pa.map_or(f64::INFINITY, |yield_pa| yield_pa / load.pressure_pa * area),
+        };
+        if self.yielding().contains(&true) {
+            // What has yielded is as high as it was pressed, and elastic from there on.
+            let lifted = self.lifted();
+            self.switch(&lifted, &vec![false; lifted.len()]);
+        } else {
+            self.observe();
+        }
         let mut directions = 0;
         self.tolerance = ROUGH_TOLERANCE;
         for _ in 0..MOST_RAISED_ROUNDS {
@@ -363,35 +385,49 @@ impl<'a> Solver<'a> {
             if end.status == Status::Cancelled {
                 return end;
             }
-            let heights: Vec<Option<f64>> = self.interface.lifted(&self.state.unknowns).collect();
-            let reliefs = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
-            let next: Vec<bool> = reliefs
-                .zip(heights.iter().zip(&self.state.normal))
-                .map(|(surface, (height, normal))| {
-                    height.map_or(*normal < 0.0, |height| height >= self.raise * surface.relief)
-                })
-                .collect();
-            let is_settled = next.iter().zip(&heights).all(|(next, height)| *next == height.is_some());
+            let (lifted, yields) = self.next_contacts();
+            let is_settled = lifted == self.lifted() && yields == self.yielding();
             if is_settled && self.tolerance == TOLERANCE {
+                self.interface.to_mut().flatten(&self.state.unknowns, self.face);
                 return end;
             }
             if is_settled {
                 self.tolerance = TOLERANCE;
                 continue;
             }
-            if end.status != Status::Converged || next.iter().all(|lifted| *lifted) {
+            if end.status != Status::Converged || lifted.iter().all(|lifted| *lifted) {
                 return End { status: Status::NotConverged, ..end };
             }
-            self.switch(&next);
+            self.switch(&lifted, &yields);
         }
         let (_, residual) = self.residual(load);
         End { status: Status::NotConverged, residual, directions }
     }
 
-    /// Goes on with the contacts of which `lifted` says so off the counterface.
-    fn switch(&mut self, lifted: &[bool]) {
-        let interface = self.model.interface.with_lifted(lifted);
-        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.raise);
+    /// The contacts that are off the counterface next, and those that yield.
+    fn next_contacts(&self) -> (Vec<bool>, Vec<bool>) {
+        let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
+        let unknowns = &self.state.unknowns;
+        let heights = self.interface.lifted(unknowns).zip(self.interface.yielding(unknowns, self.face));
+        contacts
+            .zip(heights.zip(&self.state.normal))
+            .map(|(surface, ((off, yielding), normal))| {
+                let face = self.face.raise * surface.relief;
+                let limit = self.face.limit * surface.contact_share;
+                match (off, yielding) {
+                    (Some(height), _) => (height >= face, false),
+                    (None, Some(height)) => (false, height <= face),
+                    (None, None) => (*normal < 0.0, *normal > limit),
+                }
+            })
+            .unzip()
+    }
+
+    /// Goes on with the contacts off the counterface of which `lifted` says so, and those that `yields` names flattened.
+    fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
+        let mut interface = self.model.interface.with_contacts(lifted, yields);
+        interface.take_heights(&self.interface);
+        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.face.raise);
         let elastic = interface.elastic_unknowns();
         self.response = interface.response();
         self.state = State { unknowns, elastic: vec![0.0; elastic], normal: vec![0.0; interface.contacts()] };

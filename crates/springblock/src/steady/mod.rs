@@ -37,7 +37,7 @@ use crate::lattice::Lattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
 use anderson::Anderson;
 pub use condensed::{CondensedModel, condensing};
-pub use raised::RaisedModel;
+pub use raised::{FaceHistory, RaisedModel};
 use system::{Contact, Raised, System};
 pub use system::{band_products, factor_bytes};
 pub use thick::ThickModel;

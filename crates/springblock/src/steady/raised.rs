@@ -10,12 +10,15 @@
 //! Each contact is on the counterface, where z = r and N is sought, or off it, where N = 0 and z is. Newton's method on the
 //! m unknowns, with the contacts on and off anew after each step, solves elasticity, friction and contact together: a
 //! semismooth method, which ends after a few steps at the solution to rounding. Should it not, the contact that breaks its
-//! condition most is moved alone. Heights are in units of P l^2 / k: a fixed relief weighs the less the larger the load.
+//! condition most is moved alone. Where the solid yields at a pressure, a contact that would bear more bears that, at a height
+//! z <= r below its own; it stays so flat for the loads that follow. Heights are in units of P l^2 / k: a fixed relief weighs the less the larger the load.
 
 use super::condensed::CondensedModel;
 use super::dense::solve_many;
 use super::newton::{friction_at, friction_slope};
 use super::{Equilibrium, SteadyLoad, TOLERANCE, displacement_unit, unloaded};
+use slipgrid_material::Elastic;
+
 use crate::lattice::Lattice;
 use crate::outcome::{Status, SurfaceOutcome};
 
@@ -32,16 +35,35 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone, Debug)]
 pub struct RaisedModel {
     block_m: f64,
-    youngs_modulus_pa: f64,
+    elastic: Elastic,
     /// N over friction and heights.
     condensed: CondensedModel,
     /// r of each contact, in lattice spacings.
     relief: Vec<f64>,
 }
 
-/// Which contacts are on the counterface, and the unknowns.
+/// How a contact meets the counterface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Touch {
+    /// It lies on it, at the height of its face.
+    On,
+    /// It is off it and bears nothing.
+    Off,
+    /// It lies on it, flattened, and bears the pressure at which it yields.
+    Yielding,
+}
+
+/// What the loads so far have left of a face: which contacts touch, and their heights in lattice spacings. Empty before the
+/// first.
+#[derive(Clone, Debug, Default)]
+pub struct FaceHistory {
+    touch: Vec<Touch>,
+    relief: Vec<f64>,
+}
+
+/// How each contact meets the counterface, and the unknowns.
 struct State {
-    on: Vec<bool>,
+    touch: Vec<Touch>,
     normal: Vec<f64>,
     height: Vec<f64>,
 }
@@ -52,6 +74,8 @@ struct Contacts<'a> {
     load: &'a SteadyLoad<'a>,
     /// r in units of P l^2 / k.
     relief: Vec<f64>,
+    /// Normal forces at which contacts yield, in units of P l^2.
+    cap: Vec<f64>,
     /// The largest difference of two of them, or of what the layer yields.
     height_scale: f64,
     force_scale: f64,
@@ -61,22 +85,27 @@ impl RaisedModel {
     /// The model of `lattice`, whose blocks are `block_m` apart; `None` where it is no ring of equal columns, where its
     /// cavities reach the uppermost row, or where the equations are singular.
     #[must_use]
-    pub fn new(lattice: &Lattice, block_m: f64, youngs_modulus_pa: f64) -> Option<Self> {
-        let condensed = CondensedModel::raised(lattice, block_m, youngs_modulus_pa)?;
+    pub fn new(lattice: &Lattice, block_m: f64, elastic: Elastic) -> Option<Self> {
+        let condensed = CondensedModel::raised(lattice, block_m, elastic.youngs_modulus_pa())?;
         let relief = condensed.contacts().iter().map(|contact| lattice.columns()[contact.column].relief).collect();
-        Some(Self { block_m, youngs_modulus_pa, condensed, relief })
+        Some(Self { block_m, elastic, condensed, relief })
     }
 
-    /// Steady sliding under `load`. `on` says which contacts touch, in the order of contacts, where a neighbouring load has
-    /// been solved, and does so for this one afterwards; empty before the first.
+    /// Steady sliding under `load` on what the loads before have left of the face.
     #[must_use]
-    pub fn solve(&self, load: &SteadyLoad, on: &mut Vec<bool>) -> SurfaceOutcome {
+    pub fn solve(&self, load: &SteadyLoad, history: &mut FaceHistory) -> SurfaceOutcome {
         let model = &self.condensed;
         if load.pressure_pa == 0.0 || model.contacts().is_empty() {
             return unloaded(model.contacts(), self.block_m);
         }
-        let unit = displacement_unit(load.pressure_pa, self.youngs_modulus_pa);
-        let relief: Vec<f64> = self.relief.iter().map(|r| r / unit).collect();
+        let m = self.relief.len();
+        if history.relief.len() != m {
+            *history = FaceHistory { touch: vec![Touch::On; m], relief: self.relief.clone() };
+        }
+        let unit = displacement_unit(load.pressure_pa, self.elastic.youngs_modulus_pa());
+        let relief: Vec<f64> = history.relief.iter().map(|r| r / unit).collect();
+        // N = p w, forces in units of P l^2
+        let cap = |width: f64| self.elastic.yield_pressure_pa().map_or(f64::INFINITY, |p| p / load.pressure_pa * width);
         let spread =
             relief.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| [low.min(*r), high.max(*r)]);
         let contacts = Contacts {
@@ -84,15 +113,18 @@ impl RaisedModel {
             load,
             height_scale: (spread[1] - spread[0]).max(1.0),
             force_scale: model.response().load / relief.len() as f64,
+            cap: model.contacts().iter().map(|contact| cap(contact.width)).collect(),
             relief,
         };
-        let m = contacts.relief.len();
-        let mut state = State { on: std::mem::take(on), normal: vec![0.0; m], height: contacts.relief.clone() };
-        if state.on.len() != m {
-            state.on = vec![true; m];
-        }
+        let touch = std::mem::take(&mut history.touch);
+        let mut state = State { touch, normal: vec![0.0; m], height: contacts.relief.clone() };
         let (status, iterations, residual) = contacts.solve(&mut state);
-        *on = state.on;
+        for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == Touch::Yielding) {
+            // What has yielded is as high as it was pressed, and elastic from there on.
+            history.relief[c] = state.height[c] * unit;
+            *touch = Touch::On;
+        }
+        history.touch = state.touch;
         let friction = (0..m).map(|c| friction_at(model.response(), load, c, state.normal[c])).collect();
         let equilibrium =
             Equilibrium { status, iterations, residual, friction, normal: state.normal, displacement: Vec::new() };
@@ -103,7 +135,7 @@ impl RaisedModel {
 impl Contacts<'_> {
     /// Solves from `state` on: status, steps and residual.
     fn solve(&self, state: &mut State) -> (Status, usize, f64) {
-        let m = state.on.len();
+        let m = state.touch.len();
         let mut residual = self.residual(state);
         let most = MOST_STEPS + MOST_SINGLE_STEPS * m;
         for step in 0..most {
@@ -137,7 +169,7 @@ impl Contacts<'_> {
     /// N - N_0 - A T - K z.
     fn residual(&self, state: &State) -> Vec<f64> {
         let response = self.model.response();
-        let m = state.on.len();
+        let m = state.touch.len();
         let mut residual: Vec<f64> = state.normal.iter().zip(&response.at_rest).map(|(n, rest)| n - rest).collect();
         let (by_friction, by_height) = response.influence.split_at(m * m);
         for c in 0..m {
@@ -151,18 +183,19 @@ impl Contacts<'_> {
     /// The step of Newton's method: of N where a contact is on, of z where it is off.
     fn direction(&self, state: &State, residual: &[f64]) -> Option<Vec<f64>> {
         let response = self.model.response();
-        let m = state.on.len();
+        let m = state.touch.len();
         let (by_friction, by_height) = response.influence.split_at(m * m);
         let width = m + 1;
         let mut equations = vec![0.0; m * width];
         for c in 0..m {
             let slope = friction_slope(response, self.load, c, state.normal[c]);
+            let is_on = state.touch[c] == Touch::On;
             let (column, scale) =
-                if state.on[c] { (&by_friction[c * m..][..m], slope) } else { (&by_height[c * m..][..m], 1.0) };
+                if is_on { (&by_friction[c * m..][..m], slope) } else { (&by_height[c * m..][..m], 1.0) };
             for (row, entry) in column.iter().enumerate() {
                 equations[row * width + c] = scale * entry;
             }
-            if state.on[c] {
+            if is_on {
                 equations[c * width + c] += 1.0;
             }
         }
@@ -174,33 +207,38 @@ impl Contacts<'_> {
 
     fn advance(&self, state: &mut State, direction: &[f64], part: f64) {
         for (c, by) in direction.iter().enumerate() {
-            *(if state.on[c] { &mut state.normal[c] } else { &mut state.height[c] }) += part * by;
+            let is_on = state.touch[c] == Touch::On;
+            *(if is_on { &mut state.normal[c] } else { &mut state.height[c] }) += part * by;
         }
     }
 
-    /// Lifts contacts under tension and lands those below the face, or only the one that breaks its condition most; whether
-    /// there was any.
+    /// Lifts contacts under tension, lands those below the face, lets those yield that bear too much, and makes those elastic
+    /// that stand above their face; or only the one that breaks its condition most. Whether there was any.
     fn switch(&self, state: &mut State, single: bool) -> bool {
+        // How far the condition is broken, and how the contact goes on then.
         let broken = |c: usize| {
-            if state.on[c] {
-                -state.normal[c] / self.force_scale
-            } else {
-                (self.relief[c] - state.height[c]) / self.height_scale
+            let below = (self.relief[c] - state.height[c]) / self.height_scale;
+            let beyond = (state.normal[c] - self.cap[c]) / self.force_scale;
+            match state.touch[c] {
+                Touch::On if beyond > 0.0 => (beyond, Touch::Yielding),
+                Touch::On => (-state.normal[c] / self.force_scale, Touch::Off),
+                Touch::Off => (below, Touch::On),
+                Touch::Yielding => (-below, Touch::On),
             }
         };
-        let worst = (0..state.on.len()).map(|c| (c, broken(c))).filter(|(_, by)| *by > ROUNDING);
-        let mut moved: Vec<(usize, f64)> = worst.collect();
+        let mut moved: Vec<(usize, (f64, Touch))> =
+            (0..state.touch.len()).map(|c| (c, broken(c))).filter(|(_, (by, _))| *by > ROUNDING).collect();
         if single {
-            moved = moved.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).into_iter().collect();
+            moved = moved.into_iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0)).into_iter().collect();
         }
-        for (c, _) in &moved {
-            state.on[*c] = !state.on[*c];
-            state.normal[*c] = 0.0;
+        for (c, (_, touch)) in &moved {
+            state.touch[*c] = *touch;
             state.height[*c] = self.relief[*c];
+            state.normal[*c] = if *touch == Touch::Yielding { self.cap[*c] } else { 0.0 };
         }
         // What is left of tension is rounding.
         for (c, normal) in state.normal.iter_mut().enumerate() {
-            if state.on[c] && !single {
+            if state.touch[c] == Touch::On && !single {
                 *normal = normal.max(0.0);
             }
         }

@@ -8,6 +8,10 @@ use super::*;
 use crate::columns::{self, Column};
 use crate::samples::{E_PA, persson_law};
 
+fn elastic(youngs_modulus_pa: f64) -> Elastic {
+    Elastic::new(youngs_modulus_pa, 900.0).unwrap()
+}
+
 /// Grooves with rims of these sizes in micrometres.
 fn rimmed([width, spacing, depth]: [f64; 3], height_um: f64, rim_um: f64, profile: RimProfile) -> Pattern {
     let rim = Rim::new(height_um * 1e-6, rim_um * 1e-6, profile).unwrap();
@@ -27,7 +31,7 @@ fn face(rows: usize, heights_um: impl Iterator<Item = f64>) -> Lattice {
 fn raised(lattice: &Lattice, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>) -> SurfaceOutcome {
     let dynamic_mu = vec![mu; lattice.nx()];
     let load = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: law };
-    RaisedModel::new(lattice, 10e-6, E_PA).unwrap().solve(&load, &mut Vec::new())
+    RaisedModel::new(lattice, 10e-6, elastic(E_PA)).unwrap().solve(&load, &mut FaceHistory::default())
 }
 
 fn all_blocks(lattice: &Lattice, pressure_mpa: f64, mu: f64, law: Option<&AreaLaw>) -> SurfaceOutcome {
@@ -262,13 +266,53 @@ fn the_prototype_s_ratios_are_found() {
     ] {
         let pattern = rimmed([130.0, 370.0, 5.2], height, 10.0, RimProfile::Flat);
         let lattice = Lattice::new(columns::cell(&pattern, 2.5e-6), 80, true);
-        let model = RaisedModel::new(&lattice, 2.5e-6, E_PA).unwrap();
+        let model = RaisedModel::new(&lattice, 2.5e-6, elastic(E_PA)).unwrap();
         let dynamic_mu = vec![0.27; lattice.nx()];
         for (pressure_mpa, expected) in [0.65, 1.3, 1.95, 2.6].into_iter().zip(expected) {
             let load = SteadyLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: &dynamic_mu, area_law: Some(&law) };
-            let outcome = model.solve(&load, &mut Vec::new());
+            let outcome = model.solve(&load, &mut FaceHistory::default());
             let ratio = outcome.mu_dynamic.unwrap() / (0.27 * law.factor(pressure_mpa * 1e6));
             assert!((ratio - expected).abs() < exact, "{height} {pressure_mpa}: {ratio} {expected}");
         }
     }
+}
+
+#[test]
+fn what_yields_bears_the_yield_pressure_and_stays_flat() {
+    let law = persson_law();
+    let lattice = lattice(&rimmed([130.0, 370.0, 20.0], 1.0, 20.0, RimProfile::Flat));
+    let dynamic_mu = vec![0.27; lattice.nx()];
+    let load = |pressure_mpa: f64| SteadyLoad {
+        pressure_pa: pressure_mpa * 1e6,
+        dynamic_mu: &dynamic_mu,
+        area_law: Some(&law),
+    };
+    let model = |yield_mpa: Option<f64>| {
+        let solid = elastic(E_PA).with_yield_pressure_pa(yield_mpa.map(|mpa| mpa * 1e6)).unwrap();
+        RaisedModel::new(&lattice, 10e-6, solid).unwrap()
+    };
+    let elastic_peak = model(None).solve(&load(2.6), &mut FaceHistory::default()).peak_pressure_pa;
+    assert!(elastic_peak > 15e6, "{elastic_peak}");
+    // Never reached: to the last bit as without.
+    let same = [Some(1e3), None].map(|yields| model(yields).solve(&load(2.6), &mut FaceHistory::default()));
+    assert_eq!(same[0], same[1]);
+
+    let plastic = model(Some(9.0));
+    let mut history = FaceHistory::default();
+    let light = plastic.solve(&load(0.65), &mut history);
+    let heavy = plastic.solve(&load(2.6), &mut history);
+    let again = plastic.solve(&load(0.65), &mut history);
+    for outcome in [&light, &heavy, &again] {
+        assert_eq!(outcome.status, Status::Converged);
+        assert!(outcome.peak_pressure_pa <= 9e6 * (1.0 + 1e-9), "{}", outcome.peak_pressure_pa);
+        let mean = outcome.interface.iter().map(|p| p.pressure_pa).sum::<f64>() / 50.0;
+        assert!((mean / if std::ptr::eq(outcome, &heavy) { 2.6e6 } else { 0.65e6 } - 1.0).abs() < 1e-9);
+    }
+    assert!(heavy.interface.iter().any(|point| (point.pressure_pa / 9e6 - 1.0).abs() < 1e-9));
+    // The heavy load has flattened the rims: under the light one they carry less than before, and friction is higher.
+    let mu = |outcome: &SurfaceOutcome| outcome.mu_dynamic.unwrap();
+    assert!(mu(&again) > mu(&light) + 0.005, "{} {}", mu(&again), mu(&light));
+    // A second time under the heavy load nothing yields any more.
+    let repeated = plastic.solve(&load(2.6), &mut history);
+    assert!((mu(&repeated) - mu(&heavy)).abs() < 1e-9, "{} {}", mu(&repeated), mu(&heavy));
 }
