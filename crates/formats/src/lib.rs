@@ -13,6 +13,7 @@
 //! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
 //! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
+//! | [`stored_pattern`] | the design of a result |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
 //! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
 
@@ -40,6 +41,7 @@ pub mod rim;
 pub mod run;
 pub mod scene;
 pub mod source;
+pub mod stored_pattern;
 pub mod surface;
 pub mod target;
 pub mod tolerances;

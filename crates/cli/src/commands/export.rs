@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use slipgrid_pattern::{Arrangement, Pattern, PatternError, Planform, Polygon, Texture};
-
 use crate::args::ExportArgs;
 use crate::input::disk;
 use crate::output::{Place, check_folder};
@@ -12,9 +10,9 @@ use slipgrid_design::StoredDesign;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::source::read_text;
+use slipgrid_formats::stored_pattern::stored_pattern;
 use slipgrid_report::Outputs;
 use slipgrid_report::{DrawingInput, draw_with};
-use slipgrid_results::PatternReport;
 use slipgrid_results::SCHEMA;
 use slipgrid_units::LENGTH_UM;
 
@@ -34,7 +32,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     check_folder(Place::output(out), &FILES, std::slice::from_ref(result))?;
     let stored = read(result)?;
     let refuse = |reason: String| Diagnostic::file(result, reason);
-    let pattern = pattern(result, &stored.design)?;
+    let pattern = stored_pattern(result, &stored.design)?;
     let input = DrawingInput {
         name: &stored.name,
         version: &stored.version,
@@ -58,62 +56,6 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         console.answer(&format!("{}\n", folder.join(name).display()))?;
     }
     Ok(exit_code::DONE)
-}
-
-/// The design in the result at `path`.
-fn pattern(path: &Path, design: &PatternReport) -> Result<Pattern, Diagnostic> {
-    let refuse = |key: &str, error: PatternError| Diagnostic {
-        key: Some(format!("design.{key}").into()),
-        ..Diagnostic::file(path, error.to_string())
-    };
-    let length = |key: &str, value: f64| {
-        if LENGTH_UM.accepts(value) {
-            return Ok(LENGTH_UM.to_si(value));
-        }
-        let key = Some(format!("design.{key}").into());
-        let value = Some(value.to_string().into());
-        Err(Diagnostic { key, value, ..Diagnostic::file(path, "is out of range") }.expected(LENGTH_UM.to_string()))
-    };
-    let planform: Planform = design.planform.parse().map_err(|error| refuse("planform", error))?;
-    let mut texture = Texture::new(planform);
-    if let Some(length_um) = design.length_um {
-        let length_m = length("length_um", length_um)?;
-        texture = texture.with_length_m(length_m).map_err(|error| refuse("length_um", error))?;
-    }
-    if let Some(vertices_um) = &design.vertices_um {
-        let refused =
-            |reason: String| Diagnostic { key: Some("design.vertices_um".into()), ..Diagnostic::file(path, reason) };
-        let outline = Polygon::new(vertices_um).map_err(|error| refused(error.to_string()))?;
-        texture = texture.with_outline(outline).map_err(|error| refuse("vertices_um", error))?;
-    }
-    if let Some(spacing_um) = design.spacing_across_um {
-        let spacing_m = length("spacing_across_um", spacing_um)?;
-        texture = texture.with_spacing_across_m(spacing_m).map_err(|error| refuse("spacing_across_um", error))?;
-    }
-    if let Some(name) = &design.arrangement {
-        let arrangement: Result<Arrangement, PatternError> = name.parse();
-        texture = arrangement
-            .and_then(|arrangement| texture.with_arrangement(arrangement))
-            .map_err(|error| refuse("arrangement", error))?;
-    }
-    if let Some(angle_deg) = design.angle_deg {
-        texture = texture.with_groove_angle_deg(angle_deg).map_err(|error| refuse("angle_deg", error))?;
-    }
-    if let Some(angle_deg) = design.crossing_angle_deg {
-        texture = texture.with_crossing_angle_deg(angle_deg).map_err(|error| refuse("crossing_angle_deg", error))?;
-    }
-    if let Some(angle_deg) = design.sliding_angle_deg {
-        texture = texture.with_sliding_angle_deg(angle_deg).map_err(|error| refuse("sliding_angle_deg", error))?;
-    }
-    if let Some(rim) = &design.rim {
-        texture = texture.with_rim(rim.rim().map_err(|(key, error)| refuse(key, error))?);
-    }
-    let (width_m, spacing_m, depth_m) = (
-        length("width_um", design.width_um)?,
-        length("spacing_um", design.spacing_um)?,
-        length("depth_um", design.depth_um)?,
-    );
-    Pattern::new(texture, width_m, spacing_m, depth_m).map_err(|error| Diagnostic::file(path, error.to_string()))
 }
 
 fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {

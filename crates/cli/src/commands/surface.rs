@@ -1,11 +1,6 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
-use std::path::Path;
-
-use slipgrid_topography::{
-    CORRELATION_THRESHOLD, LengthUnit, MapError, MaterialRatioCurve, MatrixStyle, MeanPeriod, PreparedMap, Sides,
-    SpectrumWindow,
-};
+use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
 
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
@@ -15,7 +10,8 @@ use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
 use slipgrid_report::Outputs;
 use slipgrid_report::surface::{
-    SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv,
+    SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, period_note, period_text, pictures, section_csv,
+    spectrum_csv,
 };
 use slipgrid_results::json;
 use slipgrid_units::LENGTH_UM;
@@ -23,8 +19,6 @@ use slipgrid_units::LENGTH_UM;
 /// What is written.
 const FILES: [&str; 7] =
     ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*", "edge-profile.*"];
-/// Digits of a mean period's heights after the point, in um.
-const PERIOD_DECIMALS: u8 = 6;
 
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -90,52 +84,10 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     if let Some((file, period)) = &period {
         write_file(file, period_text(period, surface.synthetic).as_bytes())?;
-        console.note(&period_note(file, period));
+        console.note(&format!("{}: {}", file.display(), period_note(period)));
     }
     console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)
-}
-
-/// The mean period as matrix text.
-fn period_text(period: &MeanPeriod, synthetic: bool) -> String {
-    let mut comments = period.description().to_vec();
-    comments.extend(synthetic.then(|| "of a synthetic surface, not a measurement".to_owned()));
-    comments.push(period_relief(period));
-    let style = MatrixStyle {
-        channel: "mean period".to_owned(),
-        comments,
-        unit: LengthUnit::Micrometre,
-        decimals: PERIOD_DECIMALS,
-    };
-    period.map.to_matrix_text(&style)
-}
-
-/// What is left of the roughness.
-fn period_relief(period: &MeanPeriod) -> String {
-    match period.relief_left_m {
-        Some(left_m) => format!("roughness left in the mean, on land: {:.4} um", LENGTH_UM.from_si(left_m)),
-        None => "no land lies beyond the rims: roughness left in the mean is not known".to_owned(),
-    }
-}
-
-fn period_note(file: &Path, period: &MeanPeriod) -> String {
-    let map = &period.map;
-    let side_um = |count: usize, pixel_m: f64| LENGTH_UM.from_si(count as f64 * pixel_m);
-    let missing = match map.missing() {
-        0 => String::new(),
-        missing => format!("; {missing} of its points are missing in every period"),
-    };
-    format!(
-        "{}: mean period of {} cavities, {}, {:.2} x {:.2} um, {} x {} pixels; {}{missing}",
-        file.display(),
-        period.cavities,
-        period.arrangement,
-        side_um(map.rows(), map.dx_m()),
-        side_um(map.cols(), map.dy_m()),
-        map.rows(),
-        map.cols(),
-        period_relief(period),
-    )
 }
 
 fn section_um(args: &SurfaceArgs) -> String {

@@ -1,9 +1,11 @@
 //! An altitude map: parameters, cavities, pictures.
 
 mod cavities;
+mod period;
 mod pictures;
 
 pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
+pub use period::{period_note, period_text};
 pub use pictures::add as pictures;
 
 use std::fmt::Write as _;
