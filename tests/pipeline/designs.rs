@@ -61,6 +61,7 @@ fn every_shipped_design_has_a_known_ending() {
 }
 
 #[test]
+#[ignore = "a minute: the shipped design of crossing grooves, of which coarser ones are run from the command line"]
 fn crossing_grooves_reach_the_target_and_are_cut_once() {
     let (folder, result) = optimize("ldpe-crosshatch");
     let design = &result["design"];

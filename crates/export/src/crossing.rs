@@ -20,9 +20,23 @@ impl Crossing {
     /// What is left of a convex polygon between the grooves, in convex parts.
     pub(crate) fn outside(&self, polygon: Vec<[f64; 2]>) -> Vec<Vec<[f64; 2]>> {
         let grooves = self.reaching(&polygon);
-        grooves.iter().fold(vec![polygon], |parts, groove| {
-            parts.into_iter().flat_map(|part| outside_sides(part, &self.sides(groove))).collect()
-        })
+        let mut parts = vec![polygon];
+        for groove in &grooves {
+            let sides = self.sides(groove);
+            let mut left = Vec::with_capacity(parts.len() + 1);
+            for part in parts {
+                // A part that lies wholly beyond one side is left as it is: nearly all are.
+                let is_beyond =
+                    |&([nx, ny], limit_m): &([f64; 2], f64)| part.iter().all(|[x, y]| x * nx + y * ny >= limit_m);
+                if sides[..2].iter().any(is_beyond) {
+                    left.push(part);
+                } else {
+                    left.extend(outside_sides(part, &sides));
+                }
+            }
+            parts = left;
+        }
+        parts
     }
 
     /// What is left of a line between the grooves.
