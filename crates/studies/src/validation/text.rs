@@ -227,8 +227,8 @@ pub fn statements(report: &ValidationReport) -> Vec<String> {
 /// What the comparison can show, whatever its numbers.
 const LEFT_OPEN: &str = "What the mechanism can explain: a reduction that grows with load, by pressure under the edges of cavities where real \
      contact area saturates. What it cannot: a reduction at vanishing load, and how friction depends on speed and humidity, \
-     which enters through the flat measurements alone. Adhesion and menisci, recast rims, plasticity, heating and wear are \
-     not modelled.";
+     which enters through the flat measurements alone. Adhesion and menisci, plasticity, heating and wear are not modelled, \
+     and rims are not in these numbers: what some of unknown height would do stands in a table of its own.";
 
 /// How both reductions go from the lowest to the highest pressure.
 fn trend(report: &ValidationReport) -> Option<String> {
