@@ -126,6 +126,7 @@ fn lower_friction_is_met_with_evidence_and_files_for_the_laser() {
 }
 
 #[test]
+#[ignore = "half a minute: the shipped design with rims, of which a coarser one is run from the command line"]
 fn rims_are_part_of_a_design_and_move_it_most() {
     let (_folder, result) = optimize("ldpe-rims");
     assert_eq!(result["design"]["rim_width_um"], 20.0);
