@@ -21,7 +21,7 @@ fn ratios_with_rims_in_time_are_those_of_steady_sliding() {
     for (height_um, warm_start) in [(0.1, false), (0.5, true)] {
         let scene = scene(height_um, &[0.65, 2.6], Fidelity::Dynamic, Extent::Cell);
         let steady = run(&Scene { run: RunOptions { fidelity: Fidelity::Steady, ..scene.run }, ..scene.clone() });
-        let dynamic = run(&Scene { run: RunOptions { warm_start, draws: 2, ..scene.run }, ..scene.clone() });
+        let dynamic = run(&Scene { run: RunOptions { warm_start, draws: 4, ..scene.run }, ..scene.clone() });
         for (steady, dynamic) in steady.loads.iter().zip(&dynamic.loads) {
             let (a, b) = (steady.ratio.unwrap(), dynamic.ratio.unwrap());
             let error = dynamic.ratio_stderr.unwrap();
