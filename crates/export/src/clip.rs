@@ -250,37 +250,40 @@ pub(crate) fn outside_disc(polygon: &[[f64; 2]], radius_m: f64) -> Vec<Polygon> 
     } else if !current.is_empty() {
         runs.push(current);
     }
-    join_runs(&runs, radius_m)
+    let angle = |[x, y]: [f64; 2]| libm::atan2(y, x);
+    let clockwise = |end, start| (angle(end) - angle(start)).rem_euclid(std::f64::consts::TAU);
+    join_runs(&runs, clockwise, |part, from, to| push_arc(part, from, to, radius_m, false))
 }
 
-/// Joins runs end to start along the circle, clockwise, into closed polygons.
-fn join_runs(runs: &[Polygon], radius_m: f64) -> Vec<Polygon> {
-    let angle = |[x, y]: [f64; 2]| libm::atan2(y, x);
-    let ends: Vec<([f64; 2], [f64; 2])> =
-        runs.iter().filter_map(|run| run.first().copied().zip(run.last().copied())).collect();
+/// Joins runs end to start along a rim into closed polygons: from the end of each to the start that is the least `away` from it,
+/// which may be its own, with what `push_between` puts between the two.
+pub(crate) fn join_runs(
+    runs: &[Polygon],
+    away: impl Fn([f64; 2], [f64; 2]) -> f64,
+    push_between: impl Fn(&mut Polygon, [f64; 2], [f64; 2]),
+) -> Vec<Polygon> {
+    let ends: Vec<[[f64; 2]; 2]> =
+        runs.iter().filter_map(|run| run.first().copied().zip(run.last().copied())).map(|(s, e)| [s, e]).collect();
     let mut free = vec![true; ends.len()];
     let mut parts = Vec::new();
     for first in 0..ends.len() {
         if !free[first] {
             continue;
         }
-        let mut part = Vec::new();
-        let mut at_run = first;
+        let (mut part, mut run) = (Vec::new(), first);
         loop {
-            free[at_run] = false;
-            part.extend_from_slice(&runs[at_run]);
-            let end = ends[at_run].1;
-            // The next start clockwise; its own where it is alone.
-            let clockwise = |run: usize| (angle(end) - angle(ends[run].0)).rem_euclid(std::f64::consts::TAU);
-            let next = (0..ends.len())
-                .filter(|&run| free[run] || run == first)
-                .min_by(|&a, &b| clockwise(a).total_cmp(&clockwise(b)));
+            free[run] = false;
+            part.extend_from_slice(&runs[run]);
+            let [_, end] = ends[run];
+            let far = |next: usize| away(end, ends[next][0]);
+            let next =
+                (0..ends.len()).filter(|&next| free[next] || next == first).min_by(|&a, &b| far(a).total_cmp(&far(b)));
             let Some(next) = next else { break };
-            push_arc(&mut part, end, ends[next].0, radius_m, false);
+            push_between(&mut part, end, ends[next][0]);
             if next == first {
                 break;
             }
-            at_run = next;
+            run = next;
         }
         parts.push(part);
     }

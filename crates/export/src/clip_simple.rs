@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use crate::Outline;
-use crate::clip::{at, chord_in_disc, circle, edges, kept, outside_disc, push_arc, surrounds};
+use crate::clip::{at, chord_in_disc, circle, edges, join_runs, kept, outside_disc, push_arc, surrounds};
 
 type Polygon = Vec<[f64; 2]>;
 
@@ -118,33 +118,7 @@ fn within(polygon: &[[f64; 2]], rim: Rim) -> Vec<Polygon> {
             runs.push(current);
         }
     }
-    let ends: Vec<[[f64; 2]; 2]> =
-        runs.iter().filter_map(|run| run.first().copied().zip(run.last().copied())).map(|(s, e)| [s, e]).collect();
-    let mut free = vec![true; runs.len()];
-    let mut parts = Vec::new();
-    for first in 0..runs.len() {
-        if !free[first] {
-            continue;
-        }
-        let (mut part, mut run) = (Vec::new(), first);
-        loop {
-            free[run] = false;
-            part.extend_from_slice(&runs[run]);
-            let [_, end] = ends[run];
-            let away = |next: usize| anticlockwise(end, ends[next][0]);
-            let next = (0..runs.len())
-                .filter(|&next| free[next] || next == first)
-                .min_by(|&a, &b| away(a).total_cmp(&away(b)));
-            let Some(next) = next else { break };
-            rim.push_between(&mut part, end, ends[next][0]);
-            if next == first {
-                break;
-            }
-            run = next;
-        }
-        parts.push(part);
-    }
-    parts
+    join_runs(&runs, anticlockwise, |part, from, to| rim.push_between(part, from, to))
 }
 
 #[cfg(test)]
