@@ -1,14 +1,14 @@
 //! Rims: what a laser melts out of a cavity and leaves standing along its edge.
 //!
-//! The rim of a cavity is highest at the edge and falls outward over its width w. At the distance d from the edge the land
-//! is raised by
+//! The rim of a cavity stands on the land over its width w. At the distance d from the edge the land is raised by
 //!
 //! ```text
-//! r(d) = h phi(d / w),     phi(s) = 1 (flat), 1 - s (ramp), 1 - s^2 (round),     0 <= s <= 1
+//! r(d) = h phi(d / w),     phi(s) = 1 (flat), 1 - s (ramp), 1 - s^2 (round), sin(pi s) (half-sine),     0 <= s <= 1
 //! ```
 //!
 //! Between two cavities nearer than two widths the rims end half-way, so that each point belongs to the nearest edge.
 
+use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
@@ -35,30 +35,36 @@ pub enum RimProfile {
     Flat,
     /// In a straight line: 1 - s.
     Ramp,
+    /// As an arch with its crest at half its width: sin(pi s). Measured rims may be so.
+    HalfSine,
 }
 
 impl RimProfile {
-    /// All profiles, in the order in which help texts list them.
+    /// Those that a pattern's files may name, in the order in which help texts list them.
     pub const ALL: [Self; 3] = [Self::Round, Self::Flat, Self::Ramp];
+    /// Those that a measured rim is compared with, in the order in which help texts list them.
+    pub const MEASURED: [Self; 4] = [Self::Round, Self::Flat, Self::Ramp, Self::HalfSine];
 
-    /// The name used in files.
+    /// The name used in files, options and results.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Round => "round",
             Self::Flat => "flat",
             Self::Ramp => "ramp",
+            Self::HalfSine => "half-sine",
         }
     }
 
-    /// Height over that at the edge, at the distance `s` from it over the rim's width; 0 beyond 1.
+    /// Height over the greatest, at the distance `s` from the edge over the rim's width; 0 outside 0 to 1.
     #[must_use]
     pub fn height(self, s: f64) -> f64 {
         match self {
-            _ if s >= 1.0 => 0.0,
+            _ if !(0.0..=1.0).contains(&s) => 0.0,
             Self::Round => 1.0 - s * s,
             Self::Flat => 1.0,
             Self::Ramp => 1.0 - s,
+            Self::HalfSine => libm::sin(PI * s),
         }
     }
 
@@ -70,7 +76,22 @@ impl RimProfile {
             Self::Round => s * (1.0 - s * s / 3.0),
             Self::Flat => s,
             Self::Ramp => s * (1.0 - 0.5 * s),
+            Self::HalfSine => (1.0 - libm::cos(PI * s)) / PI,
         }
+    }
+
+    /// Integral of the height over the greatest of a rim `width_m` wide between the distances `from_m` and `to_m` from the
+    /// edge, in metres.
+    #[must_use]
+    pub fn integral_m(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
+        let to = |distance_m: f64| self.integral(distance_m / width_m);
+        width_m * (to(to_m) - to(from_m))
+    }
+
+    /// Mean of the same.
+    #[must_use]
+    pub fn mean(self, width_m: f64, from_m: f64, to_m: f64) -> f64 {
+        self.integral_m(width_m, from_m, to_m) / (to_m - from_m)
     }
 
     /// How steeply it falls at `s`.
@@ -79,6 +100,7 @@ impl RimProfile {
             Self::Round => 2.0 * s,
             Self::Flat => 0.0,
             Self::Ramp => 1.0,
+            Self::HalfSine => -PI * libm::cos(PI * s),
         }
     }
 }
@@ -211,8 +233,7 @@ impl Rim {
     /// Integral of the height over that at the edge between the distances `from_m` and `to_m` from it, in metres.
     #[must_use]
     pub fn integral_m(&self, from_m: f64, to_m: f64) -> f64 {
-        let to = |distance_m: f64| self.profile.integral(distance_m / self.width_m);
-        self.width_m * (to(to_m) - to(from_m))
+        self.profile.integral_m(self.width_m, from_m, to_m)
     }
 }
 
@@ -316,6 +337,22 @@ mod tests {
         }
         let refused = "square".parse::<RimProfile>().unwrap_err().to_string();
         assert!(RimProfile::ALL.iter().all(|profile| refused.contains(profile.name())), "{refused}");
+    }
+
+    #[test]
+    fn integrals_are_those_of_heights() {
+        for profile in RimProfile::MEASURED {
+            for s in [0.2, 0.5, 1.0, 1.7] {
+                let parts = 20_000;
+                let sum: f64 = (0..parts).map(|n| profile.height(s * (f64::from(n) + 0.5) / f64::from(parts))).sum();
+                assert!((sum * s / f64::from(parts) - profile.integral(s)).abs() < 1e-4, "{profile} {s}");
+            }
+            let crest = (0..=1000).map(|n| profile.height(f64::from(n) / 1000.0)).fold(0.0, f64::max);
+            assert!((crest - 1.0).abs() < 1e-12 && profile.height(1.001) == 0.0 && profile.height(-0.001) == 0.0);
+        }
+        // A flat rim of 4 um covers half of the pixel from 3 to 5 um, a quarter of that from -1.5 to 0.5 um.
+        assert!((RimProfile::Flat.mean(4e-6, 3e-6, 5e-6) - 0.5).abs() < 1e-12);
+        assert!((RimProfile::Flat.mean(4e-6, -1.5e-6, 0.5e-6) - 0.25).abs() < 1e-12);
     }
 
     #[test]

@@ -15,6 +15,9 @@ const MOST_HEIGHT: f64 = 420.0;
 const LEAST_RIM: f64 = 1.5;
 const STRETCHED_RIM: f64 = 8.0;
 
+/// Straight pieces of which a half-sine rim is drawn.
+const HALF_SINE_PIECES: u32 = 16;
+
 /// A rim as it is drawn, in picture units.
 struct Drawn {
     profile: RimProfile,
@@ -44,14 +47,21 @@ impl Drawn {
     fn outline(&self, x: f64, face: f64, sign: f64, back: bool) -> String {
         let unit = |value: f64| fixed(Some(value), 2);
         let outer = x + sign * self.end;
-        let step = face + self.height * self.profile.height((self.end / self.width).min(1.0 - f64::EPSILON));
-        let crest = face + self.height;
-        let [(x0, y0), (x1, y1)] = if back { [(x, crest), (outer, step)] } else { [(outer, step), (x, crest)] };
+        let height = |away: f64| face + self.height * self.profile.height((away / self.width).min(1.0 - f64::EPSILON));
+        let (edge, step) = (height(0.0), height(self.end));
+        let [(x0, y0), (x1, y1)] = if back { [(x, edge), (outer, step)] } else { [(outer, step), (x, edge)] };
         // The tangents of a parabola meet half-way; with the crest at the edge, at its height.
         let way = match self.profile {
             RimProfile::Round => {
-                format!("Q{} {} {} {}", unit(x + 0.5 * sign * self.end), unit(crest), unit(x1), unit(y1))
+                format!("Q{} {} {} {}", unit(x + 0.5 * sign * self.end), unit(edge), unit(x1), unit(y1))
             }
+            RimProfile::HalfSine => (1..=HALF_SINE_PIECES)
+                .map(|piece| {
+                    let part = f64::from(piece) / f64::from(HALF_SINE_PIECES);
+                    let at = x0 + part * (x1 - x0);
+                    format!("L{} {}", unit(at), unit(height((at - x).abs())))
+                })
+                .collect(),
             RimProfile::Flat | RimProfile::Ramp => format!("L{} {}", unit(x1), unit(y1)),
         };
         let last = if back { format!("V{}", unit(face)) } else { String::new() };

@@ -22,7 +22,6 @@ mod heights;
 mod kriging;
 mod land;
 mod period;
-mod profile;
 mod rims;
 mod share;
 mod walls;
@@ -37,8 +36,8 @@ use walls::Walls;
 
 pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
 pub use period::{Arrangement, MeanPeriod};
-pub use profile::RimProfile;
 pub use rims::{EdgeHeight, RimMetrology};
+pub use slipgrid_pattern::RimProfile;
 
 use crate::form::Form;
 use crate::{HeightMap, MapError};
