@@ -75,6 +75,19 @@ pub fn run(
     cache: &mut dyn EvaluationCache,
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
+    // A solve that was given up is no failure of the step that asked for it.
+    every_step(task, cache, monitor).map_err(|error| match error {
+        DesignError::Failed(_) if monitor.cancelled() => DesignError::Cancelled,
+        other => other,
+    })
+}
+
+/// The steps of [`run`], in their order.
+fn every_step(
+    task: &DesignTask,
+    cache: &mut dyn EvaluationCache,
+    monitor: &dyn Monitor,
+) -> Result<DesignOutcome, DesignError> {
     let started_s = monitor.seconds();
     let budget = TimeBudget::new(monitor, task.max_seconds);
     let mut timings = Timings::default();

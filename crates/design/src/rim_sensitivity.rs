@@ -168,9 +168,7 @@ fn of_own(model: &SteadyModel<'_>, design: &Pattern) -> Result<Slopes, ModelFail
 
 /// What `rim` makes of a design without rims, over its height.
 fn of_tried(model: &SteadyModel<'_>, design: &Pattern, rim: Rim) -> Result<Slopes, ModelFailure> {
-    let texture = design.texture().to_owned().with_rim(rim);
-    let raised = Pattern::new(texture, design.width_m(), design.spacing_m(), design.depth_m())
-        .map_err(|error| ModelFailure::Trial { reason: error.to_string() })?;
+    let raised = design.to_owned().with_rim(rim);
     let (with, without) = (model.ratios_made(&raised, design)?, model.ratios_made(design, design)?);
     let slope = |(with, without): (&f64, &f64)| [(with - without) / TRIED_HEIGHT_M, 0.0];
     Ok((TRIED_HEIGHT_M, with.iter().zip(&without).map(slope).collect()))

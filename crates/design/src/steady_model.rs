@@ -75,7 +75,8 @@ impl Solver {
         self.each.first().is_some_and(|(_, cell)| cell.is_spatial())
     }
 
-    fn solve(&self, design: &Pattern) -> Result<Vec<CellOutcome>, ModelFailure> {
+    /// The cells of `design` in every direction, until `monitor` has cancelled.
+    fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
         let mut outcomes = Vec::new();
         for (angle_deg, cell) in &self.each {
             let turned = turned(design, *angle_deg);
@@ -84,7 +85,11 @@ impl Solver {
                 let reason = format!("its cell takes {bytes:.1e} bytes, more than {most_bytes:.1e}");
                 return Err(ModelFailure::Trial { reason });
             }
-            outcomes.append(&mut cell.solve(&turned));
+            let mut found = cell.solve_heeding(&turned, monitor);
+            if found.iter().any(|outcome| outcome.surface.status == Status::Cancelled) {
+                return Err(ModelFailure::Cancelled);
+            }
+            outcomes.append(&mut found);
         }
         Ok(outcomes)
     }
@@ -157,7 +162,7 @@ impl<'a> SteadyModel<'a> {
         }
     }
 
-    /// Questions end once `monitor` has cancelled.
+    /// Questions end with [`ModelFailure::Cancelled`] once `monitor` has cancelled, in space within one solve.
     #[must_use]
     pub fn watched_by(mut self, monitor: &'a dyn Monitor) -> Self {
         self.monitor = monitor;
@@ -267,7 +272,7 @@ impl<'a> SteadyModel<'a> {
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn ratios_of(&self, scene: &Scene, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let solver = Solver::new(scene, &self.texture, &self.directions_deg);
-        Ok(self.laid(designed, open(Self::answer(scene, &solver, made)?)?)?.ratio)
+        Ok(self.laid(designed, open(self.answer(scene, &solver, made)?)?)?.ratio)
     }
 
     /// Ratios of `made`, a sample of what was `designed`, at every condition: as many cavities lie on it.
@@ -275,7 +280,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the sample cannot be computed.
     pub fn ratios_made(&self, made: &Pattern, designed: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.laid(designed, open(Self::answer(&self.asked, &self.solver, made)?)?)?.ratio)
+        Ok(self.laid(designed, open(self.answer(&self.asked, &self.solver, made)?)?)?.ratio)
     }
 
     /// What the model alone says of `design` at every condition: not corrected, not kept.
@@ -283,7 +288,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
-        self.laid(design, open(Self::answer(&self.asked, &self.solver, design)?)?)
+        self.laid(design, open(self.answer(&self.asked, &self.solver, design)?)?)
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.
@@ -291,7 +296,7 @@ impl<'a> SteadyModel<'a> {
     /// # Errors
     /// [`ModelFailure`] where the design cannot be computed.
     pub fn peak_pressures_pa(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
-        Ok(self.solver.solve(design)?.iter().map(|outcome| outcome.surface.peak_pressure_pa).collect())
+        Ok(self.solver.solve(design, self.monitor)?.iter().map(|outcome| outcome.surface.peak_pressure_pa).collect())
     }
 
     /// The same material and loads in the vertical plane, without limits.
@@ -420,13 +425,13 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let solve = || Self::answer(scene, solver, design);
+        let solve = || self.answer(scene, solver, design);
         // What is kept goes by the lengths alone: samples whose rims are of another height are not.
         let has_own_rims = design.texture().rim() == self.texture.rim();
         let answer = if has_own_rims {
             self.evaluations.answer(scene.layer.block_m, design, solve)?
         } else {
-            Self::answer(scene, solver, design)?
+            self.answer(scene, solver, design)?
         };
         let answer = self.laid(design, answer)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
@@ -439,14 +444,14 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// What `solver`, made of `scene`, says of `design`.
-    fn answer(scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
+    fn answer(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
         let trial = |reason: String| ModelFailure::Trial { reason };
         let scene = Scene { pattern: Some(*design), ..scene.clone() };
         scene.validate().map_err(|error| trial(error.to_string()))?;
         let mut ratio = Vec::new();
         let (mut peak_pressure_pa, mut least_pressure) = (0.0_f64, f64::INFINITY);
         let mut clearance_m: Option<f64> = None;
-        for (outcome, load) in solver.solve(design)?.iter().zip(&scene.loads) {
+        for (outcome, load) in solver.solve(design, self.monitor)?.iter().zip(&scene.loads) {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
                 return Err(trial(format!("steady run: {}", surface.status.name())));

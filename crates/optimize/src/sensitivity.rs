@@ -118,12 +118,8 @@ pub(crate) fn rim_height_m(design: &Pattern, depth_m: f64) -> f64 {
 /// The design with the mean height of its rims off by `by_m`: |h + by|, as far above the land as it would be below.
 #[must_use]
 pub fn with_rim_off(design: &Pattern, by_m: f64) -> Pattern {
-    let Some(rim) = design.texture().rim() else { return design.to_owned() };
-    let raised = rim.raised(folded(design.rim_height_m(), by_m));
-    let [width_m, spacing_m, depth_m] = lengths_m(design);
-    // The lengths have been accepted before.
-    Pattern::new(design.texture().to_owned().with_rim(raised), width_m, spacing_m, depth_m)
-        .unwrap_or_else(|_| design.to_owned())
+    let raised = design.texture().rim().map(|rim| rim.raised(folded(design.rim_height_m(), by_m)));
+    design.to_owned().with_rim(raised)
 }
 
 /// What a height moves by where it would by `by_m` and is not below the land: |h + by| - h.

@@ -45,7 +45,7 @@ fn the_search_sees_what_simulate_reports() {
                 assert!((response.value[load] - expected).abs() < 1e-9, "{load}");
             }
             let peak = simulation.loads.iter().map(|load| load.surface.peak_pressure_pa).fold(0.0, f64::max);
-            let answer = SteadyModel::answer(&model.asked, &model.solver, &design).unwrap();
+            let answer = model.answer(&model.asked, &model.solver, &design).unwrap();
             assert!((answer.peak_pressure_pa() / peak - 1.0).abs() < 1e-9 && response.limited.is_empty());
             let points = simulation
                 .loads

@@ -388,7 +388,10 @@ impl<'a> Solver<'a> {
             let (lifted, yields) = self.next_contacts();
             let is_settled = lifted == self.lifted() && yields == self.yielding();
             if is_settled && self.tolerance == TOLERANCE {
-                self.interface.to_mut().flatten(&self.state.unknowns, self.face);
+                // What is no solution leaves the face as it was.
+                if end.status == Status::Converged {
+                    self.interface.to_mut().flatten(&self.state.unknowns, self.face);
+                }
                 return end;
             }
             if is_settled {

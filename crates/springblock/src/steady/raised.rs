@@ -119,12 +119,17 @@ impl RaisedModel {
         let touch = std::mem::take(&mut history.touch);
         let mut state = State { touch, normal: vec![0.0; m], height: contacts.relief.clone() };
         let (status, iterations, residual) = contacts.solve(&mut state);
-        for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == Touch::Yielding) {
-            // What has yielded is as high as it was pressed, and elastic from there on.
-            history.relief[c] = state.height[c] * unit;
-            *touch = Touch::On;
+        // What is no solution leaves the face as it was.
+        if status == Status::Converged {
+            for (c, touch) in state.touch.iter_mut().enumerate().filter(|(_, touch)| **touch == Touch::Yielding) {
+                // What has yielded is as high as it was pressed, and elastic from there on.
+                history.relief[c] = state.height[c] * unit;
+                *touch = Touch::On;
+            }
+            history.touch = state.touch;
+        } else {
+            history.touch = vec![Touch::On; m];
         }
-        history.touch = state.touch;
         let friction = (0..m).map(|c| friction_at(model.response(), load, c, state.normal[c])).collect();
         let equilibrium =
             Equilibrium { status, iterations, residual, friction, normal: state.normal, displacement: Vec::new() };
