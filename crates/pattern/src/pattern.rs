@@ -276,6 +276,28 @@ impl Pattern {
         self.section_density() * self.share_across()
     }
 
+    /// Length of the cavities' edges over the area of the face, in 1/m. Grooves that cross have none inside each other.
+    #[must_use]
+    pub fn edge_per_area_1_m(&self) -> f64 {
+        let width_m = self.width_m;
+        // Perimeter over area of one cavity.
+        let of_cavity = match self.planform() {
+            Planform::Groove => return 2.0 / self.pitch_m(),
+            // Two families of edges 2 / p, of which the other covers w / p.
+            Planform::Crosshatch => return 4.0 / self.pitch_m() * (1.0 - width_m / self.pitch_m()),
+            Planform::Square | Planform::Disc => 4.0 / width_m,
+            Planform::Rectangle => {
+                let length_m = self.length_m().unwrap_or(width_m);
+                2.0 * (width_m + length_m) / (width_m * length_m)
+            }
+            Planform::Polygon => self
+                .texture
+                .outline()
+                .map_or(4.0 / width_m, |outline| outline.perimeter() / (outline.area() * width_m)),
+        };
+        of_cavity * self.areal_density()
+    }
+
     /// The strip estimate of the friction ratio of a pattern whose vertical section along x, taken
     /// as a transversal groove, has the ratio `ratio_groove`: strips between the rows of cavities
     /// count as flat, a disc or a polygon as a rectangle of its width and its area; crossing grooves take away as much more

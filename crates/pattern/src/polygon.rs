@@ -171,6 +171,12 @@ impl Polygon {
         self.0.area
     }
 
+    /// Length of the outline over its extent along x.
+    #[must_use]
+    pub fn perimeter(&self) -> f64 {
+        edges(self.vertices()).map(|([xa, ya], [xb, yb])| (xb - xa).hypot(yb - ya)).sum()
+    }
+
     /// Its narrowest width over its extent along x: the smaller of the least distance of two parallel lines that hold it
     /// between them, and, of a concave outline, of its narrowest neck, a straight line inside it from a concave corner to
     /// the opposite side, shorter than all beside it. That a corner tapers to nothing counts for nothing, as everywhere.

@@ -1,4 +1,4 @@
-//! Statistics that several crates need: normal deviates, medians, standard deviations and Student's t.
+//! Statistics that several crates need: normal deviates and their distribution, medians, standard deviations and Student's t.
 //!
 //! ```
 //! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};
@@ -8,9 +8,11 @@
 //! ```
 
 mod normal;
+mod normal_distribution;
 mod sample;
 mod student;
 
 pub use normal::Normals;
+pub use normal_distribution::{box_probability, normal_probability, normal_quantile};
 pub use sample::{mean_and_std, median, upper_median};
 pub use student::Confidence;

@@ -3,6 +3,7 @@
 //! | module | answers |
 //! |---|---|
 //! | [`accuracy`] | what each method costs, and how far it is from the reference |
+//! | [`laboratories`] | how many samples must be cut until one is on target |
 //! | [`validation`] | what was measured on patterned samples beside what the model says |
 //!
 //! This crate opens no files, prints nothing and reads no clock: times come through a
@@ -10,6 +11,7 @@
 
 pub mod accuracy;
 mod error;
+pub mod laboratories;
 pub mod validation;
 
 pub use error::StudyError;

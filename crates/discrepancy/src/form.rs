@@ -1,0 +1,85 @@
+//! Forms: how the discrepancy grows with what was cut away.
+
+use crate::Features;
+
+/// How the discrepancy grows with what was cut away: 0 without cavities.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// As the areal density a: what happens over the cavities, or is missing there.
+    Density,
+    /// As the edges' length per area e: what happens along them, as rims and menisci do.
+    Edge,
+    /// As 1 - exp(-a / scale): little texture does nearly all, as where wear debris is caught.
+    Saturating {
+        /// Areal density at which most is reached.
+        scale: f64,
+    },
+    /// As a (1 - exp(-depth / scale)): shallow cavities do less.
+    DepthDensity {
+        /// Depth at which most is reached, in metres.
+        scale_m: f64,
+    },
+    /// As e (1 - exp(-depth / scale)): edges of shallow cavities do less.
+    DepthEdge {
+        /// Depth at which most is reached, in metres.
+        scale_m: f64,
+    },
+}
+
+impl Form {
+    /// The forms with their weights before anything was measured, which sum to 1. The families are alike likely but for the
+    /// last, which shares its edges with the second.
+    #[must_use]
+    pub fn usual() -> Vec<(Self, f64)> {
+        let family = |share: f64, members: Vec<Self>| {
+            let each = share / members.len() as f64;
+            members.into_iter().map(move |form| (form, each)).collect::<Vec<_>>()
+        };
+        [
+            family(0.22, vec![Self::Density]),
+            family(0.22, vec![Self::Edge]),
+            family(0.22, [0.02, 0.04, 0.08, 0.16].map(|scale| Self::Saturating { scale }).to_vec()),
+            family(0.22, [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Self::DepthDensity { scale_m }).to_vec()),
+            family(0.12, [3e-6, 10e-6].map(|scale_m| Self::DepthEdge { scale_m }).to_vec()),
+        ]
+        .concat()
+    }
+
+    /// The form at a texture, in units of its own.
+    #[must_use]
+    pub fn value(&self, of: &Features) -> f64 {
+        // 1 - exp(-x / x0)
+        let reached = |x: f64, scale: f64| -libm::expm1(-x / scale);
+        match self {
+            Self::Density => of.areal_density,
+            Self::Edge => of.edge_1_m,
+            Self::Saturating { scale } => reached(of.areal_density, *scale),
+            Self::DepthDensity { scale_m } => of.areal_density * reached(of.depth_m, *scale_m),
+            Self::DepthEdge { scale_m } => of.edge_1_m * reached(of.depth_m, *scale_m),
+        }
+    }
+
+    /// Its family: what it grows with.
+    #[must_use]
+    pub const fn family(&self) -> &'static str {
+        match self {
+            Self::Density => "areal density",
+            Self::Edge => "edge length",
+            Self::Saturating { .. } => "saturating areal density",
+            Self::DepthDensity { .. } => "areal density and depth",
+            Self::DepthEdge { .. } => "edge length and depth",
+        }
+    }
+
+    /// Its family and scale.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let um = |length_m: f64| (length_m * 1e9).round() / 1e3;
+        match self {
+            Self::Density | Self::Edge => self.family().to_owned(),
+            Self::Saturating { scale } => format!("areal density, saturating at {scale}"),
+            Self::DepthDensity { scale_m } => format!("areal density of cavities deeper than {} um", um(*scale_m)),
+            Self::DepthEdge { scale_m } => format!("edges of cavities deeper than {} um", um(*scale_m)),
+        }
+    }
+}

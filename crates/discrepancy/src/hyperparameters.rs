@@ -1,0 +1,119 @@
+//! What is believed before anything was measured.
+
+use crate::{DiscrepancyError, Features, Form};
+
+/// What is believed before anything was measured. Standard deviations are of the ratio's logarithm at the reference texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hyperparameters {
+    /// The texture at which every form is 1. The published squares: the only ones of which a discrepancy was published, 0.19.
+    pub reference: Features,
+    /// Of alpha. As large as what was published.
+    pub amplitude_std: f64,
+    /// Of beta, along (P - P0) / P0. The published samples show none in a range of 0.6 to 2.5 MPa.
+    pub pressure_std: f64,
+    /// Of gamma, along P1 / P - 1/2. What adhesion or a meniscus adds is a force, which counts the less the larger the load.
+    pub inverse_pressure_std: f64,
+    /// Of kappa, along ln(v / v0). The published samples show 0.036 +- 0.009.
+    pub speed_std: f64,
+    /// Of eta at any humidity. The published samples differ by 0.13 between 40 and 80 %.
+    pub humidity_std: f64,
+    /// Difference of humidity, from 0 to 1, over which eta changes: its correlation is exp(-|dH| / this).
+    pub humidity_length: f64,
+    /// Of what no form has, as a smooth function of the dimensions, where the areal density is at least the reference's.
+    pub residual_std: f64,
+    /// Difference of the logarithms of width, pitch and depth over which that changes.
+    pub residual_length: f64,
+    /// Random features that it is made of (Rahimi and Recht 2007).
+    pub residual_features: usize,
+    /// Seed of these.
+    pub seed: u64,
+    /// Of t: from one sample to the next of the same texture.
+    pub sample_std: f64,
+    /// Least standard error of a patterned measurement over itself.
+    pub least_measured_std: f64,
+    /// The forms with their weights, which sum to 1.
+    pub forms: Vec<(Form, f64)>,
+}
+
+impl Default for Hyperparameters {
+    fn default() -> Self {
+        Self {
+            reference: Features {
+                areal_density: 0.0676,
+                edge_1_m: 2080.0,
+                width_m: 130e-6,
+                pitch_m: 500e-6,
+                depth_m: 5.2e-6,
+            },
+            amplitude_std: 0.2,
+            pressure_std: 0.06,
+            inverse_pressure_std: 0.08,
+            speed_std: 0.05,
+            humidity_std: 0.1,
+            humidity_length: 0.3,
+            residual_std: 0.02,
+            residual_length: 0.8,
+            residual_features: 24,
+            seed: 1,
+            sample_std: 0.005,
+            least_measured_std: 0.005,
+            forms: Form::usual(),
+        }
+    }
+}
+
+/// What pressures and speeds count from: those of the flat sample's measurements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conditions {
+    /// P0, about the middle of the measured pressures, in pascals.
+    pub reference_pressure_pa: f64,
+    /// P1, the lowest of them, in pascals.
+    pub lowest_pressure_pa: f64,
+    /// v0, about the middle of the measured speeds, in m/s.
+    pub reference_speed_m_s: f64,
+}
+
+impl Default for Conditions {
+    /// The published ones.
+    fn default() -> Self {
+        Self { reference_pressure_pa: 1.5e6, lowest_pressure_pa: 0.65e6, reference_speed_m_s: 2e-3 }
+    }
+}
+
+impl Hyperparameters {
+    /// # Errors
+    /// [`DiscrepancyError::Hyperparameter`] of the first that means nothing.
+    pub(crate) fn check(&self) -> Result<(), DiscrepancyError> {
+        let refuse = |name, value, expected| Err(DiscrepancyError::Hyperparameter { name, value, expected });
+        for (name, value) in [
+            ("amplitude_std", self.amplitude_std),
+            ("pressure_std", self.pressure_std),
+            ("inverse_pressure_std", self.inverse_pressure_std),
+            ("speed_std", self.speed_std),
+            ("humidity_std", self.humidity_std),
+            ("residual_std", self.residual_std),
+            ("sample_std", self.sample_std),
+        ] {
+            if !(0.0..=10.0).contains(&value) {
+                return refuse(name, value, "from 0 to 10");
+            }
+        }
+        for (name, value) in [
+            ("least_measured_std", self.least_measured_std),
+            ("humidity_length", self.humidity_length),
+            ("residual_length", self.residual_length),
+            ("areal density of the reference", self.reference.areal_density),
+            ("edge length of the reference", self.reference.edge_1_m),
+            ("depth of the reference", self.reference.depth_m),
+        ] {
+            if !(value > 0.0 && value.is_finite()) {
+                return refuse(name, value, "positive and finite");
+            }
+        }
+        let sum: f64 = self.forms.iter().map(|(_, weight)| weight).sum();
+        if self.forms.iter().any(|(_, weight)| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
+            return refuse("sum of the forms' weights", sum, "1, each of them 0 or more");
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,145 @@
+//! Measurements predicted by others: what the mixture would have said before they were made.
+
+use slipgrid_statistics::normal_quantile;
+
+use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower};
+use crate::mixture::is_same;
+use crate::{Component, Discrepancy, Prediction};
+
+/// What is left out at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeftOut {
+    /// A trial, predicted by all others.
+    Trial,
+    /// A condition, predicted by all others: pressure, speed and humidity, in whatever trial.
+    Condition,
+    /// A trial and all after it, predicted by those before: what was known when it was cut.
+    TrialAndLater,
+}
+
+/// A measurement beside what was predicted of it without it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surprise {
+    /// Number of the trial, from 0, and of the measurement in it.
+    pub trial: usize,
+    /// Number of the measurement in it, from 0.
+    pub row: usize,
+    /// Logarithm of the measured over the modelled ratio.
+    pub measured: f64,
+    /// Median of what was predicted, with the measurement's own errors.
+    pub median: f64,
+    /// Ends of the interval that holds 68 % of it.
+    pub interval_68: [f64; 2],
+    /// Ends of the interval that holds 95 %.
+    pub interval_95: [f64; 2],
+    /// The measurement in standard deviations of a normal distribution: that of which as much lies below.
+    pub surprise: f64,
+}
+
+/// Every measurement of `discrepancy` predicted without those that are left out with it.
+#[must_use]
+pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut) -> Vec<Surprise> {
+    let rows: Vec<_> = discrepancy.rows().collect();
+    let n = rows.len();
+    let noise = discrepancy.noise();
+    let excess: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
+    let covariances: Vec<Vec<f64>> =
+        (0..discrepancy.members().len()).map(|member| covariance(discrepancy, member, &noise)).collect();
+    let mut found = Vec::new();
+    let mut done = vec![false; n];
+    for first in 0..n {
+        if done[first] {
+            continue;
+        }
+        let (trial, at) = rows[first];
+        let is_wanted = |row: &usize| match by {
+            LeftOut::Trial | LeftOut::TrialAndLater => rows[*row].0 == trial,
+            LeftOut::Condition => is_same(&rows[*row].1.load, &at.load),
+        };
+        let is_known = |row: &usize| match by {
+            LeftOut::TrialAndLater => rows[*row].0 < trial,
+            _ => !is_wanted(row),
+        };
+        let wanted: Vec<usize> = (0..n).filter(is_wanted).collect();
+        let known: Vec<usize> = (0..n).filter(is_known).collect();
+        let prediction = conditional(discrepancy, &covariances, &excess, &known, &wanted);
+        for (load, &row) in wanted.iter().enumerate() {
+            done[row] = true;
+            let (trial, own) = (rows[row].0, row - rows.iter().position(|(of, _)| *of == rows[row].0).unwrap_or(0));
+            let quantile = |p: f64| prediction.quantile(load, p);
+            // A probability of exactly 0 or 1 is one too small to be told from it.
+            let below = prediction.probability_below(load, excess[row]).clamp(1e-300, 1.0 - 1e-16);
+            found.push(Surprise {
+                trial,
+                row: own,
+                measured: excess[row],
+                median: quantile(0.5),
+                interval_68: [quantile(0.16), quantile(0.84)],
+                interval_95: [quantile(0.025), quantile(0.975)],
+                surprise: normal_quantile(below),
+            });
+        }
+    }
+    found.sort_by_key(|surprise| (surprise.trial, surprise.row));
+    found
+}
+
+/// Covariance of all measurements where one form holds: noise + Phi Phi^T.
+fn covariance(discrepancy: &Discrepancy, member: usize, noise: &[f64]) -> Vec<f64> {
+    let member = &discrepancy.members()[member];
+    let rows: Vec<Vec<f64>> = discrepancy
+        .rows()
+        .map(|(trial, at)| {
+            let features = &discrepancy.trials()[trial].features;
+            let form = member.form.value(features) / member.at_reference;
+            discrepancy.basis().row(form, features, &at.load, at.modulus_sensitivity)
+        })
+        .collect();
+    let n = rows.len();
+    (0..n * n).map(|entry| noise[entry] + dot(&rows[entry / n], &rows[entry % n])).collect()
+}
+
+/// What the measurements `known` say of those `wanted`, errors included: mean K_wk K_kk^-1 y, covariance K_ww - K_wk K_kk^-1 K_kw.
+fn conditional(
+    discrepancy: &Discrepancy,
+    covariances: &[Vec<f64>],
+    excess: &[f64],
+    known: &[usize],
+    wanted: &[usize],
+) -> Prediction {
+    let (n, k, m) = (excess.len(), known.len(), wanted.len());
+    let mut evidences = Vec::new();
+    let mut components = Vec::new();
+    for (member, all) in discrepancy.members().iter().zip(covariances) {
+        let inner: Vec<f64> = known.iter().flat_map(|i| known.iter().map(move |j| all[i * n + j])).collect();
+        // The noise is regular: so is every part of it.
+        let Some(factor) = cholesky(&inner, k).filter(|factor| is_regular(factor, k)) else { continue };
+        let mut y: Vec<f64> = known.iter().map(|i| excess[*i]).collect();
+        solve_lower(&factor, k, &mut y);
+        let columns: Vec<Vec<f64>> = wanted
+            .iter()
+            .map(|j| {
+                let mut column: Vec<f64> = known.iter().map(|i| all[i * n + j]).collect();
+                solve_lower(&factor, k, &mut column);
+                column
+            })
+            .collect();
+        evidences.push(-0.5 * (dot(&y, &y) + log_determinant(&factor, k)));
+        let entry = |e: usize| all[wanted[e / m] * n + wanted[e % m]] - dot(&columns[e / m], &columns[e % m]);
+        components.push(Component {
+            form: member.form,
+            weight: member.prior,
+            mean: columns.iter().map(|column| dot(column, &y)).collect(),
+            covariance: (0..m * m).map(entry).collect(),
+            modulus: [0.0; 2],
+            with_modulus: vec![0.0; m],
+        });
+    }
+    let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    for (component, evidence) in components.iter_mut().zip(&evidences) {
+        component.weight *= libm::exp(evidence - most);
+    }
+    let sum: f64 = components.iter().map(|component| component.weight).sum();
+    components.iter_mut().for_each(|component| component.weight /= sum);
+    Prediction { components }
+}

@@ -1,0 +1,66 @@
+//! What the model lacks on textured samples, learned from trials.
+//!
+//! A *trial* is a sample that was cut and measured. Its *discrepancy* is the logarithm of the measured over the modelled ratio
+//! of patterned to flat friction. For a texture x, the pressure P, the speed v and the humidity H it is
+//!
+//! ```text
+//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H)] + eps g(x, P) + w(x) c(x) + t + f + e
+//! u = (P - P0) / P0,     q = P1 / P - 1/2,     s = ln(v / v0)
+//! ```
+//!
+//! h is the *form*: how the discrepancy grows with what was cut away. It is 1 at the reference texture and 0 without
+//! cavities. eps is how far the logarithm of Young's modulus is off, g = d ln R / d ln E; c a smooth function of the
+//! dimensions, for what no form has, and w the areal density over the reference's, at most 1; t is one sample's own, f the flat
+//! sample's error, which all ratios of one condition share, and e the patterned measurement's.
+//!
+//! Nobody knows the form. Every one of [`Hyperparameters::forms`] makes an exact Gaussian regression, and its weight is its prior
+//! times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the prior.
+//!
+//! | item | role |
+//! |---|---|
+//! | [`Trial`], [`Measured`] | what was cut and what was measured of it |
+//! | [`Form`], [`Features`] | how the discrepancy grows with the texture, and what of it counts |
+//! | [`Hyperparameters`] | standard deviations before anything was measured, with their reasons |
+//! | [`Discrepancy`] | the mixture after the trials |
+//! | [`Predictor`], [`Prediction`] | what it says of a texture at given loads: quantiles, covariance, the chance to be on target |
+//! | [`leave_out`] | every trial and every condition predicted by all others |
+//! | [`Wanted`], [`choose`] | the texture to cut next |
+//!
+//! This crate solves no contact and opens no files.
+//!
+//! ```
+//! use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load};
+//! use slipgrid_pattern::{Pattern, Planform};
+//! // Before any trial: the prior's interval is wide.
+//! let prior = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, Vec::new())?;
+//! let groove = Pattern::new(Planform::Groove, 100e-6, 300e-6, 10e-6).map_err(|error| error.to_string())?;
+//! let load = Load { pressure_pa: 1e6, speed_m_s: 2e-3, humidity: 0.4 };
+//! let found = prior.at(&[load]).predict(&Features::from(&groove), &[0.1]);
+//! assert!(found.quantile(0, 0.025) < -0.3 && found.quantile(0, 0.975) > 0.3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod features;
+mod form;
+mod hyperparameters;
+mod leave_out;
+mod linear;
+mod mixture;
+mod next_trial;
+mod prediction;
+mod rows;
+mod trial;
+
+pub use error::DiscrepancyError;
+pub use features::Features;
+pub use form::Form;
+pub use hyperparameters::{Conditions, Hyperparameters};
+pub use leave_out::{LeftOut, Surprise, leave_out};
+pub use mixture::{Discrepancy, FormWeight};
+pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information};
+pub use prediction::{Component, Load, Prediction, Predictor};
+pub use trial::{Measured, Trial};
+
+#[cfg(test)]
+mod tests;

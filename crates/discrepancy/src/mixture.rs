@@ -1,0 +1,237 @@
+//! The mixture of all forms after the trials.
+
+use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
+use crate::rows::Basis;
+use crate::{Conditions, DiscrepancyError, Form, Hyperparameters, Load, Measured, Predictor, Trial};
+
+/// Two numbers of a condition that agree to this share are the same.
+const SAME: f64 = 1e-6;
+
+/// What is known of the discrepancy after some trials, or before the first.
+#[derive(Clone, Debug)]
+pub struct Discrepancy {
+    conditions: Conditions,
+    trials: Vec<Trial>,
+    basis: Basis,
+    members: Vec<Member>,
+}
+
+/// One form's regression. Coefficients are in units of their standard deviations before.
+#[derive(Clone, Debug)]
+pub(crate) struct Member {
+    pub form: Form,
+    pub prior: f64,
+    pub weight: f64,
+    /// The form at the reference texture.
+    pub at_reference: f64,
+    pub mean: Vec<f64>,
+    /// L^-1 of the precision L L^T, rows of a lower triangle.
+    pub inverse: Vec<f64>,
+}
+
+/// A form with its weight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FormWeight {
+    /// The form.
+    pub form: Form,
+    /// Its weight before anything was measured.
+    pub prior: f64,
+    /// Its weight after the trials.
+    pub weight: f64,
+}
+
+impl Discrepancy {
+    /// What `trials` say. `modulus_relative_std` is the standard deviation of Young's modulus over itself, 0 where it is exact.
+    ///
+    /// # Errors
+    /// [`DiscrepancyError`] for a number that means nothing.
+    pub fn new(
+        hyper: Hyperparameters,
+        conditions: Conditions,
+        modulus_relative_std: f64,
+        trials: Vec<Trial>,
+    ) -> Result<Self, DiscrepancyError> {
+        hyper.check()?;
+        trials.iter().try_for_each(Trial::check)?;
+        if !(0.0..=10.0).contains(&modulus_relative_std) {
+            let (name, expected) = ("error of Young's modulus over itself", "from 0 to 10");
+            return Err(DiscrepancyError::Hyperparameter { name, value: modulus_relative_std, expected });
+        }
+        let humidities: Vec<f64> =
+            trials.iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
+        let basis = Basis::new(&hyper, conditions, modulus_relative_std, &humidities);
+        let mut found = Self { conditions, trials, basis, members: Vec::new() };
+        let noise = found.noise();
+        let n = found.rows().count();
+        let factor = cholesky(&noise, n).filter(|factor| is_regular(factor, n)).ok_or(DiscrepancyError::Singular)?;
+        let mut excess: Vec<f64> = found.rows().map(|(_, at)| at.log_excess()).collect();
+        solve_lower(&factor, n, &mut excess);
+        let fitted = hyper.forms.iter().filter(|(_, prior)| *prior > 0.0);
+        let fitted: Vec<(Member, f64)> =
+            fitted.map(|(form, prior)| found.fit(*form, *prior, &factor, &excess)).collect::<Option<_>>().ok_or(
+                DiscrepancyError::Singular,
+            )?;
+        let most = fitted.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
+        let sum: f64 = fitted.iter().map(|(member, evidence)| member.prior * libm::exp(evidence - most)).sum();
+        found.members = fitted
+            .into_iter()
+            .map(|(member, evidence)| Member { weight: member.prior * libm::exp(evidence - most) / sum, ..member })
+            .collect();
+        Ok(found)
+    }
+
+    /// The trials.
+    #[must_use]
+    pub fn trials(&self) -> &[Trial] {
+        &self.trials
+    }
+
+    /// What pressures and speeds count from.
+    #[must_use]
+    pub const fn conditions(&self) -> Conditions {
+        self.conditions
+    }
+
+    /// What was believed before.
+    #[must_use]
+    pub const fn hyperparameters(&self) -> &Hyperparameters {
+        self.basis.hyper()
+    }
+
+    /// Standard deviation of Young's modulus over itself before the trials.
+    #[must_use]
+    pub const fn modulus_relative_std(&self) -> f64 {
+        self.basis.modulus_std()
+    }
+
+    /// The forms with their weights.
+    pub fn forms(&self) -> impl Iterator<Item = FormWeight> {
+        self.members.iter().map(|member| FormWeight {
+            form: member.form,
+            prior: member.prior,
+            weight: member.weight,
+        })
+    }
+
+    /// What it says at `loads`.
+    #[must_use]
+    pub fn at(&self, loads: &[Load]) -> Predictor {
+        Predictor::new(&self.basis, &self.members, loads)
+    }
+
+    /// The same without trials.
+    ///
+    /// # Errors
+    /// Those of [`Discrepancy::new`].
+    pub fn with_trials(&self, trials: Vec<Trial>) -> Result<Self, DiscrepancyError> {
+        Self::new(self.hyperparameters().clone(), self.conditions, self.modulus_relative_std(), trials)
+    }
+
+    pub(crate) const fn basis(&self) -> &Basis {
+        &self.basis
+    }
+
+    pub(crate) fn members(&self) -> &[Member] {
+        &self.members
+    }
+
+    /// Every measurement with the number of its trial.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, &Measured)> {
+        self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
+    }
+
+    /// Variance of t.
+    pub(crate) fn sample_variance(&self, trial: usize) -> f64 {
+        self.trials[trial].sample_std.unwrap_or(self.hyperparameters().sample_std).powi(2)
+    }
+
+    /// Covariance of all measurements where the coefficients are known: the sample's own, errors of its dimensions, the flat
+    /// sample's, which a condition shares, and each measurement's.
+    pub(crate) fn noise(&self) -> Vec<f64> {
+        let rows: Vec<(usize, &Measured)> = self.rows().collect();
+        let n = rows.len();
+        let first: Vec<usize> = self
+            .trials
+            .iter()
+            .scan(0, |next, trial| {
+                let own = *next;
+                *next += trial.measured.len();
+                Some(own)
+            })
+            .collect();
+        let mut noise = vec![0.0; n * n];
+        for (i, (left, a)) in rows.iter().enumerate() {
+            for (j, (right, b)) in rows.iter().enumerate() {
+                let mut shared = 0.0;
+                if left == right {
+                    let of_dimensions = &self.trials[*left].of_dimensions;
+                    shared += self.sample_variance(*left);
+                    shared += of_dimensions
+                        .iter()
+                        .filter_map(|slopes| Some(slopes.get(i - first[*left])? * slopes.get(j - first[*left])?))
+                        .sum::<f64>();
+                }
+                if is_same(&a.load, &b.load) {
+                    shared += a.flat_std * b.flat_std;
+                }
+                if i == j {
+                    shared += a.patterned_std.max(self.hyperparameters().least_measured_std).powi(2);
+                }
+                noise[i * n + j] = shared;
+            }
+        }
+        noise
+    }
+
+    /// The regression of one form with the logarithm of its evidence, from the factor of the noise and the excess that it whitens.
+    fn fit(&self, form: Form, prior: f64, factor: &[f64], excess: &[f64]) -> Option<(Member, f64)> {
+        let (p, n) = (self.basis.count(), excess.len());
+        let at_reference = form.value(&self.hyperparameters().reference);
+        // Columns of the whitened rows: S^-1 Phi, noise = S S^T
+        let rows: Vec<Vec<f64>> = self
+            .rows()
+            .map(|(trial, at)| {
+                let features = &self.trials[trial].features;
+                let value = form.value(features) / at_reference;
+                self.basis.row(value, features, &at.load, at.modulus_sensitivity)
+            })
+            .collect();
+        let columns: Vec<Vec<f64>> = (0..p)
+            .map(|c| {
+                let mut column: Vec<f64> = rows.iter().map(|row| row[c]).collect();
+                solve_lower(factor, n, &mut column);
+                column
+            })
+            .collect();
+        // I + Phi^T noise^-1 Phi
+        let mut precision = vec![0.0; p * p];
+        for i in 0..p {
+            for j in 0..=i {
+                let entry = dot(&columns[i], &columns[j]) + if i == j { 1.0 } else { 0.0 };
+                precision[i * p + j] = entry;
+                precision[j * p + i] = entry;
+            }
+        }
+        let lower = cholesky(&precision, p).filter(|lower| is_regular(lower, p))?;
+        // mean = precision^-1 Phi^T noise^-1 y
+        let mut mean: Vec<f64> = columns.iter().map(|column| dot(column, excess)).collect();
+        solve_lower(&lower, p, &mut mean);
+        // ln N(y; 0, noise + Phi Phi^T), but for what no form changes
+        let evidence = 0.5 * (dot(&mean, &mean) - log_determinant(&lower, p));
+        solve_upper(&lower, p, &mut mean);
+        let mut inverse = vec![0.0; p * p];
+        for c in 0..p {
+            let mut column = vec![0.0; p];
+            column[c] = 1.0;
+            solve_lower(&lower, p, &mut column);
+            (c..p).for_each(|row| inverse[row * p + c] = column[row]);
+        }
+        Some((Member { form, prior, weight: prior, at_reference, mean, inverse }, evidence))
+    }
+}
+
+/// Whether two loads are one condition.
+pub(crate) fn is_same(a: &Load, b: &Load) -> bool {
+    let close = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
+    close(a.pressure_pa, b.pressure_pa) && close(a.speed_m_s, b.speed_m_s) && close(a.humidity, b.humidity)
+}

@@ -1,0 +1,214 @@
+//! The texture to cut next.
+
+use rayon::prelude::*;
+use slipgrid_statistics::{Normals, box_probability};
+
+use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower};
+use crate::{Features, Prediction, Predictor};
+
+/// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
+const OF_CLOSENESS: f64 = 0.05;
+/// Draws of each form behind the closeness of a texture and behind [`information`].
+const DRAWS: usize = 16;
+/// Forms of less weight change no choice.
+const LEAST_WEIGHT: f64 = 1e-4;
+/// Textures whose scores are computed at a time, so that the choice does not depend on the number of threads.
+const BATCH: usize = 64;
+
+/// What a cut sample should do: its ratio at each load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wanted {
+    /// Least ratio that is accepted; 0 where there is no least.
+    pub lower: Vec<f64>,
+    /// Largest ratio that is accepted; infinite where there is none.
+    pub upper: Vec<f64>,
+}
+
+/// How much there is for cutting a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// Chance that a cut sample is on target at all loads at once.
+    pub chance: f64,
+    /// E exp(-m^2 / 4), m the largest distance from the middle of what is accepted, in half its width.
+    pub closeness: f64,
+}
+
+/// A texture that could be cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Candidate<'a> {
+    /// What the discrepancy depends on.
+    pub features: Features,
+    /// Modelled ratio at each load.
+    pub modelled: &'a [f64],
+    /// g = d ln R / d ln E at each load.
+    pub modulus_sensitivity: &'a [f64],
+    /// Covariance of the logarithms of the ratios of samples by their dimensions, loads x loads; empty where these are exact.
+    pub covariance: &'a [f64],
+}
+
+/// The texture to cut next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Chosen {
+    /// Its place among the candidates.
+    pub place: usize,
+    /// How much there is for it.
+    pub score: Score,
+}
+
+impl Score {
+    /// What textures are ranked by.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        self.chance + OF_CLOSENESS * self.closeness
+    }
+}
+
+impl Wanted {
+    /// What is accepted of the logarithm of the true over the `modelled` ratio.
+    #[must_use]
+    pub fn over(&self, modelled: &[f64]) -> [Vec<f64>; 2] {
+        let log = |ends: &[f64]| ends.iter().zip(modelled).map(|(end, ratio)| libm::log(end / ratio)).collect();
+        [log(&self.lower), log(&self.upper)]
+    }
+
+    /// How much there is for a texture of which `prediction` is known, and whose ratios are `modelled`.
+    #[must_use]
+    pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
+        let [lower, upper] = self.over(modelled);
+        let n = modelled.len();
+        let mut normals = Normals::new(1);
+        let deviates: Vec<f64> = (0..DRAWS * n).map(|_| normals.draw()).collect();
+        let mut score = Score { chance: 0.0, closeness: 0.0 };
+        for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
+            let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+            score.chance += of.weight * box_probability(&of.mean, &factor, &lower, &upper);
+            // Draws and their opposites.
+            let close = |z: &[f64], side: f64| {
+                let misfit = |load: usize| {
+                    let known = of.mean[load] + side * dot(&factor[load * n..][..=load], z);
+                    let half = 0.5 * (upper[load] - lower[load]);
+                    if half.is_finite() { (known - lower[load] - half).abs() / half } else { 0.0 }
+                };
+                let most = (0..n).map(misfit).fold(0.0, f64::max);
+                libm::exp(-0.25 * most * most)
+            };
+            let sum: f64 = deviates.chunks(n.max(1)).map(|z| close(z, 1.0) + close(z, -1.0)).sum();
+            score.closeness += of.weight * sum / (2 * DRAWS) as f64;
+        }
+        score
+    }
+
+    /// No less than the value of [`Wanted::score`]: by each load alone.
+    fn most(&self, prediction: &Prediction, modelled: &[f64]) -> f64 {
+        let [lower, upper] = self.over(modelled);
+        let chance = prediction.most_probability_within(&lower, &upper);
+        let n = modelled.len();
+        let close = |of: &crate::Component| {
+            let at = |load: usize| {
+                let half = 0.5 * (upper[load] - lower[load]);
+                if !half.is_finite() {
+                    return 1.0;
+                }
+                // E exp(-x^2 / 4) = exp(-mu^2 / (4 + 2 s^2)) / sqrt(1 + s^2 / 2)
+                let mean = (of.mean[load] - lower[load] - half) / half;
+                let variance = of.covariance[load * n + load] / (half * half);
+                libm::exp(-mean * mean / (4.0 + 2.0 * variance)) / (1.0 + 0.5 * variance).sqrt()
+            };
+            of.weight * (0..n).map(at).fold(1.0, f64::min)
+        };
+        // The draws of the closeness scatter about its expectation: with as much to spare nothing is missed that counts.
+        chance + 2.0 * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>()
+    }
+}
+
+/// The greatest score of `count` candidates that `of` gives; candidates of which it gives nothing are passed by. Of equal ones
+/// the first.
+pub fn choose<'a>(
+    predictor: &Predictor,
+    wanted: &Wanted,
+    count: usize,
+    of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
+) -> Option<Chosen> {
+    let mut bounds: Vec<(usize, f64)> = (0..count)
+        .into_par_iter()
+        .filter_map(|place| {
+            let candidate = of(place)?;
+            Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled)))
+        })
+        .collect();
+    bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut best: Option<Chosen> = None;
+    for batch in bounds.chunks(BATCH) {
+        if best.is_some_and(|best| batch[0].1 < best.score.value()) {
+            break;
+        }
+        let scored: Vec<Chosen> = batch
+            .par_iter()
+            .filter_map(|(place, _)| {
+                let candidate = of(*place)?;
+                let score = wanted.score(&predictor.of(&candidate), candidate.modelled);
+                Some(Chosen { place: *place, score })
+            })
+            .collect();
+        for found in scored {
+            let is_better = |best: &Chosen| {
+                found.score.value() > best.score.value()
+                    || (found.score.value() == best.score.value() && found.place < best.place)
+            };
+            if best.as_ref().is_none_or(is_better) {
+                best = Some(found);
+            }
+        }
+    }
+    best
+}
+
+impl Predictor {
+    /// What is predicted of a sample of `candidate`.
+    #[must_use]
+    pub fn of(&self, candidate: &Candidate<'_>) -> Prediction {
+        self.predict(&candidate.features, candidate.modulus_sensitivity).with(candidate.covariance)
+    }
+}
+
+/// What measuring a sample would say of the form, in nats: the expected fall of the entropy of the forms' weights, where each
+/// load is measured with the relative standard error `measured_std`. Seeded draws: a tenth of it is their error.
+#[must_use]
+pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
+    let n = prediction.loads();
+    let members: Vec<_> = prediction
+        .components
+        .iter()
+        .filter(|of| of.weight > LEAST_WEIGHT)
+        .filter_map(|of| {
+            let mut covariance = of.covariance.clone();
+            (0..n).for_each(|load| covariance[load * n + load] += measured_std * measured_std);
+            let factor = cholesky(&covariance, n).filter(|factor| is_regular(factor, n))?;
+            let log_determinant = log_determinant(&factor, n);
+            Some((of.weight, &of.mean, factor, log_determinant))
+        })
+        .collect();
+    let mut normals = Normals::new(1);
+    let mut gain = 0.0;
+    for (own, (weight, mean, factor, _)) in members.iter().enumerate() {
+        for _ in 0..4 * DRAWS {
+            let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
+            let y: Vec<f64> =
+                (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], &z)).collect();
+            let logs: Vec<f64> = members
+                .iter()
+                .map(|(_, mean, factor, log_determinant)| {
+                    let mut off: Vec<f64> = y.iter().zip(*mean).map(|(y, mean)| y - mean).collect();
+                    solve_lower(factor, n, &mut off);
+                    -0.5 * (dot(&off, &off) + log_determinant)
+                })
+                .collect();
+            let most = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let all: f64 = members.iter().zip(&logs).map(|((weight, ..), log)| weight * libm::exp(log - most)).sum();
+            // E ln p(y | form) / p(y)
+            gain += weight * (logs[own] - most - libm::log(all)) / (4 * DRAWS) as f64;
+        }
+    }
+    gain.max(0.0)
+}
+

@@ -1,0 +1,266 @@
+//! What the mixture says of a texture.
+
+use slipgrid_statistics::{box_probability, normal_probability};
+
+use crate::Features;
+use crate::Form;
+use crate::linear::{cholesky, dot};
+use crate::mixture::Member;
+use crate::rows::Basis;
+
+/// Pressure, speed and humidity at which friction is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Load {
+    /// Nominal pressure, in pascals.
+    pub pressure_pa: f64,
+    /// Sliding speed, in m/s.
+    pub speed_m_s: f64,
+    /// Relative humidity, from 0 to 1.
+    pub humidity: f64,
+}
+
+/// The mixture at some loads, for many textures: what does not depend on the texture is computed once.
+#[derive(Clone, Debug)]
+pub struct Predictor {
+    basis: Basis,
+    loads: usize,
+    /// What the measured humidities leave open of eta, loads x loads.
+    humidity_left: Vec<f64>,
+    members: Vec<Prepared>,
+}
+
+/// A form at the loads. With L L^T the precision, b_l what multiplies the form's coefficients and e the modulus's column:
+/// B_l = L^-1 b_l and E = L^-1 e.
+#[derive(Clone, Debug)]
+struct Prepared {
+    form: Form,
+    weight: f64,
+    at_reference: f64,
+    /// b_l times the mean coefficients, and e.
+    mean_of_form: Vec<f64>,
+    mean_of_modulus: f64,
+    mean_of_residual: Vec<f64>,
+    b: Vec<Vec<f64>>,
+    e: Vec<f64>,
+    /// B_l B_m, B_l E and E E.
+    bb: Vec<f64>,
+    be: Vec<f64>,
+    ee: f64,
+    /// Columns of L^-1 that multiply the residual's features.
+    residual: Vec<Vec<f64>>,
+}
+
+/// What is predicted of one texture: the logarithm of a cut sample's true ratio over the modelled one, at each load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// One normal distribution a form.
+    pub components: Vec<Component>,
+}
+
+/// What one form predicts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// The form.
+    pub form: Form,
+    /// Its weight; all weights sum to 1.
+    pub weight: f64,
+    /// Mean at each load.
+    pub mean: Vec<f64>,
+    /// Covariance, loads x loads.
+    pub covariance: Vec<f64>,
+    /// Mean and variance of eps, the logarithm of Young's modulus over what the model takes.
+    pub modulus: [f64; 2],
+    /// Its covariance with what is predicted at each load.
+    pub with_modulus: Vec<f64>,
+}
+
+impl Predictor {
+    pub(crate) fn new(basis: &Basis, members: &[Member], loads: &[Load]) -> Self {
+        let (p, of_form, modulus) = (basis.count(), basis.of_form(), basis.modulus());
+        let rows: Vec<Vec<f64>> = loads.iter().map(|load| basis.at_load(load)).collect();
+        let prepared = |member: &Member| {
+            let column = |c: usize| -> Vec<f64> { (0..p).map(|row| member.inverse[row * p + c]).collect() };
+            let times = |row: &[f64]| -> Vec<f64> {
+                // A lower triangle: entries beyond the diagonal are zeros.
+                (0..p).map(|r| dot(&member.inverse[r * p..][..=r.min(of_form - 1)], row)).collect()
+            };
+            let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
+            let e: Vec<f64> = column(modulus).iter().map(|entry| basis.modulus_std() * entry).collect();
+            Prepared {
+                form: member.form,
+                weight: member.weight,
+                at_reference: member.at_reference,
+                mean_of_form: rows.iter().map(|row| dot(row, &member.mean)).collect(),
+                mean_of_modulus: basis.modulus_std() * member.mean[modulus],
+                mean_of_residual: member.mean[modulus + 1..].to_vec(),
+                bb: b.iter().flat_map(|left| b.iter().map(|right| dot(left, right))).collect(),
+                be: b.iter().map(|left| dot(left, &e)).collect(),
+                ee: dot(&e, &e),
+                b,
+                e,
+                residual: (modulus + 1..p).map(column).collect(),
+            }
+        };
+        Self {
+            loads: loads.len(),
+            humidity_left: loads.iter().flat_map(|a| loads.iter().map(|b| basis.humidity_left(a, b))).collect(),
+            members: members.iter().map(prepared).collect(),
+            basis: basis.clone(),
+        }
+    }
+
+    /// What is predicted of a sample of the texture `of`, whose modelled ratio goes with the logarithm of Young's modulus as
+    /// `modulus_sensitivity` at each load. The sample's own scatter is in it.
+    #[must_use]
+    pub fn predict(&self, of: &Features, modulus_sensitivity: &[f64]) -> Prediction {
+        let residual = self.basis.residual(of);
+        let own = self.basis.hyper().sample_std.powi(2);
+        let component = |member: &Prepared| {
+            let h = member.form.value(of) / member.at_reference;
+            let g = modulus_sensitivity;
+            let p = member.e.len();
+            let mut r = vec![0.0; p];
+            // R = L^-1 c, below the coefficients of form and modulus
+            let first = p - residual.len();
+            for (place, (column, feature)) in member.residual.iter().zip(&residual).enumerate() {
+                for (sum, entry) in r[first + place..].iter_mut().zip(&column[first + place..]) {
+                    *sum += feature * entry;
+                }
+            }
+            let tail = |of: &[f64]| dot(&r[first..], &of[first..]);
+            let (rr, re) = (tail(&r), tail(&member.e));
+            let rb: Vec<f64> = member.b.iter().map(|b| tail(b)).collect();
+            let of_residual = dot(&residual, &member.mean_of_residual);
+            let n = self.loads;
+            // v_l = h B_l + g_l E + R, covariance v_l v_m
+            let mut covariance = vec![0.0; n * n];
+            for l in 0..n {
+                for m in 0..n {
+                    covariance[l * n + m] = h * h * (member.bb[l * n + m] + self.humidity_left[l * n + m])
+                        + h * (g[m] * member.be[l] + g[l] * member.be[m])
+                        + g[l] * g[m] * member.ee
+                        + h * (rb[l] + rb[m])
+                        + (g[l] + g[m]) * re
+                        + rr
+                        + own;
+                }
+            }
+            Component {
+                form: member.form,
+                weight: member.weight,
+                mean: (0..n)
+                    .map(|l| h * member.mean_of_form[l] + g[l] * member.mean_of_modulus + of_residual)
+                    .collect(),
+                covariance,
+                modulus: [member.mean_of_modulus, member.ee],
+                with_modulus: (0..n).map(|l| h * member.be[l] + g[l] * member.ee + re).collect(),
+            }
+        };
+        Prediction { components: self.members.iter().map(component).collect() }
+    }
+}
+
+impl Prediction {
+    /// Loads.
+    #[must_use]
+    pub fn loads(&self) -> usize {
+        self.components.first().map_or(0, |component| component.mean.len())
+    }
+
+    /// The same with a further `covariance`, loads x loads, as of the tolerances of a sample's dimensions.
+    #[must_use]
+    pub fn with(mut self, covariance: &[f64]) -> Self {
+        for component in &mut self.components {
+            component.covariance.iter_mut().zip(covariance).for_each(|(own, further)| *own += further);
+        }
+        self
+    }
+
+    /// Mean and standard deviation at `load`.
+    #[must_use]
+    pub fn moments(&self, load: usize) -> (f64, f64) {
+        let n = self.loads();
+        let mean: f64 = self.components.iter().map(|of| of.weight * of.mean[load]).sum();
+        let spread = |of: &Component| of.covariance[load * n + load] + (of.mean[load] - mean).powi(2);
+        (mean, self.components.iter().map(|of| of.weight * spread(of)).sum::<f64>().sqrt())
+    }
+
+    /// Probability of less than `value` at `load`.
+    #[must_use]
+    pub fn probability_below(&self, load: usize, value: f64) -> f64 {
+        let n = self.loads();
+        let of = |of: &Component| {
+            let std = of.covariance[load * n + load].max(0.0).sqrt();
+            let below = if std > 0.0 {
+                normal_probability((value - of.mean[load]) / std)
+            } else if of.mean[load] < value {
+                1.0
+            } else {
+                0.0
+            };
+            of.weight * below
+        };
+        self.components.iter().map(of).sum()
+    }
+
+    /// The value below which a share `p` lies at `load`.
+    #[must_use]
+    pub fn quantile(&self, load: usize, p: f64) -> f64 {
+        let n = self.loads();
+        let std = |of: &Component| of.covariance[load * n + load].max(0.0).sqrt();
+        let end = |side: f64| self.components.iter().map(move |of| of.mean[load] + side * 40.0 * std(of));
+        let (mut low, mut high) =
+            (end(-1.0).fold(f64::INFINITY, f64::min), end(1.0).fold(f64::NEG_INFINITY, f64::max));
+        for _ in 0..100 {
+            let middle = f64::midpoint(low, high);
+            if self.probability_below(load, middle) < p { low = middle } else { high = middle }
+        }
+        f64::midpoint(low, high)
+    }
+
+    /// Probability that all loads lie between `lower` and `upper`.
+    #[must_use]
+    pub fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let n = self.loads();
+        let of = |of: &Component| {
+            let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+            of.weight * box_probability(&of.mean, &factor, lower, upper)
+        };
+        self.components.iter().map(of).sum()
+    }
+
+    /// No less than [`Prediction::probability_within`], and cheaper: the least of the loads' own probabilities, form by form.
+    #[must_use]
+    pub fn most_probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let n = self.loads();
+        let of = |of: &Component| {
+            let at = |load: usize| {
+                let std = of.covariance[load * n + load].max(1e-300).sqrt();
+                let below = |end: f64| normal_probability((end - of.mean[load]) / std);
+                below(upper[load]) - below(lower[load])
+            };
+            of.weight * (0..n).map(at).fold(1.0, f64::min)
+        };
+        self.components.iter().map(of).sum()
+    }
+
+    /// Mean and covariance of the whole mixture.
+    #[must_use]
+    pub fn mixed(&self) -> (Vec<f64>, Vec<f64>) {
+        let n = self.loads();
+        let mut mean = vec![0.0; n];
+        for of in &self.components {
+            mean.iter_mut().zip(&of.mean).for_each(|(sum, own)| *sum += of.weight * own);
+        }
+        let mut covariance = vec![0.0; n * n];
+        for of in &self.components {
+            for l in 0..n {
+                for m in 0..n {
+                    let between = (of.mean[l] - mean[l]) * (of.mean[m] - mean[m]);
+                    covariance[l * n + m] += of.weight * (of.covariance[l * n + m] + between);
+                }
+            }
+        }
+        (mean, covariance)
+    }
+}

@@ -1,0 +1,130 @@
+//! The coefficients of the mixture, each in units of its standard deviation before anything was measured, and what multiplies
+//! them at a texture and a load.
+
+use slipgrid_statistics::Normals;
+
+use crate::linear::{cholesky, dot, solve_lower};
+use crate::{Conditions, Features, Hyperparameters, Load};
+
+/// alpha, beta, gamma and kappa, the coefficients before those of the humidities.
+const OF_LOAD: usize = 4;
+/// Humidities nearer than this are one.
+const SAME_HUMIDITY: f64 = 1e-6;
+
+/// What multiplies the coefficients: those of the load first, then eta at every measured humidity, eps, and those of c.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    hyper: Hyperparameters,
+    conditions: Conditions,
+    modulus_std: f64,
+    humidities: Vec<f64>,
+    /// Lower factor of the correlation of eta at these.
+    humidity_factor: Vec<f64>,
+    /// Frequencies and phases of the residual's features.
+    waves: Vec<([f64; 3], f64)>,
+}
+
+impl Basis {
+    pub fn new(hyper: &Hyperparameters, conditions: Conditions, modulus_std: f64, humidities: &[f64]) -> Self {
+        let mut levels = humidities.to_vec();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup_by(|a, b| (*a - *b).abs() <= SAME_HUMIDITY);
+        let n = levels.len();
+        let correlation: Vec<f64> =
+            levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
+        let mut normals = Normals::new(hyper.seed);
+        let wave = |_| {
+            let frequency = [0; 3].map(|_| normals.draw() / hyper.residual_length);
+            // A phase uniform in a turn, from the argument of two deviates.
+            (frequency, libm::atan2(normals.draw(), normals.draw()))
+        };
+        Self {
+            waves: (0..hyper.residual_features).map(wave).collect(),
+            humidity_factor: cholesky(&correlation, n).unwrap_or_default(),
+            humidities: levels,
+            hyper: hyper.clone(),
+            conditions,
+            modulus_std,
+        }
+    }
+
+    pub const fn hyper(&self) -> &Hyperparameters {
+        &self.hyper
+    }
+
+    /// How many coefficients a form multiplies.
+    pub fn of_form(&self) -> usize {
+        OF_LOAD + self.humidities.len()
+    }
+
+    /// All coefficients: those of a form, eps, and those of the residual.
+    pub fn count(&self) -> usize {
+        self.of_form() + 1 + self.waves.len()
+    }
+
+    /// Place of eps.
+    pub fn modulus(&self) -> usize {
+        self.of_form()
+    }
+
+    pub const fn modulus_std(&self) -> f64 {
+        self.modulus_std
+    }
+
+    /// What multiplies the form's coefficients at `load`, over the form itself.
+    pub fn at_load(&self, load: &Load) -> Vec<f64> {
+        let (hyper, at) = (&self.hyper, &self.conditions);
+        let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
+        let q = at.lowest_pressure_pa / load.pressure_pa - 0.5;
+        let s = libm::log(load.speed_m_s / at.reference_speed_m_s);
+        let mut row = vec![
+            hyper.amplitude_std,
+            hyper.pressure_std * u,
+            hyper.inverse_pressure_std * q,
+            hyper.speed_std * s,
+        ];
+        row.extend(self.humidity(load.humidity).iter().map(|part| hyper.humidity_std * part));
+        row
+    }
+
+    /// eta at a humidity by its whitened values at the measured ones: L^-1 k.
+    fn humidity(&self, humidity: f64) -> Vec<f64> {
+        let mut row: Vec<f64> = self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
+        solve_lower(&self.humidity_factor, self.humidities.len(), &mut row);
+        row
+    }
+
+    /// Covariance of what the measured humidities leave open of eta at two others.
+    pub fn humidity_left(&self, a: &Load, b: &Load) -> f64 {
+        let explained = dot(&self.humidity(a.humidity), &self.humidity(b.humidity));
+        let left = correlation(&self.hyper, a.humidity, b.humidity) - explained;
+        // A measured humidity leaves nothing but rounding.
+        if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
+    }
+
+    /// w(x) times the features of the residual.
+    pub fn residual(&self, of: &Features) -> Vec<f64> {
+        let weight = (of.areal_density / self.hyper.reference.areal_density).min(1.0);
+        // sigma sqrt(2 / J) cos(omega z + phi)
+        let size = weight * self.hyper.residual_std * (2.0 / self.waves.len().max(1) as f64).sqrt();
+        if size == 0.0 {
+            return vec![0.0; self.waves.len()];
+        }
+        let z = of.logarithms();
+        self.waves.iter().map(|(omega, phase)| size * libm::cos(dot(omega, &z) + phase)).collect()
+    }
+
+    /// What multiplies all coefficients where the form is `form`.
+    pub fn row(&self, form: f64, of: &Features, load: &Load, modulus_sensitivity: f64) -> Vec<f64> {
+        let mut row = self.at_load(load);
+        row.iter_mut().for_each(|entry| *entry *= form);
+        row.push(self.modulus_std * modulus_sensitivity);
+        row.extend(self.residual(of));
+        row
+    }
+}
+
+/// exp(-|a - b| / length)
+fn correlation(hyper: &Hyperparameters, a: f64, b: f64) -> f64 {
+    libm::exp(-(a - b).abs() / hyper.humidity_length)
+}

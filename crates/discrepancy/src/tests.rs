@@ -1,0 +1,289 @@
+use slipgrid_pattern::{Pattern, Planform};
+use slipgrid_statistics::Normals;
+
+use super::*;
+
+fn groove(width_um: f64, spacing_um: f64, depth_um: f64) -> Features {
+    let [width_m, spacing_m, depth_m] = [width_um, spacing_um, depth_um].map(|length| length * 1e-6);
+    Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
+}
+
+fn load(pressure_mpa: f64, speed_mm_s: f64, humidity_pct: f64) -> Load {
+    Load { pressure_pa: pressure_mpa * 1e6, speed_m_s: speed_mm_s * 1e-3, humidity: humidity_pct / 100.0 }
+}
+
+fn loads() -> Vec<Load> {
+    [0.65, 1.3, 1.95, 2.6].map(|pressure_mpa| load(pressure_mpa, 2.0, 40.0)).to_vec()
+}
+
+/// A trial whose true discrepancy is `truth` at each of `loads`, measured with `noise` of each kind.
+fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut dyn FnMut(usize) -> f64) -> Trial {
+    let measured = |(place, load): (usize, &Load)| Measured {
+        load: *load,
+        measured: 0.9 * truth(place).exp(),
+        modelled: 0.9,
+        patterned_std: noise,
+        flat_std: noise,
+        modulus_sensitivity: 0.1 + 0.02 * place as f64,
+    };
+    let measured = loads.iter().enumerate().map(measured).collect();
+    Trial { name: name.to_owned(), features, sample_std: None, measured, of_dimensions: Vec::new() }
+}
+
+fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
+    Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap()
+}
+
+fn prior() -> Discrepancy {
+    discrepancy(Vec::new())
+}
+
+#[test]
+fn without_cavities_there_is_no_discrepancy() {
+    let trials = vec![trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.2)];
+    for known in [prior(), discrepancy(trials)] {
+        let own = known.hyperparameters().sample_std;
+        let nothing = Features { areal_density: 0.0, edge_1_m: 0.0, ..groove(100.0, 300.0, 10.0) };
+        let mut last = f64::INFINITY;
+        // Ever fewer grooves, at last none; what is left is a sample's own scatter.
+        for features in [1e2, 1e5, 1e8].map(|spacing_um| groove(100.0, spacing_um, 10.0)).into_iter().chain([nothing]) {
+            let (mean, std) = known.at(&loads()).predict(&features, &[0.0; 4]).moments(2);
+            let off = mean.abs() + (std * std - own * own).abs();
+            assert!(off < last || off == 0.0, "{off} after {last}");
+            last = off;
+        }
+        assert!(last <= 1e-12, "{last}");
+    }
+}
+
+#[test]
+fn before_any_trial_the_prior_is_what_is_believed() {
+    let hyper = Hyperparameters::default();
+    let at = load(1.5, 2.0, 40.0);
+    let found = prior().at(&[at]).predict(&hyper.reference, &[0.3]);
+    let (mean, std) = found.moments(0);
+    // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual's features have the variance of the sum.
+    let q: f64 = 0.65 / 1.5 - 0.5;
+    let features = (2.0 / 24.0) * residual_squares(&hyper);
+    let variance = 0.2_f64.powi(2)
+        + (0.08 * q).powi(2)
+        + 0.1_f64.powi(2)
+        + (0.2 * 0.3_f64).powi(2)
+        + 0.02_f64.powi(2) * features
+        + 0.005_f64.powi(2);
+    assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
+    assert!((found.quantile(0, 0.975) / std - 1.959_964).abs() < 1e-5);
+    assert!((prior().forms().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+}
+
+/// Sum of cos^2 of the residual's features at the reference.
+fn residual_squares(hyper: &Hyperparameters) -> f64 {
+    let basis = crate::rows::Basis::new(hyper, Conditions::default(), 0.2, &[]);
+    let size = hyper.residual_std * (2.0_f64 / 24.0).sqrt();
+    basis.residual(&hyper.reference).iter().map(|entry| (entry / size).powi(2)).sum()
+}
+
+/// Regression of the coefficients and conditioning of the measurements are two ways to one answer.
+#[test]
+fn coefficients_and_measurements_say_the_same() {
+    let mut normals = Normals::new(3);
+    let textures = [groove(100.0, 300.0, 10.0), groove(40.0, 90.0, 25.0), groove(210.0, 160.0, 4.0)];
+    let places: Vec<Vec<Load>> = [[0.65, 15.0], [1.3, 40.0], [2.6, 60.0]]
+        .map(|[pressure, humidity]| [2.0, 5.0].map(|speed| load(pressure, speed, humidity)).to_vec())
+        .to_vec();
+    let all: Vec<Trial> = textures
+        .iter()
+        .zip(&places)
+        .enumerate()
+        .map(|(place, (features, loads))| {
+            let mut of = trial(&place.to_string(), *features, loads, 0.01, &mut |_| -0.1 + 0.05 * normals.draw());
+            of.of_dimensions = vec![vec![0.01, 0.012]];
+            of
+        })
+        .collect();
+    let left = leave_out(&discrepancy(all.clone()), LeftOut::TrialAndLater);
+    for last in 0..3 {
+        let known = discrepancy(all[..last].to_vec());
+        let wanted = &all[last];
+        // Errors of the measurement itself: its own, the flat sample's and its dimensions'.
+        let mut errors = vec![0.0; 4];
+        for l in 0..2 {
+            for m in 0..2 {
+                errors[2 * l + m] = wanted.of_dimensions[0][l] * wanted.of_dimensions[0][m];
+            }
+            errors[3 * l] += 2.0 * 0.01_f64.powi(2);
+        }
+        let sensitivity: Vec<f64> = wanted.measured.iter().map(|at| at.modulus_sensitivity).collect();
+        let found = known.at(&places[last]).predict(&wanted.features, &sensitivity).with(&errors);
+        for row in 0..2 {
+            let other = left.iter().find(|of| (of.trial, of.row) == (last, row)).unwrap();
+            for (p, expected) in [(0.5, other.median), (0.025, other.interval_95[0]), (0.84, other.interval_68[1])] {
+                assert!((found.quantile(row, p) - expected).abs() < 1e-9, "{last} {row} {p}");
+            }
+        }
+    }
+}
+
+/// N(y; 0, K) by the dense covariance of the measurements, form by form.
+#[test]
+fn weights_are_prior_times_evidence() {
+    let of = |truth: f64| [-0.2, -0.21, -0.19, -0.2].map(move |off: f64| off * truth);
+    let (first, second) = (of(1.0), of(0.5));
+    let found = discrepancy(vec![
+        trial("A", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |place| first[place]),
+        trial("B", groove(60.0, 420.0, 10.0), &loads(), 0.01, &mut |place| second[place]),
+    ]);
+    let noise = found.noise();
+    let rows: Vec<_> = found.rows().collect();
+    let n = rows.len();
+    let evidences: Vec<f64> = found
+        .members()
+        .iter()
+        .map(|member| {
+            let phi: Vec<Vec<f64>> = rows
+                .iter()
+                .map(|(trial, at)| {
+                    let features = &found.trials()[*trial].features;
+                    let form = member.form.value(features) / member.at_reference;
+                    found.basis().row(form, features, &at.load, at.modulus_sensitivity)
+                })
+                .collect();
+            let dense: Vec<f64> =
+                (0..n * n).map(|e| noise[e] + crate::linear::dot(&phi[e / n], &phi[e % n])).collect();
+            let factor = crate::linear::cholesky(&dense, n).unwrap();
+            let mut y: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
+            crate::linear::solve_lower(&factor, n, &mut y);
+            member.prior
+                * (-0.5 * (crate::linear::dot(&y, &y) + crate::linear::log_determinant(&factor, n))).exp()
+        })
+        .collect();
+    let sum: f64 = evidences.iter().sum();
+    for (own, evidence) in found.forms().zip(evidences) {
+        assert!((own.weight - evidence / sum).abs() < 1e-10, "{:?}", own.form);
+    }
+}
+
+/// Trials by a form that is in the mixture: its family wins, and what was not cut is predicted.
+#[test]
+fn a_hidden_mechanism_is_found() {
+    let textures = [
+        groove(100.0, 300.0, 10.0),
+        groove(30.0, 370.0, 10.0),
+        groove(200.0, 300.0, 10.0),
+        groove(20.0, 30.0, 10.0),
+        groove(200.0, 200.0, 30.0),
+        groove(60.0, 60.0, 3.0),
+    ];
+    let unseen = [groove(150.0, 350.0, 20.0), groove(40.0, 360.0, 5.0), groove(25.0, 75.0, 12.0)];
+    for form in [Form::Density, Form::Edge, Form::Saturating { scale: 0.08 }, Form::DepthDensity { scale_m: 10e-6 }] {
+        let truth = |of: &Features| -0.08 * form.value(of) / form.value(&Hyperparameters::default().reference);
+        let mut normals = Normals::new(11);
+        let all: Vec<Trial> = textures
+            .iter()
+            .map(|of| trial("", *of, &loads(), 0.005, &mut |_| truth(of) + 0.007 * normals.draw()))
+            .collect();
+        let found = discrepancy(all);
+        let share: f64 = found.forms().filter(|of| of.form.family() == form.family()).map(|of| of.weight).sum();
+        assert!(share > 0.8, "{form:?}: {share}");
+        for of in &unseen {
+            let prediction = found.at(&loads()).predict(of, &[0.1; 4]);
+            let (mean, std) = prediction.moments(1);
+            assert!((mean - truth(of)).abs() < 3.0 * std && std < 0.05, "{form:?} {mean} {std} {}", truth(of));
+        }
+    }
+}
+
+#[test]
+fn the_order_of_trials_changes_nothing_but_rounding() {
+    let mut all = Vec::new();
+    for (place, texture) in [groove(100.0, 300.0, 10.0), groove(30.0, 100.0, 5.0)].into_iter().enumerate() {
+        all.push(trial("", texture, &loads(), 0.01, &mut |row| -0.1 - 0.02 * (place + row) as f64));
+    }
+    let forward = discrepancy(all.clone()).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &[0.1; 4]);
+    all.reverse();
+    let backward = discrepancy(all).at(&loads()).predict(&groove(50.0, 200.0, 8.0), &[0.1; 4]);
+    for load in 0..4 {
+        assert!((forward.quantile(load, 0.5) - backward.quantile(load, 0.5)).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
+    // Two trials of one condition differ by their own errors alone; two of two conditions by both samples'.
+    let shared = |second: Load| {
+        let first = load(1.3, 2.0, 40.0);
+        let textures = [groove(100.0, 300.0, 10.0), groove(100.0, 300.0, 10.0)];
+        let all = textures.iter().zip([first, second]).map(|(of, at)| trial("", *of, &[at], 0.03, &mut |_| -0.2));
+        discrepancy(all.collect()).at(&[first]).predict(&textures[0], &[0.1]).moments(0).1
+    };
+    let (same, other) = (shared(load(1.3, 2.0, 40.0)), shared(load(1.3, 2.000_1, 40.0)));
+    assert!(same > 1.1 * other, "{same} {other}");
+}
+
+#[test]
+fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
+    let known = discrepancy(vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)]);
+    let std = |humidity_pct: f64| {
+        known.at(&[load(1.3, 2.0, humidity_pct)]).predict(&groove(100.0, 300.0, 10.0), &[0.1]).moments(0).1
+    };
+    let stds = [40.0, 45.0, 60.0, 100.0].map(std);
+    assert!(stds.is_sorted() && stds[0] < 0.01 && stds[3] > 5.0 * stds[0], "{stds:?}");
+}
+
+#[test]
+fn the_choice_is_the_best_of_all_scores() {
+    let known = discrepancy(vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1)]);
+    let mut textures = Vec::new();
+    for width in 1..12 {
+        for spacing in 1..12 {
+            textures.push(groove(20.0 * f64::from(width), 30.0 * f64::from(spacing), 10.0));
+        }
+    }
+    let ratio = |of: &Features| [0.02, 0.05, 0.08, 0.1].map(|by: f64| 1.0 - by * 2.0 * of.areal_density).to_vec();
+    let modelled: Vec<Vec<f64>> = textures.iter().map(ratio).collect();
+    let sensitivity = [0.02, 0.04, 0.06, 0.08];
+    let wanted = Wanted { lower: vec![0.83; 4], upper: vec![0.87; 4] };
+    let predictor = known.at(&loads());
+    let of = |place: usize| {
+        Some(Candidate {
+            features: textures[place],
+            modelled: &modelled[place],
+            modulus_sensitivity: &sensitivity,
+            covariance: &[],
+        })
+    };
+    let found = choose(&predictor, &wanted, textures.len(), &of).unwrap();
+    let score = |place: usize| {
+        wanted.score(&predictor.predict(&textures[place], &sensitivity), &modelled[place])
+    };
+    let best = (0..textures.len()).max_by(|a, b| score(*a).value().total_cmp(&score(*b).value())).unwrap();
+    assert_eq!((found.place, found.score), (best, score(best)));
+    assert!(found.score.chance > 0.05 && found.score.chance < 1.0, "{found:?}");
+    let none = choose(&predictor, &wanted, textures.len(), &|_| None);
+    assert_eq!(none, None);
+}
+
+#[test]
+fn a_trial_teaches_of_the_form_where_forms_differ() {
+    // After one trial at a texture all forms agree there, and not far from it.
+    let here = groove(100.0, 300.0, 10.0);
+    let known = discrepancy(vec![trial("", here, &loads(), 0.005, &mut |_| -0.2)]);
+    let predictor = known.at(&loads());
+    let of = |texture: &Features| information(&predictor.predict(texture, &[0.1; 4]), 0.01);
+    let (again, far) = (of(&here), of(&groove(20.0, 30.0, 25.0)));
+    assert!(far > 0.3 && again < 0.1 * far, "{again} {far}");
+}
+
+#[test]
+fn numbers_without_meaning_are_named() {
+    let mut of = trial("third cut", groove(100.0, 300.0, 10.0), &loads(), 0.01, &mut |_| -0.1);
+    of.measured[2].measured = -0.4;
+    let refused = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, vec![of]).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "measured ratio of trial third cut at its row 3 is -0.4, and must be positive and finite"
+    );
+    let hyper = Hyperparameters { residual_length: 0.0, ..Hyperparameters::default() };
+    let refused = Discrepancy::new(hyper, Conditions::default(), 0.2, Vec::new()).unwrap_err();
+    assert_eq!(refused.to_string(), "residual_length is 0, and must be positive and finite");
+}

@@ -1,0 +1,186 @@
+//! Simulated laboratories: how many samples must be cut until one is on target.
+//!
+//! A laboratory has a truth that no model knows: the steady ratio at its polymer's own Young's modulus, times a mechanism that
+//! is one of the discrepancy's forms or none of them, times each sample's own scatter. It cuts what a policy chooses, measures
+//! it with errors, and goes on until a sample is truly on target.
+
+mod physics;
+mod policy;
+mod report;
+mod truth;
+
+use rayon::prelude::*;
+use slipgrid_discrepancy::Hyperparameters;
+use slipgrid_monitor::Monitor;
+use slipgrid_statistics::{Normals, normal_probability};
+
+use crate::StudyError;
+use physics::{LOADS, Solved};
+use policy::{Known, candidate, covariances, learned, wanted};
+use truth::Laboratory;
+
+pub use policy::Policy;
+pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, StartReport};
+pub use truth::Mechanism;
+
+/// What a laboratory knows before its first cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Nothing was measured.
+    Nothing,
+    /// One groove, taken at random, was.
+    OneGroove,
+    /// The published squares were.
+    PublishedSquares,
+}
+
+impl Start {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Nothing, Self::OneGroove, Self::PublishedSquares];
+
+    /// In words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing measured",
+            Self::OneGroove => "one groove measured",
+            Self::PublishedSquares => "published squares measured",
+        }
+    }
+}
+
+/// How many laboratories, and what they may choose from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Laboratories of each start, the mechanisms in turn.
+    pub laboratories: usize,
+    /// Most trials of a laboratory.
+    pub most_trials: usize,
+    /// Widths and spacings of the textures.
+    pub steps: usize,
+    /// Seed.
+    pub seed: u64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { laboratories: 225, most_trials: 12, steps: 24, seed: 1 }
+    }
+}
+
+/// What one laboratory's way to the target was.
+#[derive(Clone, Debug)]
+pub(crate) struct Way {
+    mechanism: Mechanism,
+    /// Trials until a sample was on target; `None` where none was.
+    trials: Option<usize>,
+    /// Of every cut: the chance that was said, and whether it came true.
+    chances: Vec<(f64, bool)>,
+    /// Of every measured ratio, the share of what was predicted that lay below it.
+    below: Vec<f64>,
+}
+
+/// Runs every policy in every laboratory from every start.
+///
+/// # Errors
+/// [`StudyError::Cancelled`] once `monitor` has cancelled.
+pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
+    let textures = physics::textures(options.steps, monitor)?;
+    let covariances = covariances(&textures);
+    let jobs: Vec<(Start, Policy, usize)> = Start::ALL
+        .iter()
+        .flat_map(|start| policies.iter().map(move |policy| (*start, *policy)))
+        .flat_map(|(start, policy)| (0..options.laboratories).map(move |number| (start, policy, number)))
+        .collect();
+    let share = 1.0 / jobs.len().max(1) as f64;
+    let ways: Vec<Way> = jobs
+        .par_iter()
+        .map(|(start, policy, number)| {
+            monitor.heed()?;
+            let way = way(options, *start, *policy, *number, &textures, &covariances);
+            monitor.advance(share);
+            way
+        })
+        .collect::<Result<_, StudyError>>()?;
+    Ok(LaboratoriesReport::new(options, textures.len(), &jobs, &ways))
+}
+
+/// A target that a texture taken at random truly has, and that is worth a texture.
+fn target(laboratory: &Laboratory, textures: &[Solved], normals: &mut Normals) -> [f64; LOADS] {
+    let mut found = [1.0; LOADS];
+    for _ in 0..1000 {
+        let place = normal_probability(normals.draw()) * textures.len() as f64;
+        // Below the number of textures: the cast is exact.
+        let of = &textures[(place as usize).min(textures.len() - 1)];
+        found = laboratory.truth(of);
+        let middle = found[LOADS / 2];
+        if (0.6..1.1).contains(&middle) && (middle - 1.0).abs() > 0.03 {
+            break;
+        }
+    }
+    found
+}
+
+fn way(
+    options: &Options,
+    start: Start,
+    policy: Policy,
+    number: usize,
+    textures: &[Solved],
+    covariances: &[Vec<f64>],
+) -> Result<Way, StudyError> {
+    let mechanism = Mechanism::ALL[number % Mechanism::ALL.len()];
+    let mut laboratory = Laboratory::new(mechanism, number, options.seed);
+    let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
+    let target = target(&laboratory, textures, &mut normals);
+    let wanted = wanted(&target);
+    let (mut cut, mut trials) = (Vec::new(), Vec::new());
+    let first = match start {
+        Start::Nothing => None,
+        Start::OneGroove => {
+            let grooves = textures.iter().filter(|of| of.pattern.is_uniform_along_y()).count();
+            let place = normal_probability(normals.draw()) * grooves as f64;
+            Some((place as usize).min(grooves - 1))
+        }
+        Start::PublishedSquares => Some(textures.len() - 1),
+    };
+    if let Some(place) = first {
+        trials.push(laboratory.cut(&textures[place]).trial);
+        cut.push(place);
+    }
+    let mut found = Way { mechanism, trials: None, chances: Vec::new(), below: Vec::new() };
+    for count in 1..=options.most_trials {
+        let known = Known { textures, covariances, cut: &cut, trials: &trials, target: &target };
+        let place = policy.next(&known)?;
+        let of = &textures[place];
+        let made = laboratory.cut(of);
+        let is_on_target = (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
+        if policy == Policy::Mixture {
+            let predictor = learned(&Hyperparameters::default(), &trials)?;
+            let prediction = predictor.of(&candidate(of, &covariances[place]));
+            found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
+            // Errors of the measurement: its own and the flat sample's.
+            let errors: Vec<f64> = (0..LOADS * LOADS)
+                .map(|entry| if entry % (LOADS + 1) == 0 { 2.0 * laboratory.noise.powi(2) } else { 0.0 })
+                .collect();
+            let prediction = prediction.with(&errors);
+            found.below.extend(
+                made.trial
+                    .measured
+                    .iter()
+                    .enumerate()
+                    .map(|(load, at)| prediction.probability_below(load, at.log_excess())),
+            );
+        }
+        if is_on_target {
+            found.trials = Some(count);
+            break;
+        }
+        cut.push(place);
+        trials.push(made.trial);
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,159 @@
+//! Textures that the simulated laboratories may cut, with what the steady model says of each.
+
+use rayon::prelude::*;
+use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
+use slipgrid_discrepancy::{Features, Load};
+use slipgrid_monitor::Monitor;
+use slipgrid_pattern::{Pattern, Planform, Rim, RimProfile, Texture};
+use slipgrid_springblock::{Scene, SteadyCell};
+
+use crate::StudyError;
+use crate::accuracy::paper_scene;
+
+/// Nominal pressures, in pascals.
+pub const PRESSURES_PA: [f64; 4] = [0.65e6, 1.3e6, 1.95e6, 2.6e6];
+/// Loads of every trial.
+pub const LOADS: usize = PRESSURES_PA.len();
+/// Logarithms of Young's modulus over the expected one at which textures are solved.
+const LOG_MODULI: [f64; 3] = [-0.2, 0.0, 0.2];
+/// Rims of which laboratories that leave them out know nothing, in metres: 0.3 um high.
+const RIM_HEIGHT_M: f64 = 0.3e-6;
+const RIM_WIDTH_M: f64 = 20e-6;
+/// Sides of squares over their blocks: as much as a comparison needs.
+const SQUARE_BLOCK_M: f64 = 20e-6;
+
+/// A texture with its modelled ratios.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// Width, spacing and depth.
+    pub pattern: Pattern,
+    /// What the discrepancy depends on.
+    pub features: Features,
+    /// Modelled ratio at each load.
+    pub ratio: [f64; LOADS],
+    /// g = d ln R / d ln E.
+    pub sensitivity: [f64; LOADS],
+    /// d2 ln R / d (ln E)2.
+    curvature: [f64; LOADS],
+    /// ln of the ratio with rims over that without.
+    pub of_rims: [f64; LOADS],
+}
+
+impl Solved {
+    /// ln R where the logarithm of the modulus is larger by `log_modulus`.
+    pub fn log_ratio(&self, log_modulus: f64) -> [f64; LOADS] {
+        std::array::from_fn(|load| {
+            self.ratio[load].ln()
+                + self.sensitivity[load] * log_modulus
+                + 0.5 * self.curvature[load] * log_modulus * log_modulus
+        })
+    }
+}
+
+/// The loads of every trial.
+pub fn loads() -> [Load; LOADS] {
+    PRESSURES_PA.map(|pressure_pa| Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 })
+}
+
+/// `steps` widths and `steps` spacings in geometric progression at four depths, as grooves; a third as many as squares; the
+/// published squares last.
+///
+/// # Errors
+/// [`StudyError`] where the built-in scene cannot be solved, or the monitor cancels.
+pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, StudyError> {
+    let failed = |error: &dyn std::fmt::Display| StudyError::Failed(format!("the built-in scene: {error}"));
+    let scene = paper_scene()?;
+    let mut loads = Vec::new();
+    for pressure_pa in PRESSURES_PA {
+        loads.push(slipgrid_springblock::Load { pressure_pa, friction: scene.loads[0].friction });
+    }
+    let scene = Scene { loads, ..scene };
+    let squares = Scene {
+        layer: slipgrid_springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer },
+        ..scene.clone()
+    };
+    let at = |scene: &Scene| -> Result<Vec<Scene>, StudyError> {
+        LOG_MODULI
+            .iter()
+            .map(|&log| moved(scene, &[0.0; LOADS], ScaleShift { log, is_fitted: false }, 0.0))
+            .collect::<Result<_, _>>()
+            .map_err(|error| failed(&error))
+    };
+    let (grooves, squares) = (at(&scene)?, at(&squares)?);
+    let patterns = patterns(steps);
+    let share = 1.0 / patterns.len() as f64;
+    let solved: Vec<Option<Solved>> = patterns
+        .par_iter()
+        .map(|pattern| {
+            if monitor.cancelled() {
+                return None;
+            }
+            let scenes = if pattern.is_uniform_along_y() { &grooves } else { &squares };
+            let found = solve(pattern, scenes);
+            monitor.advance(share);
+            found
+        })
+        .collect();
+    monitor.heed()?;
+    Ok(solved.into_iter().flatten().collect())
+}
+
+fn patterns(steps: usize) -> Vec<Pattern> {
+    let span = |from: f64, to: f64, steps: usize| {
+        (0..steps).map(move |step| from * (to / from).powf(step as f64 / (steps.max(2) - 1) as f64))
+    };
+    let mut all = Vec::new();
+    for (planform, steps) in [(Planform::Groove, steps), (Planform::Square, steps.div_ceil(3))] {
+        for width_um in span(40.0, 400.0, steps) {
+            for spacing_um in span(60.0, 1000.0, steps) {
+                for depth_um in [5.0, 10.0, 20.0, 40.0] {
+                    all.extend(of(planform, width_um.round(), spacing_um.round(), depth_um));
+                }
+            }
+        }
+    }
+    all.extend(of(Planform::Square, 130.0, 370.0, 5.2));
+    all
+}
+
+fn of(planform: Planform, width_um: f64, spacing_um: f64, depth_um: f64) -> Option<Pattern> {
+    Pattern::new(planform, width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6).ok()
+}
+
+/// `None` where a load does not converge or the cavity closes.
+fn solve(pattern: &Pattern, scenes: &[Scene]) -> Option<Solved> {
+    let ratios = |scene: &Scene, pattern: &Pattern| -> Option<[f64; LOADS]> {
+        let outcomes = SteadyCell::new(&Scene { pattern: Some(*pattern), ..scene.clone() }).solve(pattern);
+        let ratios: Vec<f64> = outcomes
+            .iter()
+            .filter(|outcome| outcome.surface.clearance_m.is_none_or(|clearance_m| clearance_m > 0.0))
+            .filter_map(|outcome| outcome.ratio)
+            .collect();
+        ratios.try_into().ok()
+    };
+    let all: Vec<[f64; LOADS]> = scenes.iter().map(|scene| ratios(scene, pattern)).collect::<Option<_>>()?;
+    let log = |place: usize, load: usize| all[place][load].ln();
+    let step = LOG_MODULI[2];
+    // Rims of squares, which take a finer cell in space, are taken for those of their section, as strips.
+    let rim = Rim::new(RIM_HEIGHT_M, RIM_WIDTH_M, RimProfile::Round).ok()?;
+    let groove = pattern.as_groove();
+    let rimmed = Pattern::new(
+        Texture::new(Planform::Groove).with_rim(rim),
+        pattern.width_m(),
+        pattern.spacing_m(),
+        pattern.depth_m(),
+    )
+    .ok()?;
+    let mut section = scenes[1].clone();
+    section.layer.block_m = section.layer.block_m.min(0.5 * RIM_WIDTH_M);
+    let (with, without) = (ratios(&section, &rimmed)?, ratios(&section, &groove)?);
+    let strip = |ratio: f64| pattern.strip_estimate(ratio);
+    Some(Solved {
+        pattern: *pattern,
+        features: Features::from(pattern),
+        ratio: all[1],
+        sensitivity: std::array::from_fn(|load| (log(2, load) - log(0, load)) / (2.0 * step)),
+        curvature: std::array::from_fn(|load| (log(2, load) - 2.0 * log(1, load) + log(0, load)) / (step * step)),
+        of_rims: std::array::from_fn(|load| (strip(with[load]) / strip(without[load])).ln()),
+    })
+}

@@ -1,0 +1,196 @@
+//! How a laboratory may choose what it cuts next.
+
+use slipgrid_discrepancy::{
+    Candidate, Conditions, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
+};
+use slipgrid_statistics::Normals;
+
+use super::physics::{LOADS, Solved, loads};
+use super::truth::{MODULUS_STD, TOLERANCE, of_dimensions};
+use crate::StudyError;
+
+/// Random features of the Gaussian process without forms.
+const PROCESS_FEATURES: usize = 128;
+/// Its standard deviation.
+const PROCESS_STD: f64 = 0.2;
+/// Draws behind the expected improvement.
+const DRAWS: usize = 64;
+
+/// How the next texture is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Policy {
+    /// The mixture of forms, by the chance to be on target.
+    Mixture,
+    /// The model as it is: the next best of its designs.
+    Physics,
+    /// One factor over all that was measured.
+    Constant,
+    /// A factor linear in pressure.
+    Linear,
+    /// The last trial's factors.
+    Last,
+    /// A Gaussian process of the dimensions, without forms, by the chance.
+    Process,
+    /// The same process, by the expected improvement of the misfit.
+    Improvement,
+}
+
+impl Policy {
+    /// All of them.
+    pub const ALL: [Self; 7] = [
+        Self::Mixture,
+        Self::Physics,
+        Self::Constant,
+        Self::Linear,
+        Self::Last,
+        Self::Process,
+        Self::Improvement,
+    ];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mixture => "mixture of forms, greedy",
+            Self::Physics => "physics alone",
+            Self::Constant => "constant factor",
+            Self::Linear => "factor linear in pressure",
+            Self::Last => "last trial's factors",
+            Self::Process => "Gaussian process",
+            Self::Improvement => "expected improvement",
+        }
+    }
+}
+
+/// What is wanted: these ratios, each within the tolerance.
+pub fn wanted(target: &[f64; LOADS]) -> Wanted {
+    Wanted {
+        lower: target.iter().map(|ratio| ratio - TOLERANCE).collect(),
+        upper: target.iter().map(|ratio| ratio + TOLERANCE).collect(),
+    }
+}
+
+/// What is known after `trials`.
+///
+/// # Errors
+/// [`StudyError`] for trials that mean nothing.
+pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
+    let failed = |error: slipgrid_discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
+    let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
+    Ok(found.at(&loads()))
+}
+
+/// Hyperparameters of a Gaussian process of the dimensions: no form.
+pub fn process() -> Hyperparameters {
+    Hyperparameters {
+        amplitude_std: 0.0,
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        speed_std: 0.0,
+        humidity_std: 0.0,
+        residual_std: PROCESS_STD,
+        residual_features: PROCESS_FEATURES,
+        forms: vec![(Form::Density, 1.0)],
+        ..Hyperparameters::default()
+    }
+}
+
+/// The candidate that a texture is, with `covariance` for its dimensions.
+pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
+    Candidate { features: of.features, modelled: &of.ratio, modulus_sensitivity: &of.sensitivity, covariance }
+}
+
+/// What is known before the next cut.
+pub struct Known<'a> {
+    /// All textures, and those that were cut.
+    pub textures: &'a [Solved],
+    /// Covariance of the samples' dimensions for each.
+    pub covariances: &'a [Vec<f64>],
+    /// Places of those that were cut.
+    pub cut: &'a [usize],
+    /// What was measured of these.
+    pub trials: &'a [Trial],
+    /// The target.
+    pub target: &'a [f64; LOADS],
+}
+
+impl Policy {
+    /// Place of the texture to cut next.
+    ///
+    /// # Errors
+    /// [`StudyError`] for trials that mean nothing, or where nothing is left.
+    pub fn next(self, known: &Known<'_>) -> Result<usize, StudyError> {
+        let is_open = |place: &usize| !known.cut.contains(place);
+        let by_factor = |factor: &dyn Fn(usize) -> f64| {
+            let misfit = |of: &Solved| {
+                (0..LOADS).map(|load| (of.ratio[load] * factor(load) - known.target[load]).abs()).fold(0.0, f64::max)
+            };
+            (0..known.textures.len())
+                .filter(is_open)
+                .min_by(|a, b| misfit(&known.textures[*a]).total_cmp(&misfit(&known.textures[*b])))
+        };
+        let excess = |load: usize| -> Vec<f64> {
+            known.trials.iter().map(|trial| trial.measured[load].log_excess()).collect()
+        };
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
+        let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
+            let predictor = learned(hyper, known.trials)?;
+            let of = |place: usize| {
+                is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]))
+            };
+            Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
+        };
+        let found = match self {
+            Self::Mixture => by_chance(&Hyperparameters::default())?,
+            Self::Process => by_chance(&process())?,
+            Self::Improvement => improvement(known)?,
+            Self::Physics => by_factor(&|_| 1.0),
+            Self::Constant => by_factor(&|_| mean(&at_load).exp()),
+            Self::Linear => {
+                // Equal distances of the pressures: u = -3, -1, 1, 3
+                let u = |load: usize| 2.0 * load as f64 - (LOADS as f64 - 1.0);
+                let slope = (0..LOADS).map(|load| u(load) * at_load[load]).sum::<f64>()
+                    / (0..LOADS).map(|load| u(load) * u(load)).sum::<f64>();
+                by_factor(&|load| (mean(&at_load) + slope * u(load)).exp())
+            }
+            Self::Last => by_factor(&|load| excess(load).last().copied().unwrap_or(0.0).exp()),
+        };
+        found.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
+    }
+}
+
+/// The largest expected fall of the least misfit so far, the worst of all loads, by the Gaussian process.
+fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
+    let predictor = learned(&process(), known.trials)?;
+    let misfit = |ratios: &dyn Fn(usize) -> f64| {
+        (0..LOADS).map(|load| (ratios(load) - known.target[load]).abs() / TOLERANCE).fold(0.0, f64::max)
+    };
+    let measured = known.trials.iter().map(|trial| misfit(&|load| trial.measured[load].measured));
+    let least = measured.fold(10.0, f64::min);
+    let mut normals = Normals::new(1);
+    let draws: Vec<[f64; LOADS]> = (0..DRAWS).map(|_| [0; LOADS].map(|_| normals.draw())).collect();
+    let expected = |place: usize| {
+        let of = &known.textures[place];
+        let prediction = predictor.of(&candidate(of, &known.covariances[place]));
+        let component = &prediction.components[0];
+        // Loads move together but for their own scatter: a common deviate and a small one each.
+        let std = |load: usize| component.covariance[load * LOADS + load].sqrt();
+        let common = component.covariance[1].max(0.0) / (std(0) * std(1));
+        let at = |z: &[f64; LOADS]| {
+            let value = |load: usize| {
+                let deviate = common.sqrt() * z[0] + (1.0 - common).max(0.0).sqrt() * z[load];
+                of.ratio[load] * (component.mean[load] + std(load) * deviate).exp()
+            };
+            (least - misfit(&value)).max(0.0)
+        };
+        draws.iter().map(at).sum::<f64>()
+    };
+    let open = (0..known.textures.len()).filter(|place| !known.cut.contains(place));
+    Ok(open.map(|place| (place, expected(place))).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _)| place))
+}
+
+/// [`of_dimensions`] for every texture.
+pub fn covariances(textures: &[Solved]) -> Vec<Vec<f64>> {
+    textures.iter().map(|of| of_dimensions(&of.ratio)).collect()
+}

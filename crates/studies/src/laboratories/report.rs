@@ -1,0 +1,193 @@
+//! What the laboratories say, as numbers and as text.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Mechanism, Options, Policy, Start, Way};
+use slipgrid_units::tidy;
+
+/// Bins of the stated chance.
+const BINS: usize = 10;
+
+/// How many trials each policy took.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LaboratoriesReport {
+    /// Laboratories of each start.
+    pub laboratories: usize,
+    /// Most trials of a laboratory.
+    pub most_trials: usize,
+    /// Textures to choose from.
+    pub textures: usize,
+    /// Seed.
+    pub seed: u64,
+    /// What was known at first.
+    pub starts: Vec<StartReport>,
+    /// Stated chances of the mixture beside what came true of them, over all starts.
+    pub chances: Vec<ChanceBin>,
+    /// Share of measured ratios of the next trial within the mixture's intervals, by mechanism, over all starts.
+    pub coverage: Vec<Coverage>,
+}
+
+/// What was known at first, and what each policy made of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StartReport {
+    /// In words.
+    pub start: String,
+    /// The policies.
+    pub policies: Vec<PolicyReport>,
+}
+
+/// Trials until a sample was truly on target; one more than the most where none was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PolicyReport {
+    /// Its name.
+    pub policy: String,
+    /// Median.
+    pub median: f64,
+    /// Mean.
+    pub mean: f64,
+    /// Share within three trials.
+    pub within_3: f64,
+    /// The same of mechanisms inside the family of forms.
+    pub within_3_inside: f64,
+    /// And of those outside.
+    pub within_3_outside: f64,
+    /// Share that never was.
+    pub never: f64,
+}
+
+/// Chances about one number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChanceBin {
+    /// Cuts.
+    pub cuts: usize,
+    /// Mean of what was said.
+    pub said: f64,
+    /// Share that came true.
+    pub came_true: f64,
+}
+
+/// Share of measured ratios within stated intervals.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// Mechanism; "all" of them.
+    pub mechanism: String,
+    /// Measured ratios.
+    pub ratios: usize,
+    /// Share within the interval of 68 %.
+    pub of_68: f64,
+    /// Share within that of 95 %.
+    pub of_95: f64,
+}
+
+impl LaboratoriesReport {
+    pub(super) fn new(options: &Options, textures: usize, jobs: &[(Start, Policy, usize)], ways: &[Way]) -> Self {
+        let mut starts: Vec<StartReport> = Vec::new();
+        for start in Start::ALL {
+            let mut policies = Vec::new();
+            for policy in Policy::ALL {
+                let own: Vec<&Way> =
+                    jobs.iter().zip(ways).filter(|((s, p, _), _)| *s == start && *p == policy).map(|(_, way)| way).collect();
+                if !own.is_empty() {
+                    policies.push(PolicyReport::new(policy, options, &own));
+                }
+            }
+            starts.push(StartReport { start: start.name().to_owned(), policies });
+        }
+        let said: Vec<(f64, bool)> = ways.iter().flat_map(|way| way.chances.iter().copied()).collect();
+        let bin = |place: usize| {
+            let inside = |said: f64| (said * BINS as f64).floor().clamp(0.0, BINS as f64 - 1.0) == place as f64;
+            let own: Vec<&(f64, bool)> = said.iter().filter(|(said, _)| inside(*said)).collect();
+            let cuts = own.len();
+            let share = |sum: f64| if cuts == 0 { 0.0 } else { tidy(sum / cuts as f64) };
+            ChanceBin {
+                cuts,
+                said: share(own.iter().map(|(said, _)| said).sum()),
+                came_true: share(own.iter().filter(|(_, came_true)| *came_true).count() as f64),
+            }
+        };
+        let coverage = |name: &str, of: &dyn Fn(Mechanism) -> bool| {
+            let below: Vec<f64> =
+                ways.iter().filter(|way| of(way.mechanism)).flat_map(|way| way.below.iter().copied()).collect();
+            let share = |half: f64| {
+                let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count();
+                tidy(inside as f64 / below.len().max(1) as f64)
+            };
+            Coverage { mechanism: name.to_owned(), ratios: below.len(), of_68: share(0.34), of_95: share(0.475) }
+        };
+        let mut coverages = vec![coverage("all", &|_| true)];
+        coverages.extend(Mechanism::ALL.iter().map(|own| coverage(own.name(), &|mechanism| mechanism == *own)));
+        Self {
+            laboratories: options.laboratories,
+            most_trials: options.most_trials,
+            textures,
+            seed: options.seed,
+            starts,
+            chances: (0..BINS).map(bin).filter(|bin| bin.cuts > 0).collect(),
+            coverage: coverages,
+        }
+    }
+
+    /// The tables, in Markdown.
+    #[must_use]
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = vec![
+            format!(
+                "{} laboratories of each start, {} textures, at most {} trials, seed {}",
+                self.laboratories, self.textures, self.most_trials, self.seed
+            ),
+            String::new(),
+            "| start | policy | median | mean | within 3 | inside | outside | never |".to_owned(),
+            "|---|---|---|---|---|---|---|---|".to_owned(),
+        ];
+        let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+        for start in &self.starts {
+            for of in &start.policies {
+                lines.push(format!(
+                    "| {} | {} | {} | {:.2} | {} | {} | {} | {} |",
+                    start.start,
+                    of.policy,
+                    of.median,
+                    of.mean,
+                    percent(of.within_3),
+                    percent(of.within_3_inside),
+                    percent(of.within_3_outside),
+                    percent(of.never)
+                ));
+            }
+        }
+        lines.extend([String::new(), "| chance said | came true | cuts |".to_owned(), "|---|---|---|".to_owned()]);
+        lines.extend(self.chances.iter().map(|bin| format!("| {:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)));
+        lines.extend([
+            String::new(),
+            "| mechanism | within 68 % | within 95 % | ratios |".to_owned(),
+            "|---|---|---|---|".to_owned(),
+        ]);
+        lines.extend(
+            self.coverage
+                .iter()
+                .map(|of| format!("| {} | {:.3} | {:.3} | {} |", of.mechanism, of.of_68, of.of_95, of.ratios)),
+        );
+        lines
+    }
+}
+
+impl PolicyReport {
+    fn new(policy: Policy, options: &Options, ways: &[&Way]) -> Self {
+        let never = options.most_trials + 1;
+        let mut trials: Vec<f64> = ways.iter().map(|way| way.trials.unwrap_or(never) as f64).collect();
+        let share = |of: &dyn Fn(&Way) -> bool, among: &dyn Fn(&Way) -> bool| {
+            let among: Vec<&&Way> = ways.iter().filter(|way| among(way)).collect();
+            tidy(among.iter().filter(|way| of(way)).count() as f64 / among.len().max(1) as f64)
+        };
+        let soon = |way: &Way| way.trials.is_some_and(|trials| trials <= 3);
+        Self {
+            policy: policy.name().to_owned(),
+            mean: tidy(trials.iter().sum::<f64>() / trials.len().max(1) as f64),
+            median: slipgrid_statistics::median(&mut trials).unwrap_or(f64::NAN),
+            within_3: share(&soon, &|_| true),
+            within_3_inside: share(&soon, &|way| way.mechanism.is_inside()),
+            within_3_outside: share(&soon, &|way| !way.mechanism.is_inside()),
+            never: share(&|way| way.trials.is_none(), &|_| true),
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! A laboratory: what its samples truly do, and what it measures of them.
+
+use slipgrid_discrepancy::{Features, Form, Hyperparameters, Measured, Trial};
+use slipgrid_statistics::Normals;
+
+use super::physics::{LOADS, PRESSURES_PA, Solved, loads};
+
+/// Relative error of Young's modulus, as of the published polymer.
+pub const MODULUS_STD: f64 = 0.21;
+/// From one sample to the next of the same texture.
+const SAMPLE_STD: f64 = 0.005;
+/// Relative scatter of what a texture does, by its dimensions.
+const DIMENSIONS_STD: f64 = 0.03;
+/// Half the band of ratios that a target accepts.
+pub const TOLERANCE: f64 = 0.02;
+
+/// What no model knows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanism {
+    /// Inside the family of forms.
+    Density,
+    /// Inside.
+    Edge,
+    /// Inside.
+    Saturating,
+    /// Inside.
+    Depth,
+    /// The square root of density times edge length: between two forms.
+    Root,
+    /// Rims, which the model leaves out.
+    Rims,
+    /// As the density, up to three times as much at pitches about 300 um.
+    Bump,
+    /// Friction rises with the density.
+    Opposite,
+    /// The physics is right.
+    None,
+}
+
+impl Mechanism {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::Density,
+        Self::Edge,
+        Self::Saturating,
+        Self::Depth,
+        Self::Root,
+        Self::Rims,
+        Self::Bump,
+        Self::Opposite,
+        Self::None,
+    ];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Density => "density",
+            Self::Edge => "edge length",
+            Self::Saturating => "saturating",
+            Self::Depth => "depth",
+            Self::Root => "sqrt(density x edge)",
+            Self::Rims => "rims left out",
+            Self::Bump => "bump in pitch",
+            Self::Opposite => "opposite sign",
+            Self::None => "none",
+        }
+    }
+
+    /// Whether one of the mixture's forms is it.
+    #[must_use]
+    pub const fn is_inside(self) -> bool {
+        matches!(self, Self::Density | Self::Edge | Self::Saturating | Self::Depth)
+    }
+
+    /// How it grows with the texture, 1 at the reference; of rims nothing.
+    fn value(self, of: &Features) -> f64 {
+        let of_form = |form: Form| form.value(of) / form.value(&Hyperparameters::default().reference);
+        match self {
+            Self::Density | Self::Opposite => of_form(Form::Density),
+            Self::Edge => of_form(Form::Edge),
+            Self::Saturating => of_form(Form::Saturating { scale: 0.08 }),
+            Self::Depth => of_form(Form::DepthDensity { scale_m: 10e-6 }),
+            Self::Root => (of_form(Form::Density) * of_form(Form::Edge)).sqrt(),
+            Self::Bump => {
+                let away = (of.pitch_m / 300e-6).ln() / 0.3;
+                of_form(Form::Density) * (1.0 + 2.0 * (-0.5 * away * away).exp())
+            }
+            Self::Rims | Self::None => 0.0,
+        }
+    }
+}
+
+/// A laboratory with its hidden truth.
+#[derive(Clone, Debug)]
+pub struct Laboratory {
+    mechanism: Mechanism,
+    log_modulus: f64,
+    amplitude: [f64; LOADS],
+    /// Standard error of one measurement over itself.
+    pub noise: f64,
+    /// The flat sample's error at each load, which all its ratios share.
+    flat: [f64; LOADS],
+    normals: Normals,
+}
+
+/// What a cut sample truly does, and the trial that the laboratory makes of it.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// Its true ratio at each load.
+    pub truth: [f64; LOADS],
+    /// What was measured.
+    pub trial: Trial,
+}
+
+impl Laboratory {
+    /// Number `number` of those of a study with this `seed`.
+    pub fn new(mechanism: Mechanism, number: usize, seed: u64) -> Self {
+        // A stream of its own for every laboratory: a multiple of a large odd number.
+        let mut normals = Normals::new(seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
+        let uniform = |normals: &mut Normals| slipgrid_statistics::normal_probability(normals.draw());
+        let size = match mechanism {
+            Mechanism::Opposite => 0.02 + 0.08 * uniform(&mut normals),
+            Mechanism::Bump => -0.02 - 0.08 * uniform(&mut normals),
+            _ => -0.03 - 0.2 * uniform(&mut normals),
+        };
+        let (beta, gamma) = (0.3 * size * normals.draw(), 0.3 * size * normals.draw());
+        let amplitude = PRESSURES_PA.map(|pressure_pa| {
+            size + beta * (pressure_pa - 1.5e6) / 1.5e6 + gamma * (PRESSURES_PA[0] / pressure_pa - 0.5)
+        });
+        let noise = 0.005 * 4_f64.powf(uniform(&mut normals));
+        let log_modulus = (MODULUS_STD * normals.draw()).clamp(-0.5, 0.5);
+        let flat = [0; LOADS].map(|_| noise * normals.draw());
+        Self { mechanism, log_modulus, amplitude, noise, flat, normals }
+    }
+
+    /// Logarithm of the true ratio of a texture, as it was designed.
+    fn log_truth(&self, of: &Solved) -> [f64; LOADS] {
+        let physics = of.log_ratio(self.log_modulus);
+        let value = self.mechanism.value(&of.features);
+        let is_rims = self.mechanism == Mechanism::Rims;
+        std::array::from_fn(|load| {
+            physics[load] + value * self.amplitude[load] + if is_rims { of.of_rims[load] } else { 0.0 }
+        })
+    }
+
+    /// True ratios of a texture, as it was designed.
+    pub fn truth(&self, of: &Solved) -> [f64; LOADS] {
+        self.log_truth(of).map(f64::exp)
+    }
+
+    /// Cuts a sample of `of` and measures it.
+    pub fn cut(&mut self, of: &Solved) -> Cut {
+        let own = SAMPLE_STD * self.normals.draw();
+        let more = 1.0 + DIMENSIONS_STD * self.normals.draw();
+        let truth = self.log_truth(of).map(|log| (more * log + own).exp());
+        let mut measured = Vec::new();
+        for (load, at) in loads().into_iter().enumerate() {
+            let error = self.noise * self.normals.draw() - self.flat[load];
+            measured.push(Measured {
+                load: at,
+                measured: truth[load] * error.exp(),
+                modelled: of.ratio[load],
+                patterned_std: self.noise,
+                flat_std: self.noise,
+                modulus_sensitivity: of.sensitivity[load],
+            });
+        }
+        // What the dimensions do of what was measured.
+        let of_dimensions = vec![measured.iter().map(|at| DIMENSIONS_STD * at.measured.ln()).collect()];
+        let trial =
+            Trial { name: String::new(), features: of.features, sample_std: None, measured, of_dimensions };
+        Cut { truth, trial }
+    }
+}
+
+/// Covariance of what the dimensions of a sample leave open, where its ratio is about `ratio`.
+pub fn of_dimensions(ratio: &[f64; LOADS]) -> Vec<f64> {
+    let logs = ratio.map(|ratio| DIMENSIONS_STD * ratio.ln());
+    logs.iter().flat_map(|a| logs.map(|b| a * b)).collect()
+}
