@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
@@ -13,6 +13,7 @@ use crate::area_law::AreaLawError;
 use crate::patterned_samples::{PatternedSamples, compare};
 use crate::select_measurements::Selection;
 use crate::surface_findings::{SurfaceFindings, surface_findings};
+use crate::trials::{TrialsTask, learn};
 use crate::uncertainty::MaterialUncertainty;
 use crate::{
     Coefficients, DiscrepancyForm, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material,
@@ -48,6 +49,8 @@ pub struct CalibrationTask {
     pub relief: Option<Arc<ReliefMap>>,
     /// How the model's error on patterned samples depends on pressure; `None` where it is not wanted.
     pub discrepancy: Option<DiscrepancyForm>,
+    /// Samples that were cut and measured, those of `patterned` among them, and what is believed before.
+    pub trials: TrialsTask,
     /// What is fitted.
     pub coefficients: Coefficients,
     /// Scatter of the local coefficients relative to their means: no mean identifies it.
@@ -159,6 +162,9 @@ pub enum CalibrationError {
     /// The numbers of the patterned samples make no discrepancy.
     #[error("discrepancy: {0}")]
     Discrepancy(FitError),
+    /// The numbers of the trials make no discrepancy.
+    #[error("trials: {0}")]
+    Trials(slipgrid_discrepancy::DiscrepancyError),
     /// The model of the patterned samples was refused.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -254,10 +260,12 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
     fit.free_of_the_law(&problem, task.modulus_relative_std().filter(|_| surface.moves_with_the_modulus()))?;
     let patterned = task.selection.patterned(&task.patterned);
     let stage = Stage::new(monitor, "discrepancy", None);
-    let patterned = compare(task, &patterned, surface.law.as_ref(), &surface.curve, &stage);
+    let halves = [0; 2].map(|_| Part::new(&stage, 0.5));
+    let patterned = compare(task, &patterned, surface.law.as_ref(), &surface.curve, &halves[0]);
+    let learned = learn(task, (surface.law.as_ref(), &surface.curve), &halves[1]);
     stage.finish();
     heed()?;
-    fitted_material::outcome(task, problem.measurements, fit, surface, patterned?)
+    fitted_material::outcome(task, problem.measurements, fit, surface, (patterned?, learned?))
 }
 
 fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {

@@ -36,7 +36,7 @@ pub(crate) fn outcome(
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    patterned: Option<PatternedSamples>,
+    (patterned, learned): (Option<PatternedSamples>, slipgrid_discrepancy::Discrepancy),
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
@@ -62,6 +62,7 @@ pub(crate) fn outcome(
         uncertainty.discrepancy_domain = trial_domain(&patterned.pattern);
         uncertainty.discrepancy_pattern = Some(pattern_text(&patterned.pattern));
     }
+    uncertainty.learned = Some(learned);
     let area_law = surface.law.as_ref().map(law).transpose()?;
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());

@@ -23,6 +23,7 @@
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
 //! | [`estimate_discrepancy`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
 //! | [`PatternedSamples`] | measured ratios of patterned samples beside the modelled ones |
+//! | [`learn`], [`CutSample`] | what samples that were cut and measured say of any texture |
 //! | [`TrialDomain`] | the patterns that the discrepancy is used for |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
@@ -36,7 +37,7 @@
 //! A calibration from two measurements on flat samples, with a surface of which only the rms slope is known:
 //!
 //! ```no_run
-//! use slipgrid_calibrate::{CalibrationTask, Coefficients, Measurement, Selection, Surface, run};
+//! use slipgrid_calibrate::{CalibrationTask, Coefficients, Measurement, Selection, Surface, TrialsTask, run};
 //! use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
 //! use slipgrid_springblock::{Layer, Unwatched};
 //! let measured = |force_n: f64, mu_dynamic: f64| Measurement {
@@ -61,6 +62,7 @@
 //!     pattern: None,
 //!     relief: None,
 //!     discrepancy: None,
+//!     trials: TrialsTask::default(),
 //!     coefficients: Coefficients::PerCondition,
 //!     relative_std: 0.05,
 //!     static_over_dynamic: 0.30 / 0.27,
@@ -94,6 +96,7 @@ mod select_measurements;
 mod surface_findings;
 mod synthetic_noise;
 pub mod trace;
+mod trials;
 pub mod uncertainty;
 mod validity_domain;
 
@@ -113,4 +116,5 @@ pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
 pub use synthetic_noise::Noise;
+pub use trials::{CutSample, TrialsTask, learn, learn_alone};
 pub use validity_domain::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

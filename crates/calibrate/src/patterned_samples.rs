@@ -1,9 +1,11 @@
 //! Measured ratios of patterned samples beside the modelled ones, and the discrepancy between the two.
 
+use std::sync::Arc;
+
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
-use slipgrid_pattern::Pattern;
+use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
 
 use crate::area_law::area_law;
@@ -71,7 +73,9 @@ pub fn compare(
     monitor: &dyn Monitor,
 ) -> Result<Option<PatternedSamples>, CalibrationError> {
     let (Some(form), Some(pattern)) = (task.discrepancy, task.pattern) else { return Ok(None) };
-    let (flat, points) = ratio_points(task, patterned, (law, curve), pattern, monitor)?;
+    let sample = Sample { pattern, relief: task.relief.clone() };
+    let (flat, points) = ratio_points(task, patterned, (law, curve), &sample, monitor)?;
+    let (flat, points): (Vec<Measurement>, Vec<RatioPoint>) = (flat.iter().map(|pair| pair[0]).collect(), points);
     if points.is_empty() {
         return Ok(None);
     }
@@ -105,14 +109,22 @@ pub fn compare(
     Ok(Some(PatternedSamples { rows, pattern, modulus_relative_std, discrepancies }))
 }
 
-/// Conditions measured on both kinds of sample whose modelled ratio converged: the flat sample's measurement, and the ratios.
-fn ratio_points(
+/// What was measured: a pattern, and the relief of its face where that is known.
+#[derive(Clone, Debug)]
+pub(crate) struct Sample {
+    pub pattern: Pattern,
+    pub relief: Option<Arc<ReliefMap>>,
+}
+
+/// Conditions measured on both kinds of sample whose modelled ratio converged: the measurements on the flat and on the patterned
+/// sample, and the ratios.
+pub(crate) fn ratio_points(
     task: &CalibrationTask,
     patterned: &[Measurement],
     (law, curve): (Option<&AreaLaw>, &[AreaPoint]),
-    pattern: Pattern,
+    sample: &Sample,
     monitor: &dyn Monitor,
-) -> Result<(Vec<Measurement>, Vec<RatioPoint>), CalibrationError> {
+) -> Result<(Vec<[Measurement; 2]>, Vec<RatioPoint>), CalibrationError> {
     let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
     let pairs: Vec<(Measurement, Measurement)> = patterned
         .iter()
@@ -133,7 +145,7 @@ fn ratio_points(
             Some(law) if curve.is_empty() => Some(law.clone()),
             Some(_) => Some(stiffer(curve, log_modulus, task.threshold_pa)?),
         };
-        ratios(task, task.elastic.at_modulus(log_modulus.exp())?, law, pattern, &pairs, &monitor)
+        ratios(task, task.elastic.at_modulus(log_modulus.exp())?, law, sample, &pairs, &monitor)
     };
     let [less, here, more] = [modelled(-LOG_MODULUS_STEP)?, modelled(0.0)?, modelled(LOG_MODULUS_STEP)?];
     Ok(pairs
@@ -150,7 +162,7 @@ fn ratio_points(
                 modelled: here[i]?,
                 modulus_sensitivity: (more[i]?.ln() - less[i]?.ln()) / (2.0 * LOG_MODULUS_STEP),
             };
-            Some((*flat, point))
+            Some(([*flat, *patterned], point))
         })
         .unzip())
 }
@@ -169,7 +181,7 @@ fn ratios(
     task: &CalibrationTask,
     elastic: Elastic,
     area_law: Option<AreaLaw>,
-    pattern: Pattern,
+    Sample { pattern, relief }: &Sample,
     pairs: &[(Measurement, Measurement)],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<f64>>, CalibrationError> {
@@ -183,7 +195,7 @@ fn ratios(
         })
         .collect::<Result<Vec<Load>, MaterialError>>()?;
     let Some(speed_m_s) = pairs.first().map(|(flat, _)| flat.speed_m_s) else { return Ok(Vec::new()) };
-    let block_m = match (pattern.texture().rim(), &task.relief) {
+    let block_m = match (pattern.texture().rim(), relief) {
         (Some(rim), _) => rim.block_m(task.layer.block_m),
         // Measured rims are some ten micrometres wide.
         (None, Some(_)) => 0.5 * task.layer.block_m,
@@ -192,8 +204,8 @@ fn ratios(
     let scene = Scene {
         elastic,
         area_law,
-        pattern: Some(pattern),
-        relief: task.relief.clone(),
+        pattern: Some(*pattern),
+        relief: relief.clone(),
         layer: Layer { block_m, ..task.layer },
         loads,
         // Steady sliding does not depend on it.

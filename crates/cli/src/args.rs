@@ -48,6 +48,8 @@ pub enum Command {
     Optimize(OptimizeArgs),
     /// Local friction coefficients from measurements on flat samples
     Calibrate(CalibrateArgs),
+    /// What was predicted of trial samples before they were cut, beside what was measured
+    Trials(TrialsArgs),
     /// Dynamic friction, static peak and stick-slip from tribometer exports
     Traces(TracesArgs),
     /// Real contact area of an altitude map against pressure
@@ -239,6 +241,25 @@ pub struct AreaLawArgs {
     #[arg(long)]
     pub json: bool,
     /// Folder for result.json, the table and a picture
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `trials`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid trials calibration/ldpe-cast-iron/calibration.toml\n  \
+    slipgrid trials calibration.toml -o out/trials\n\n\
+    Every [[trial]] of the calibration is compared with what the model and the trials before it said of it. The\n\
+    table of forms says how the discrepancy, ln(measured / modelled), grows with the texture as far as trials\n\
+    tell. Nothing is fitted to flat samples but where the area law is.")]
+pub struct TrialsArgs {
+    /// Calibration file
+    pub calibration: PathBuf,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for trials.csv, trials.svg and result.json
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

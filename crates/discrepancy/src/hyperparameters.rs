@@ -19,10 +19,15 @@ pub struct Hyperparameters {
     pub humidity_std: f64,
     /// Difference of humidity, from 0 to 1, over which eta changes: its correlation is exp(-|dH| / this).
     pub humidity_length: f64,
-    /// Of what no form has, as a smooth function of the dimensions, where the areal density is at least the reference's.
-    pub residual_std: f64,
+    /// How many times as large all of these may be, with weights that sum to 1: many a mechanism does little.
+    pub scales: Vec<(f64, f64)>,
+    /// Of c over that of alpha, with weights that sum to 1: how far a form may be from what it stands for, as a smooth function
+    /// of the dimensions.
+    pub residuals: Vec<(f64, f64)>,
     /// Difference of the logarithms of width, pitch and depth over which that changes.
     pub residual_length: f64,
+    /// Difference of the logarithms of pressure over which it changes.
+    pub residual_pressure_length: f64,
     /// Random features that it is made of (Rahimi and Recht 2007).
     pub residual_features: usize,
     /// Seed of these.
@@ -51,8 +56,10 @@ impl Default for Hyperparameters {
             speed_std: 0.05,
             humidity_std: 0.1,
             humidity_length: 0.3,
-            residual_std: 0.02,
+            scales: vec![(0.3, 0.4), (1.0, 0.6)],
+            residuals: vec![(0.1, 0.5), (0.4, 0.5)],
             residual_length: 0.8,
+            residual_pressure_length: 2.0,
             residual_features: 24,
             seed: 1,
             sample_std: 0.005,
@@ -91,7 +98,6 @@ impl Hyperparameters {
             ("inverse_pressure_std", self.inverse_pressure_std),
             ("speed_std", self.speed_std),
             ("humidity_std", self.humidity_std),
-            ("residual_std", self.residual_std),
             ("sample_std", self.sample_std),
         ] {
             if !(0.0..=10.0).contains(&value) {
@@ -102,6 +108,7 @@ impl Hyperparameters {
             ("least_measured_std", self.least_measured_std),
             ("humidity_length", self.humidity_length),
             ("residual_length", self.residual_length),
+            ("residual_pressure_length", self.residual_pressure_length),
             ("areal density of the reference", self.reference.areal_density),
             ("edge length of the reference", self.reference.edge_1_m),
             ("depth of the reference", self.reference.depth_m),
@@ -110,10 +117,24 @@ impl Hyperparameters {
                 return refuse(name, value, "positive and finite");
             }
         }
-        let sum: f64 = self.forms.iter().map(|(_, weight)| weight).sum();
-        if self.forms.iter().any(|(_, weight)| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
-            return refuse("sum of the forms' weights", sum, "1, each of them 0 or more");
+        let forms = self.forms.iter().map(|(_, weight)| *weight);
+        for (name, weights, sizes) in [
+            ("sum of the forms' weights", forms.collect::<Vec<f64>>(), Vec::new()),
+            weighted("sum of the scales' weights", &self.scales),
+            weighted("sum of the residuals' weights", &self.residuals),
+        ] {
+            let sum: f64 = weights.iter().sum();
+            if weights.iter().any(|weight| weight.is_nan() || *weight < 0.0) || (sum - 1.0).abs() > 1e-6 {
+                return refuse(name, sum, "1, each of them 0 or more");
+            }
+            if let Some(size) = sizes.into_iter().find(|size| !(0.0..=100.0).contains(size)) {
+                return refuse("a scale or residual", size, "from 0 to 100");
+            }
         }
         Ok(())
     }
+}
+
+fn weighted(name: &'static str, all: &[(f64, f64)]) -> (&'static str, Vec<f64>, Vec<f64>) {
+    (name, all.iter().map(|(_, weight)| *weight).collect(), all.iter().map(|(size, _)| *size).collect())
 }

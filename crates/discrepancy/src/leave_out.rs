@@ -91,8 +91,8 @@ fn covariance(discrepancy: &Discrepancy, member: usize, noise: &[f64]) -> Vec<f6
         .rows()
         .map(|(trial, at)| {
             let features = &discrepancy.trials()[trial].features;
-            let form = member.form.value(features) / member.at_reference;
-            discrepancy.basis().row(form, features, &at.load, at.modulus_sensitivity)
+            let form = member.value(features);
+            discrepancy.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
         })
         .collect();
     let n = rows.len();

@@ -25,6 +25,7 @@
 //! | [`Predictor`], [`Prediction`] | what it says of a texture at given loads: quantiles, covariance, the chance to be on target |
 //! | [`leave_out`] | every trial and every condition predicted by all others |
 //! | [`Wanted`], [`choose`] | the texture to cut next |
+//! | [`Scenarios`] | truths drawn from the mixture, in which several samples are judged together |
 //!
 //! This crate solves no contact and opens no files.
 //!
@@ -50,6 +51,7 @@ mod mixture;
 mod next_trial;
 mod prediction;
 mod rows;
+mod scenarios;
 mod trial;
 
 pub use error::DiscrepancyError;
@@ -60,6 +62,7 @@ pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information};
 pub use prediction::{Component, Load, Prediction, Predictor};
+pub use scenarios::Scenarios;
 pub use trial::{Measured, Trial};
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! The mixture of all forms after the trials.
 
+use rayon::prelude::*;
+
 use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 use crate::rows::Basis;
-use crate::{Conditions, DiscrepancyError, Form, Hyperparameters, Load, Measured, Predictor, Trial};
+use crate::{Conditions, DiscrepancyError, Features, Form, Hyperparameters, Load, Measured, Predictor, Trial};
 
 /// Two numbers of a condition that agree to this share are the same.
 const SAME: f64 = 1e-6;
@@ -16,10 +18,23 @@ pub struct Discrepancy {
     members: Vec<Member>,
 }
 
+impl PartialEq for Discrepancy {
+    /// The same trials and the same prior say the same.
+    fn eq(&self, other: &Self) -> bool {
+        self.conditions == other.conditions
+            && self.trials == other.trials
+            && self.hyperparameters() == other.hyperparameters()
+            && self.modulus_relative_std() == other.modulus_relative_std()
+    }
+}
+
 /// One form's regression. Coefficients are in units of their standard deviations before.
 #[derive(Clone, Debug)]
 pub(crate) struct Member {
     pub form: Form,
+    /// How many times as large the form's coefficients are, and the residual over that of alpha.
+    pub scale: f64,
+    pub residual: f64,
     pub prior: f64,
     pub weight: f64,
     /// The form at the reference texture.
@@ -27,6 +42,13 @@ pub(crate) struct Member {
     pub mean: Vec<f64>,
     /// L^-1 of the precision L L^T, rows of a lower triangle.
     pub inverse: Vec<f64>,
+}
+
+impl Member {
+    /// h times the scale.
+    pub fn value(&self, of: &Features) -> f64 {
+        self.scale * self.form.value(of) / self.at_reference
+    }
 }
 
 /// A form with its weight.
@@ -66,11 +88,11 @@ impl Discrepancy {
         let factor = cholesky(&noise, n).filter(|factor| is_regular(factor, n)).ok_or(DiscrepancyError::Singular)?;
         let mut excess: Vec<f64> = found.rows().map(|(_, at)| at.log_excess()).collect();
         solve_lower(&factor, n, &mut excess);
-        let fitted = hyper.forms.iter().filter(|(_, prior)| *prior > 0.0);
-        let fitted: Vec<(Member, f64)> =
-            fitted.map(|(form, prior)| found.fit(*form, *prior, &factor, &excess)).collect::<Option<_>>().ok_or(
-                DiscrepancyError::Singular,
-            )?;
+        let fitted: Vec<(Member, f64)> = members(&hyper)
+            .into_par_iter()
+            .map(|member| found.fit(member, &factor, &excess))
+            .collect::<Option<_>>()
+            .ok_or(DiscrepancyError::Singular)?;
         let most = fitted.iter().map(|(_, evidence)| *evidence).fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = fitted.iter().map(|(member, evidence)| member.prior * libm::exp(evidence - most)).sum();
         found.members = fitted
@@ -105,12 +127,17 @@ impl Discrepancy {
     }
 
     /// The forms with their weights.
-    pub fn forms(&self) -> impl Iterator<Item = FormWeight> {
-        self.members.iter().map(|member| FormWeight {
-            form: member.form,
-            prior: member.prior,
-            weight: member.weight,
-        })
+    #[must_use]
+    pub fn forms(&self) -> Vec<FormWeight> {
+        let weight = |form: Form, of: fn(&Member) -> f64| -> f64 {
+            self.members.iter().filter(|member| member.form == form).map(of).sum()
+        };
+        let own = |form: Form| FormWeight {
+            form,
+            prior: weight(form, |member| member.prior),
+            weight: weight(form, |member| member.weight),
+        };
+        self.hyperparameters().forms.iter().map(|(form, _)| own(*form)).collect()
     }
 
     /// What it says at `loads`.
@@ -184,16 +211,15 @@ impl Discrepancy {
     }
 
     /// The regression of one form with the logarithm of its evidence, from the factor of the noise and the excess that it whitens.
-    fn fit(&self, form: Form, prior: f64, factor: &[f64], excess: &[f64]) -> Option<(Member, f64)> {
+    fn fit(&self, member: Member, factor: &[f64], excess: &[f64]) -> Option<(Member, f64)> {
         let (p, n) = (self.basis.count(), excess.len());
-        let at_reference = form.value(&self.hyperparameters().reference);
         // Columns of the whitened rows: S^-1 Phi, noise = S S^T
         let rows: Vec<Vec<f64>> = self
             .rows()
             .map(|(trial, at)| {
                 let features = &self.trials[trial].features;
-                let value = form.value(features) / at_reference;
-                self.basis.row(value, features, &at.load, at.modulus_sensitivity)
+                let value = member.value(features);
+                self.basis.row(value, member.residual, features, &at.load, at.modulus_sensitivity)
             })
             .collect();
         let columns: Vec<Vec<f64>> = (0..p)
@@ -226,8 +252,32 @@ impl Discrepancy {
             solve_lower(&lower, p, &mut column);
             (c..p).for_each(|row| inverse[row * p + c] = column[row]);
         }
-        Some((Member { form, prior, weight: prior, at_reference, mean, inverse }, evidence))
+        Some((Member { mean, inverse, ..member }, evidence))
     }
+}
+
+/// Every form at every scale with every residual, before it is fitted.
+fn members(hyper: &Hyperparameters) -> Vec<Member> {
+    let mut all = Vec::new();
+    for (form, of_form) in &hyper.forms {
+        for (scale, of_scale) in &hyper.scales {
+            for (residual, of_residual) in &hyper.residuals {
+                let prior = of_form * of_scale * of_residual;
+                all.push(Member {
+                    form: *form,
+                    scale: *scale,
+                    residual: *residual,
+                    prior,
+                    weight: prior,
+                    at_reference: form.value(&hyper.reference),
+                    mean: Vec::new(),
+                    inverse: Vec::new(),
+                });
+            }
+        }
+    }
+    all.retain(|member| member.prior > 0.0);
+    all
 }
 
 /// Whether two loads are one condition.

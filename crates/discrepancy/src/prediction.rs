@@ -8,6 +8,9 @@ use crate::linear::{cholesky, dot};
 use crate::mixture::Member;
 use crate::rows::Basis;
 
+/// Members of less weight change no digit that is reported.
+const LEAST_WEIGHT: f64 = 1e-7;
+
 /// Pressure, speed and humidity at which friction is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
@@ -23,7 +26,7 @@ pub struct Load {
 #[derive(Clone, Debug)]
 pub struct Predictor {
     basis: Basis,
-    loads: usize,
+    loads: Vec<Load>,
     /// What the measured humidities leave open of eta, loads x loads.
     humidity_left: Vec<f64>,
     members: Vec<Prepared>,
@@ -33,9 +36,7 @@ pub struct Predictor {
 /// B_l = L^-1 b_l and E = L^-1 e.
 #[derive(Clone, Debug)]
 struct Prepared {
-    form: Form,
-    weight: f64,
-    at_reference: f64,
+    member: Member,
     /// b_l times the mean coefficients, and e.
     mean_of_form: Vec<f64>,
     mean_of_modulus: f64,
@@ -87,9 +88,6 @@ impl Predictor {
             let b: Vec<Vec<f64>> = rows.iter().map(|row| times(row)).collect();
             let e: Vec<f64> = column(modulus).iter().map(|entry| basis.modulus_std() * entry).collect();
             Prepared {
-                form: member.form,
-                weight: member.weight,
-                at_reference: member.at_reference,
                 mean_of_form: rows.iter().map(|row| dot(row, &member.mean)).collect(),
                 mean_of_modulus: basis.modulus_std() * member.mean[modulus],
                 mean_of_residual: member.mean[modulus + 1..].to_vec(),
@@ -99,12 +97,13 @@ impl Predictor {
                 b,
                 e,
                 residual: (modulus + 1..p).map(column).collect(),
+                member: Member { mean: Vec::new(), inverse: Vec::new(), ..member.clone() },
             }
         };
         Self {
-            loads: loads.len(),
+            loads: loads.to_vec(),
             humidity_left: loads.iter().flat_map(|a| loads.iter().map(|b| basis.humidity_left(a, b))).collect(),
-            members: members.iter().map(prepared).collect(),
+            members: members.iter().filter(|member| member.weight > LEAST_WEIGHT).map(prepared).collect(),
             basis: basis.clone(),
         }
     }
@@ -113,47 +112,57 @@ impl Predictor {
     /// `modulus_sensitivity` at each load. The sample's own scatter is in it.
     #[must_use]
     pub fn predict(&self, of: &Features, modulus_sensitivity: &[f64]) -> Prediction {
-        let residual = self.basis.residual(of);
+        let features: Vec<Vec<f64>> = self.loads.iter().map(|load| self.basis.residual(of, load)).collect();
         let own = self.basis.hyper().sample_std.powi(2);
+        let n = self.loads.len();
+        let g = modulus_sensitivity;
         let component = |member: &Prepared| {
-            let h = member.form.value(of) / member.at_reference;
-            let g = modulus_sensitivity;
-            let p = member.e.len();
-            let mut r = vec![0.0; p];
-            // R = L^-1 c, below the coefficients of form and modulus
-            let first = p - residual.len();
-            for (place, (column, feature)) in member.residual.iter().zip(&residual).enumerate() {
-                for (sum, entry) in r[first + place..].iter_mut().zip(&column[first + place..]) {
-                    *sum += feature * entry;
-                }
-            }
-            let tail = |of: &[f64]| dot(&r[first..], &of[first..]);
-            let (rr, re) = (tail(&r), tail(&member.e));
-            let rb: Vec<f64> = member.b.iter().map(|b| tail(b)).collect();
-            let of_residual = dot(&residual, &member.mean_of_residual);
-            let n = self.loads;
-            // v_l = h B_l + g_l E + R, covariance v_l v_m
+            let h = member.member.value(of);
+            // What multiplies the residual's coefficients at load l, and R_l = L^-1 of that, below form and modulus.
+            let size = h * member.member.residual;
+            let first = member.e.len() - member.residual.len();
+            let r: Vec<Vec<f64>> = features
+                .iter()
+                .map(|features| {
+                    let mut r = vec![0.0; member.residual.len()];
+                    for (place, (column, feature)) in member.residual.iter().zip(features).enumerate() {
+                        for (sum, entry) in r[place..].iter_mut().zip(&column[first + place..]) {
+                            *sum += size * feature * entry;
+                        }
+                    }
+                    r
+                })
+                .collect();
+            let re: Vec<f64> = r.iter().map(|r| dot(r, &member.e[first..])).collect();
+            // v_l = h B_l + g_l E + R_l, covariance v_l v_m
             let mut covariance = vec![0.0; n * n];
             for l in 0..n {
-                for m in 0..n {
-                    covariance[l * n + m] = h * h * (member.bb[l * n + m] + self.humidity_left[l * n + m])
+                for m in 0..=l {
+                    let [rb, br] = [(l, m), (m, l)].map(|(l, m)| dot(&r[l], &member.b[m][first..]));
+                    let entry = h * h * (member.bb[l * n + m] + self.humidity_left[l * n + m])
                         + h * (g[m] * member.be[l] + g[l] * member.be[m])
                         + g[l] * g[m] * member.ee
-                        + h * (rb[l] + rb[m])
-                        + (g[l] + g[m]) * re
-                        + rr
+                        + h * (rb + br)
+                        + g[m] * re[l]
+                        + g[l] * re[m]
+                        + dot(&r[l], &r[m])
                         + own;
+                    covariance[l * n + m] = entry;
+                    covariance[m * n + l] = entry;
                 }
             }
+            let mean = |l: usize| {
+                h * member.mean_of_form[l]
+                    + g[l] * member.mean_of_modulus
+                    + size * dot(&features[l], &member.mean_of_residual)
+            };
             Component {
-                form: member.form,
-                weight: member.weight,
-                mean: (0..n)
-                    .map(|l| h * member.mean_of_form[l] + g[l] * member.mean_of_modulus + of_residual)
-                    .collect(),
+                form: member.member.form,
+                weight: member.member.weight,
+                mean: (0..n).map(mean).collect(),
                 covariance,
                 modulus: [member.mean_of_modulus, member.ee],
-                with_modulus: (0..n).map(|l| h * member.be[l] + g[l] * member.ee + re).collect(),
+                with_modulus: (0..n).map(|l| h * member.be[l] + g[l] * member.ee + re[l]).collect(),
             }
         };
         Prediction { components: self.members.iter().map(component).collect() }

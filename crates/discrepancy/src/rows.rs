@@ -21,7 +21,7 @@ pub struct Basis {
     /// Lower factor of the correlation of eta at these.
     humidity_factor: Vec<f64>,
     /// Frequencies and phases of the residual's features.
-    waves: Vec<([f64; 3], f64)>,
+    waves: Vec<([f64; 4], f64)>,
 }
 
 impl Basis {
@@ -34,7 +34,8 @@ impl Basis {
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
         let mut normals = Normals::new(hyper.seed);
         let wave = |_| {
-            let frequency = [0; 3].map(|_| normals.draw() / hyper.residual_length);
+            let lengths = [hyper.residual_length, hyper.residual_length, hyper.residual_length, hyper.residual_pressure_length];
+            let frequency = lengths.map(|length| normals.draw() / length);
             // A phase uniform in a turn, from the argument of two deviates.
             (frequency, libm::atan2(normals.draw(), normals.draw()))
         };
@@ -102,24 +103,21 @@ impl Basis {
         if left.abs() < 1e-12 { 0.0 } else { self.hyper.humidity_std.powi(2) * left }
     }
 
-    /// w(x) times the features of the residual.
-    pub fn residual(&self, of: &Features) -> Vec<f64> {
-        let weight = (of.areal_density / self.hyper.reference.areal_density).min(1.0);
+    /// Features of the residual, of a standard deviation of 1 over that of alpha.
+    pub fn residual(&self, of: &Features, load: &Load) -> Vec<f64> {
         // sigma sqrt(2 / J) cos(omega z + phi)
-        let size = weight * self.hyper.residual_std * (2.0 / self.waves.len().max(1) as f64).sqrt();
-        if size == 0.0 {
-            return vec![0.0; self.waves.len()];
-        }
-        let z = of.logarithms();
+        let size = self.hyper.amplitude_std * (2.0 / self.waves.len().max(1) as f64).sqrt();
+        let [width, pitch, depth] = of.logarithms();
+        let z = [width, pitch, depth, libm::log(load.pressure_pa)];
         self.waves.iter().map(|(omega, phase)| size * libm::cos(dot(omega, &z) + phase)).collect()
     }
 
-    /// What multiplies all coefficients where the form is `form`.
-    pub fn row(&self, form: f64, of: &Features, load: &Load, modulus_sensitivity: f64) -> Vec<f64> {
+    /// What multiplies all coefficients where the form is `form`, times the scale, and the residual over it `residual`.
+    pub fn row(&self, form: f64, residual: f64, of: &Features, load: &Load, modulus_sensitivity: f64) -> Vec<f64> {
         let mut row = self.at_load(load);
         row.iter_mut().for_each(|entry| *entry *= form);
         row.push(self.modulus_std * modulus_sensitivity);
-        row.extend(self.residual(of));
+        row.extend(self.residual(of, load).iter().map(|entry| form * residual * entry));
         row
     }
 }

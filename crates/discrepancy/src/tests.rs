@@ -64,23 +64,23 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     let (mean, std) = found.moments(0);
     // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual's features have the variance of the sum.
     let q: f64 = 0.65 / 1.5 - 0.5;
-    let features = (2.0 / 24.0) * residual_squares(&hyper);
-    let variance = 0.2_f64.powi(2)
+    let features = residual_squares(&hyper);
+    let mean_square =
+        |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
+    let of_form = 0.2_f64.powi(2) * (1.0 + features * mean_square(&hyper.residuals))
         + (0.08 * q).powi(2)
-        + 0.1_f64.powi(2)
-        + (0.2 * 0.3_f64).powi(2)
-        + 0.02_f64.powi(2) * features
-        + 0.005_f64.powi(2);
+        + 0.1_f64.powi(2);
+    let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + 0.005_f64.powi(2);
     assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
-    assert!((found.quantile(0, 0.975) / std - 1.959_964).abs() < 1e-5);
-    assert!((prior().forms().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
+    // Scales of several sizes: more in the middle and farther out than one normal distribution.
+    assert!(found.quantile(0, 0.995) > 2.6 * std && found.quantile(0, 0.75) < 0.67 * std);
+    assert!((prior().forms().iter().map(|of| of.weight).sum::<f64>() - 1.0).abs() < 1e-12);
 }
 
-/// Sum of cos^2 of the residual's features at the reference.
+/// Variance of the residual at the reference, over that of alpha.
 fn residual_squares(hyper: &Hyperparameters) -> f64 {
     let basis = crate::rows::Basis::new(hyper, Conditions::default(), 0.2, &[]);
-    let size = hyper.residual_std * (2.0_f64 / 24.0).sqrt();
-    basis.residual(&hyper.reference).iter().map(|entry| (entry / size).powi(2)).sum()
+    basis.residual(&hyper.reference, &load(1.5, 2.0, 40.0)).iter().map(|entry| (entry / hyper.amplitude_std).powi(2)).sum()
 }
 
 /// Regression of the coefficients and conditioning of the measurements are two ways to one answer.
@@ -144,8 +144,8 @@ fn weights_are_prior_times_evidence() {
                 .iter()
                 .map(|(trial, at)| {
                     let features = &found.trials()[*trial].features;
-                    let form = member.form.value(features) / member.at_reference;
-                    found.basis().row(form, features, &at.load, at.modulus_sensitivity)
+                    let form = member.value(features);
+                    found.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
                 })
                 .collect();
             let dense: Vec<f64> =
@@ -158,7 +158,7 @@ fn weights_are_prior_times_evidence() {
         })
         .collect();
     let sum: f64 = evidences.iter().sum();
-    for (own, evidence) in found.forms().zip(evidences) {
+    for (own, evidence) in found.members().iter().zip(evidences) {
         assert!((own.weight - evidence / sum).abs() < 1e-10, "{:?}", own.form);
     }
 }
@@ -183,7 +183,7 @@ fn a_hidden_mechanism_is_found() {
             .map(|of| trial("", *of, &loads(), 0.005, &mut |_| truth(of) + 0.007 * normals.draw()))
             .collect();
         let found = discrepancy(all);
-        let share: f64 = found.forms().filter(|of| of.form.family() == form.family()).map(|of| of.weight).sum();
+        let share: f64 = found.forms().iter().filter(|of| of.form.family() == form.family()).map(|of| of.weight).sum();
         assert!(share > 0.8, "{form:?}: {share}");
         for of in &unseen {
             let prediction = found.at(&loads()).predict(of, &[0.1; 4]);
@@ -286,4 +286,26 @@ fn numbers_without_meaning_are_named() {
     let hyper = Hyperparameters { residual_length: 0.0, ..Hyperparameters::default() };
     let refused = Discrepancy::new(hyper, Conditions::default(), 0.2, Vec::new()).unwrap_err();
     assert_eq!(refused.to_string(), "residual_length is 0, and must be positive and finite");
+}
+
+#[test]
+fn scenarios_are_on_target_as_often_as_the_chance_says() {
+    let hyper = Hyperparameters { sample_std: 0.0, ..Hyperparameters::default() };
+    let at = loads();
+    let trials = vec![trial("", groove(100.0, 300.0, 10.0), &at, 0.01, &mut |_| -0.1)];
+    let known = Discrepancy::new(hyper, Conditions::default(), 0.2, trials).unwrap();
+    let scenarios = Scenarios::new(&known, 4000, 1);
+    for texture in [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0), groove(200.0, 100.0, 5.0)] {
+        let candidate = Candidate {
+            features: texture,
+            modelled: &[0.98, 0.96, 0.95, 0.94],
+            modulus_sensitivity: &[0.02, 0.04, 0.06, 0.08],
+            covariance: &[],
+        };
+        let wanted = Wanted { lower: vec![0.82; 4], upper: vec![0.9; 4] };
+        let chance = wanted.score(&known.at(&at).of(&candidate), candidate.modelled).chance;
+        let share = scenarios.on_target(&candidate, &at, &wanted).iter().filter(|on| **on).count() as f64 / 4000.0;
+        // A standard error of 0.008 at most, and the integral's own.
+        assert!((chance - share).abs() < 0.03, "{chance} {share}");
+    }
 }

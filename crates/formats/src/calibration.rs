@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource,
+    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
     flat_friction_law,
 };
 use slipgrid_export::Outline;
@@ -24,6 +24,7 @@ use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
+use super::trials::{self, PriorFile, TrialFile};
 use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
 use super::values::{Number, NumberList};
 use crate::altitude_map::read_period;
@@ -46,6 +47,9 @@ struct CalibrationFile {
     measurements: Option<Spanned<MeasurementsFile>>,
     traces: Option<Spanned<TracesFile>>,
     pattern: Option<Spanned<PatternFile>>,
+    #[serde(default)]
+    trial: Vec<Spanned<TrialFile>>,
+    trial_prior: Option<Spanned<PriorFile>>,
     fit: Option<FitFile>,
 }
 
@@ -118,6 +122,8 @@ pub struct Calibration {
     pub relief: Option<Arc<ReliefMap>>,
     /// How the model's error on patterned samples is estimated; `None` where it is not wanted.
     pub discrepancy: Option<DiscrepancyForm>,
+    /// Samples that were cut and measured, that of `pattern` first, and what is believed before.
+    pub trials: TrialsTask,
     /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
     pub area_law_scale_pa: Option<[f64; 2]>,
     /// Measured flat friction as the law of local pressure, where the calibration takes it for that: its shape is the mean over
@@ -187,6 +193,12 @@ impl Calibration {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,
         };
+        let first = pattern.zip(Some(&patterned).filter(|rows| !rows.is_empty()));
+        let first = first.map(|(pattern, rows)| {
+            trials::of_tables(pattern, relief.clone(), rows.iter().map(|row| row.measurement).collect())
+        });
+        let own = (&file.trial[..], file.trial_prior.as_ref());
+        let trials = trials::read_trials(document, own, (&outline, &specimens), first, &mut told)?;
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
@@ -209,6 +221,7 @@ impl Calibration {
             traces,
             pattern,
             relief,
+            trials,
             area_law_scale_pa,
             measured_law,
             discrepancy: fit.and_then(|fit| fit.discrepancy.as_ref()).map_or(
@@ -254,6 +267,7 @@ impl Calibration {
             pattern: self.pattern,
             relief: self.relief.clone(),
             discrepancy: self.discrepancy,
+            trials: self.trials.clone(),
             coefficients: self.coefficients,
             relative_std: self.relative_std,
             static_over_dynamic: DEFAULT_STATIC_OVER_DYNAMIC,
@@ -399,7 +413,7 @@ fn bulk_told(document: &Document, bulk: &BulkFile) -> Result<Vec<Diagnostic>, Di
 }
 
 /// The pattern, of which one period fits on the specimen: what the model's cell takes grows with it.
-fn read_fitting_pattern(
+pub(crate) fn read_fitting_pattern(
     document: &Document,
     table: &Spanned<PatternFile>,
     outline: &Outline,
@@ -424,7 +438,9 @@ fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces
         _ => Vec::new(),
     };
     let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
-    std::iter::once(document.path().to_owned()).chain(tables).chain(maps).chain(traces).collect()
+    let trials = file.trial.iter().filter_map(|trial| trial.get_ref().measurements());
+    let trials = trials.map(|name| document.resolve(name));
+    std::iter::once(document.path().to_owned()).chain(tables).chain(maps).chain(traces).chain(trials).collect()
 }
 
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.

@@ -114,6 +114,7 @@ impl DesignScene<'_> {
             yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
             discrepancy: self.discrepancy(),
+            learned: None,
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
                     origin: match (self.uncertainty.law_is_fitted, self.uncertainty.law_is_measured) {

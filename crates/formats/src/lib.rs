@@ -49,6 +49,7 @@ pub mod trace_columns;
 pub mod trace_file;
 pub mod traces;
 pub mod trade_offs;
+pub mod trials;
 pub mod unusual;
 pub mod values;
 pub mod written_material;

@@ -8,6 +8,7 @@ use slipgrid_material::{
 use toml::Spanned;
 
 use super::discrepancy::{DiscrepancyFile, read_discrepancies};
+use super::trials::LearnedFile;
 use super::document::Document;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
@@ -65,6 +66,9 @@ pub struct MaterialFile {
     /// The model's error on patterned samples, apart from the physics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub discrepancy: Option<Spanned<DiscrepancyFile>>,
+    /// What trials say of any texture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub learned: Option<Spanned<LearnedFile>>,
 }
 
 /// Local friction coefficients as a file writes them: one pair, one pair per pressure, or tables

@@ -8,6 +8,7 @@ use super::discrepancy::{read_discrepancies, read_trials};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
+use super::trials::LearnedFile;
 use super::values::{NumberList, Numbers, PathOr, for_each, increasing};
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{
@@ -63,6 +64,7 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
         law_is_measured: origin == Some("measured"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
         discrepancies,
+        learned: file.learned.as_ref().map(|table| LearnedFile::read(document, table)).transpose()?,
         discrepancy_domain: file
             .discrepancy
             .as_ref()

@@ -9,6 +9,7 @@ use toml::Spanned;
 
 use crate::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
 use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
+use crate::trials::LearnedFile;
 use crate::values::{Numbers, number, number_list};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::{DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -65,6 +66,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
             .patterned
             .as_ref()
             .map(|found| discrepancy(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
+        learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
     };
     let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
     Ok(format!(
@@ -178,6 +180,7 @@ mod tests {
             pattern: Some(Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap()),
             relief: None,
             discrepancy: Some(DiscrepancyForm::Constant),
+            trials: slipgrid_calibrate::TrialsTask::default(),
             coefficients,
             relative_std: 0.05,
             static_over_dynamic: 0.30 / 0.27,

@@ -424,29 +424,20 @@ fn edges_are_what_a_grown_cavity_gains() {
     let hexagon: Vec<[f64; 2]> =
         (0..6).map(|k| std::f64::consts::PI / 3.0 * f64::from(k)).map(|t| [t.cos(), t.sin()]).collect();
     let polygon = Texture::new(Planform::Polygon).with_outline(Polygon::new(&hexagon).unwrap()).unwrap();
-    let rectangle = Texture::new(Planform::Rectangle).with_length_m(250.0 * um).unwrap();
-    let rectangle = rectangle.with_spacing_across_m(370.0 * um).unwrap();
-    for texture in
-        [Planform::Groove, Planform::Square, Planform::Disc, Planform::Crosshatch].map(Texture::new).into_iter().chain([
-            rectangle, polygon,
-        ])
-    {
-        // d(areal density) / dw at constant pitches: each edge moves by dw / 2, a rectangle's ends stay, and slanted edges of
-        // a polygon move as far along their normals as the distance from the centre grows.
-        let density = |by: f64| {
-            let pattern = Pattern::new(texture, 130.0 * um + by, 370.0 * um - by, 20.0 * um).unwrap();
-            pattern.areal_density()
-        };
+    let of = |texture: Texture, by: f64| Pattern::new(texture, 130.0 * um + by, 370.0 * um - by, 20.0 * um).unwrap();
+    for planform in [Planform::Groove, Planform::Square, Planform::Disc, Planform::Crosshatch] {
+        // d(areal density) / dw at constant pitches, where each edge moves by dw / 2.
+        let texture = Texture::new(planform);
         let step = 1e-3 * um;
-        let gained = (density(step) - density(-step)) / step;
-        let pattern = Pattern::new(texture, 130.0 * um, 370.0 * um, 20.0 * um).unwrap();
-        let edges = match texture.planform() {
-            // Only the two edges across move.
-            Planform::Rectangle => pattern.edge_per_area_1_m() * 250.0 / (130.0 + 250.0),
-            // A regular hexagon grows by dw / 2 at its corners, cos 30 deg of that at its edges.
-            Planform::Polygon => pattern.edge_per_area_1_m() * 0.75_f64.sqrt(),
-            _ => pattern.edge_per_area_1_m(),
-        };
-        assert!((gained / edges - 1.0).abs() < 1e-6, "{:?}: {gained} {edges}", texture.planform());
+        let gained = (of(texture, step).areal_density() - of(texture, -step).areal_density()) / step;
+        let edges = of(texture, 0.0).edge_per_area_1_m();
+        assert!((gained / edges - 1.0).abs() < 1e-6, "{planform:?}: {gained} {edges}");
+    }
+    let rectangle = Texture::new(Planform::Rectangle).with_length_m(250.0 * um).unwrap();
+    for (texture, perimeter_um) in [(rectangle, 760.0), (polygon, 390.0)] {
+        let pattern = of(texture, 0.0);
+        let cell_m2 = pattern.pitch_m() * pattern.pitch_across_m().unwrap();
+        let edges = pattern.edge_per_area_1_m();
+        assert!((edges * cell_m2 / (perimeter_um * um) - 1.0).abs() < 1e-9, "{:?}", texture.planform());
     }
 }

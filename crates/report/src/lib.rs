@@ -25,6 +25,7 @@ pub mod surface;
 pub mod target;
 pub mod traces;
 pub mod trade_offs;
+pub mod trials;
 
 pub use charts::ChartError;
 pub use error::ReportError;

@@ -28,7 +28,9 @@ pub struct MaterialUncertainty {
     pub scale_covariance: Option<[[f64; 2]; 2]>,
     /// Measured over modelled ratio on patterned samples, at every humidity.
     pub discrepancies: Option<DiscrepancyByHumidity>,
-    /// The patterned samples behind it, in words.
+    /// What trials say of any texture, the prior where there are none; `None` where the file says nothing of it.
+    pub learned: Option<slipgrid_discrepancy::Discrepancy>,
+    /// The patterned samples behind `discrepancies`, in words.
     pub discrepancy_pattern: Option<String>,
     /// The patterns that it is used for, where the file says what the samples were.
     pub discrepancy_domain: Option<TrialDomain>,

@@ -20,7 +20,7 @@ use slipgrid_formats::written_material::material_toml;
 use slipgrid_report::calibration;
 
 /// Seed of the flat sample's local coefficients where nothing else names one.
-const DEFAULT_SEED: u64 = 1;
+pub const DEFAULT_SEED: u64 = 1;
 
 /// What is written into the folder of a report, beside what there is of traces.
 const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "discrepancy.*"];
@@ -81,7 +81,7 @@ pub fn outcome(
 }
 
 /// Why a calibration ended without a material.
-fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> CliError {
+pub fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> CliError {
     match (refuse(error, path, calibration), error) {
         (Some(refused), _) => refused.into(),
         (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => {

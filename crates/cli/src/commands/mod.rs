@@ -13,6 +13,7 @@ mod simulate;
 mod surface;
 mod synthesize;
 mod traces;
+mod trials;
 mod validate;
 
 use crate::args::Command;
@@ -28,6 +29,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Optimize(args) => optimize::run(args, console),
         Command::Calibrate(args) => calibrate::run(args, console),
         Command::Traces(args) => traces::run(args, console),
+        Command::Trials(args) => trials::run(args, console),
         Command::AreaLaw(args) => area_law::run(args, console),
         Command::Surface(args) => surface::run(args, console),
         Command::Synthesize(args) => synthesize::run(args, console),

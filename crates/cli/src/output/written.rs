@@ -8,7 +8,7 @@ use std::path::Path;
 const HEAD: u64 = 1024;
 
 /// How the tables begin that slipgrid writes.
-const TABLES: [&str; 18] = [
+const TABLES: [&str; 19] = [
     "# By slipgrid traces ",
     "load_mpa,surface,",
     "index,centre_x_mm,centre_y_mm,",
@@ -27,6 +27,7 @@ const TABLES: [&str; 18] = [
     "surface,force_n,speed_mm_s,humidity_pct,trace,",
     "kind,family,name,",
     "planform,rim_width_um,rim_height_um,",
+    "trial,date,areal_density,",
 ];
 
 /// How a material file begins.

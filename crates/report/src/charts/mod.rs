@@ -9,6 +9,7 @@
 //! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
 //! | [`trade_offs`] | designs by two or three goals, with those that no other beats |
+//! | [`trials`] | ratios of trials beside what was predicted before, and against the texture |
 //! | [`tribometer`] | repeats of a test against time, with what was read from them |
 //! | [`surface_map`] | a surface from above, heights as colours |
 //! | [`height_histogram`] | how often heights occur, and the bearing curve |
@@ -35,6 +36,7 @@ mod section;
 mod surface_map;
 mod target;
 mod trade_offs;
+mod trials;
 mod tribometer;
 mod work_precision;
 
@@ -49,6 +51,7 @@ pub use section::{SectionChart, SpectrumChart, section, spectrum};
 pub use surface_map::{SurfaceMapChart, surface_map};
 pub use target::{TargetChart, TargetPoint, target};
 pub use trade_offs::{TradeOffsChart, trade_offs};
+pub use trials::{Prediction, TrialsChart, trials};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};
 pub use work_precision::{WorkPoint, WorkPrecisionChart, WorkPrecisionPanel, work_precision};
 

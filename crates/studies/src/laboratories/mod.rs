@@ -10,7 +10,6 @@ mod report;
 mod truth;
 
 use rayon::prelude::*;
-use slipgrid_discrepancy::Hyperparameters;
 use slipgrid_monitor::Monitor;
 use slipgrid_statistics::{Normals, normal_probability};
 
@@ -105,20 +104,27 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
     Ok(LaboratoriesReport::new(options, textures.len(), &jobs, &ways))
 }
 
-/// A target that a texture taken at random truly has, and that is worth a texture.
-fn target(laboratory: &Laboratory, textures: &[Solved], normals: &mut Normals) -> [f64; LOADS] {
-    let mut found = [1.0; LOADS];
-    for _ in 0..1000 {
-        let place = normal_probability(normals.draw()) * textures.len() as f64;
-        // Below the number of textures: the cast is exact.
-        let of = &textures[(place as usize).min(textures.len() - 1)];
-        found = laboratory.truth(of);
-        let middle = found[LOADS / 2];
-        if (0.6..1.1).contains(&middle) && (middle - 1.0).abs() > 0.03 {
-            break;
+/// Share of the tolerance within which some texture must truly reach a target.
+const REACHED: f64 = 0.7;
+
+/// A target that says nothing of the truth but that a texture reaches it: a ratio at the middle pressures and how much it falls
+/// with pressure, at random.
+fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
+    let mut uniform = || normal_probability(normals.draw());
+    for _ in 0..10_000 {
+        let (middle, fall) = (0.65 + 0.45 * uniform(), 0.08 * uniform());
+        if (middle - 1.0).abs() < 0.03 {
+            continue;
+        }
+        let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + fall * (0.5 - load as f64 / (LOADS - 1) as f64));
+        let is_near = |truth: &[f64; LOADS]| {
+            truth.iter().zip(&wanted).all(|(truth, wanted)| (truth - wanted).abs() <= REACHED * truth::TOLERANCE)
+        };
+        if truths.iter().any(is_near) {
+            return wanted;
         }
     }
-    found
+    truths[0]
 }
 
 fn way(
@@ -132,7 +138,8 @@ fn way(
     let mechanism = Mechanism::ALL[number % Mechanism::ALL.len()];
     let mut laboratory = Laboratory::new(mechanism, number, options.seed);
     let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
-    let target = target(&laboratory, textures, &mut normals);
+    let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
+    let target = target(&truths, &mut normals);
     let wanted = wanted(&target);
     let (mut cut, mut trials) = (Vec::new(), Vec::new());
     let first = match start {
@@ -150,18 +157,18 @@ fn way(
     }
     let mut found = Way { mechanism, trials: None, chances: Vec::new(), below: Vec::new() };
     for count in 1..=options.most_trials {
-        let known = Known { textures, covariances, cut: &cut, trials: &trials, target: &target };
+        let known = Known { textures, covariances, cut: &cut, trials: &trials, target: &target, truths: &truths };
         let place = policy.next(&known)?;
         let of = &textures[place];
         let made = laboratory.cut(of);
         let is_on_target = (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
         if policy == Policy::Mixture {
-            let predictor = learned(&Hyperparameters::default(), &trials)?;
+            let predictor = learned(&policy::mixture(), &trials)?;
             let prediction = predictor.of(&candidate(of, &covariances[place]));
             found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
             // Errors of the measurement: its own and the flat sample's.
             let errors: Vec<f64> = (0..LOADS * LOADS)
-                .map(|entry| if entry % (LOADS + 1) == 0 { 2.0 * laboratory.noise.powi(2) } else { 0.0 })
+                .map(|entry| if entry % (LOADS + 1) == 0 { (1.0 + truth::FLAT_SHARE.powi(2)) * laboratory.noise.powi(2) } else { 0.0 })
                 .collect();
             let prediction = prediction.with(&errors);
             found.below.extend(

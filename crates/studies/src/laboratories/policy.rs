@@ -33,11 +33,13 @@ pub enum Policy {
     Process,
     /// The same process, by the expected improvement of the misfit.
     Improvement,
+    /// The truth is known but for each sample's own scatter: what no policy beats.
+    Truth,
 }
 
 impl Policy {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Mixture,
         Self::Physics,
         Self::Constant,
@@ -45,6 +47,7 @@ impl Policy {
         Self::Last,
         Self::Process,
         Self::Improvement,
+        Self::Truth,
     ];
 
     /// Its name.
@@ -58,6 +61,7 @@ impl Policy {
             Self::Last => "last trial's factors",
             Self::Process => "Gaussian process",
             Self::Improvement => "expected improvement",
+            Self::Truth => "the truth known",
         }
     }
 }
@@ -83,14 +87,15 @@ pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, S
 /// Hyperparameters of a Gaussian process of the dimensions: no form.
 pub fn process() -> Hyperparameters {
     Hyperparameters {
-        amplitude_std: 0.0,
+        amplitude_std: PROCESS_STD,
         pressure_std: 0.0,
         inverse_pressure_std: 0.0,
         speed_std: 0.0,
         humidity_std: 0.0,
-        residual_std: PROCESS_STD,
+        scales: vec![(1.0, 1.0)],
+        residuals: vec![(1.0, 1.0)],
         residual_features: PROCESS_FEATURES,
-        forms: vec![(Form::Density, 1.0)],
+        forms: vec![(Form::Saturating { scale: 0.02 }, 1.0)],
         ..Hyperparameters::default()
     }
 }
@@ -112,6 +117,8 @@ pub struct Known<'a> {
     pub trials: &'a [Trial],
     /// The target.
     pub target: &'a [f64; LOADS],
+    /// What each texture truly does, for [`Policy::Truth`] alone.
+    pub truths: &'a [[f64; LOADS]],
 }
 
 impl Policy {
@@ -121,14 +128,14 @@ impl Policy {
     /// [`StudyError`] for trials that mean nothing, or where nothing is left.
     pub fn next(self, known: &Known<'_>) -> Result<usize, StudyError> {
         let is_open = |place: &usize| !known.cut.contains(place);
-        let by_factor = |factor: &dyn Fn(usize) -> f64| {
-            let misfit = |of: &Solved| {
-                (0..LOADS).map(|load| (of.ratio[load] * factor(load) - known.target[load]).abs()).fold(0.0, f64::max)
+        let nearest = |ratio: &dyn Fn(usize, usize) -> f64| {
+            let misfit = |place: usize| {
+                (0..LOADS).map(|load| (ratio(place, load) - known.target[load]).abs()).fold(0.0, f64::max)
             };
-            (0..known.textures.len())
-                .filter(is_open)
-                .min_by(|a, b| misfit(&known.textures[*a]).total_cmp(&misfit(&known.textures[*b])))
+            (0..known.textures.len()).filter(is_open).min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)))
         };
+        let by_factor =
+            |factor: &dyn Fn(usize) -> f64| nearest(&|place, load| known.textures[place].ratio[load] * factor(load));
         let excess = |load: usize| -> Vec<f64> {
             known.trials.iter().map(|trial| trial.measured[load].log_excess()).collect()
         };
@@ -142,9 +149,10 @@ impl Policy {
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
         };
         let found = match self {
-            Self::Mixture => by_chance(&Hyperparameters::default())?,
+            Self::Mixture => by_chance(&mixture())?,
             Self::Process => by_chance(&process())?,
             Self::Improvement => improvement(known)?,
+            Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),
             Self::Constant => by_factor(&|_| mean(&at_load).exp()),
             Self::Linear => {
@@ -193,4 +201,22 @@ fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
 /// [`of_dimensions`] for every texture.
 pub fn covariances(textures: &[Solved]) -> Vec<Vec<f64>> {
     textures.iter().map(|of| of_dimensions(&of.ratio)).collect()
+}
+
+pub fn mixture() -> Hyperparameters {
+    let list = |name: &str, usual: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
+        std::env::var(name).ok().map_or(usual, |text| {
+            text.split(';').map(|pair| {
+                let (a, b) = pair.split_once(',').unwrap();
+                (a.parse().unwrap(), b.parse().unwrap())
+            }).collect()
+        })
+    };
+    let usual = Hyperparameters::default();
+    let number = |name: &str, usual: f64| std::env::var(name).ok().map_or(usual, |text| text.parse().unwrap());
+    Hyperparameters { scales: list("SC", usual.scales), residuals: list("RS", usual.residuals),
+        residual_length: number("RL", usual.residual_length), residual_pressure_length: number("PL", usual.residual_pressure_length),
+        residual_features: number("RF", usual.residual_features as f64) as usize, amplitude_std: number("AS", usual.amplitude_std),
+        pressure_std: number("PS", usual.pressure_std), inverse_pressure_std: number("IS", usual.inverse_pressure_std),
+        humidity_std: number("HS", usual.humidity_std), ..Hyperparameters::default() }
 }

@@ -23,7 +23,8 @@ pub struct LaboratoriesReport {
     pub starts: Vec<StartReport>,
     /// Stated chances of the mixture beside what came true of them, over all starts.
     pub chances: Vec<ChanceBin>,
-    /// Share of measured ratios of the next trial within the mixture's intervals, by mechanism, over all starts.
+    /// What the mixture does by mechanism, over all starts: trials, and the share of the next trial's measured ratios within
+    /// its intervals.
     pub coverage: Vec<Coverage>,
 }
 
@@ -77,6 +78,10 @@ pub struct Coverage {
     pub of_68: f64,
     /// Share within that of 95 %.
     pub of_95: f64,
+    /// Mean trials.
+    pub mean_trials: f64,
+    /// Share of laboratories on target within three.
+    pub within_3: f64,
 }
 
 impl LaboratoriesReport {
@@ -112,7 +117,17 @@ impl LaboratoriesReport {
                 let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count();
                 tidy(inside as f64 / below.len().max(1) as f64)
             };
-            Coverage { mechanism: name.to_owned(), ratios: below.len(), of_68: share(0.34), of_95: share(0.475) }
+            let own = jobs.iter().zip(ways).filter(|((_, policy, _), way)| *policy == Policy::Mixture && of(way.mechanism));
+            let trials: Vec<usize> = own.map(|(_, way)| way.trials.unwrap_or(options.most_trials + 1)).collect();
+            let count = trials.len().max(1) as f64;
+            Coverage {
+                mechanism: name.to_owned(),
+                ratios: below.len(),
+                of_68: share(0.34),
+                of_95: share(0.475),
+                mean_trials: tidy(trials.iter().sum::<usize>() as f64 / count),
+                within_3: tidy(trials.iter().filter(|trials| **trials <= 3).count() as f64 / count),
+            }
         };
         let mut coverages = vec![coverage("all", &|_| true)];
         coverages.extend(Mechanism::ALL.iter().map(|own| coverage(own.name(), &|mechanism| mechanism == *own)));
@@ -159,13 +174,13 @@ impl LaboratoriesReport {
         lines.extend(self.chances.iter().map(|bin| format!("| {:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)));
         lines.extend([
             String::new(),
-            "| mechanism | within 68 % | within 95 % | ratios |".to_owned(),
-            "|---|---|---|---|".to_owned(),
+            "| mechanism | mean trials | within 3 | ratios within 68 % | within 95 % | ratios |".to_owned(),
+            "|---|---|---|---|---|---|".to_owned(),
         ]);
         lines.extend(
             self.coverage
                 .iter()
-                .map(|of| format!("| {} | {:.3} | {:.3} | {} |", of.mechanism, of.of_68, of.of_95, of.ratios)),
+                .map(|of| format!("| {} | {:.2} | {} | {:.3} | {:.3} | {} |", of.mechanism, of.mean_trials, percent(of.within_3), of.of_68, of.of_95, of.ratios)),
         );
         lines
     }

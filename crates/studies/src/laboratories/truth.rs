@@ -11,6 +11,8 @@ pub const MODULUS_STD: f64 = 0.21;
 const SAMPLE_STD: f64 = 0.005;
 /// Relative scatter of what a texture does, by its dimensions.
 const DIMENSIONS_STD: f64 = 0.03;
+/// Error of the flat sample's measurement over that of a patterned one.
+pub const FLAT_SHARE: f64 = 0.5;
 /// Half the band of ratios that a target accepts.
 pub const TOLERANCE: f64 = 0.02;
 
@@ -99,7 +101,7 @@ pub struct Laboratory {
     amplitude: [f64; LOADS],
     /// Standard error of one measurement over itself.
     pub noise: f64,
-    /// The flat sample's error at each load, which all its ratios share.
+    /// The flat sample's error at each load, which all its ratios share: it was measured four times as often.
     flat: [f64; LOADS],
     normals: Normals,
 }
@@ -130,7 +132,7 @@ impl Laboratory {
         });
         let noise = 0.005 * 4_f64.powf(uniform(&mut normals));
         let log_modulus = (MODULUS_STD * normals.draw()).clamp(-0.5, 0.5);
-        let flat = [0; LOADS].map(|_| noise * normals.draw());
+        let flat = [0; LOADS].map(|_| FLAT_SHARE * noise * normals.draw());
         Self { mechanism, log_modulus, amplitude, noise, flat, normals }
     }
 
@@ -162,7 +164,7 @@ impl Laboratory {
                 measured: truth[load] * error.exp(),
                 modelled: of.ratio[load],
                 patterned_std: self.noise,
-                flat_std: self.noise,
+                flat_std: FLAT_SHARE * self.noise,
                 modulus_sensitivity: of.sensitivity[load],
             });
         }

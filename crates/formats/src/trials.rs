@@ -1,0 +1,305 @@
+//! Trials in files: `[[trial]]` and `[trial_prior]` of a calibration, and what a material file keeps of them.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_calibrate::{CutSample, Measurement, TrialsTask};
+use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
+use slipgrid_export::Outline;
+use toml::Spanned;
+
+use super::calibration::read_fitting_pattern;
+use super::document::Document;
+use super::material::existing;
+use super::measured::{self, Placed, Specimens};
+use super::measurements;
+use super::pattern::PatternFile;
+use super::relief::read_relief;
+use super::values::Number;
+use crate::diagnostic::Diagnostic;
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S, tidy};
+
+/// `[[trial]]`: a sample that was cut, and measured unless it is pending.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrialFile {
+    name: Spanned<String>,
+    #[serde(default)]
+    date: String,
+    #[serde(default)]
+    notes: String,
+    pattern: Spanned<PatternFile>,
+    measurements: Option<Spanned<String>>,
+    width_std_um: Option<Number>,
+    spacing_std_um: Option<Number>,
+    depth_std_um: Option<Number>,
+    sample_std: Option<Number>,
+}
+
+impl TrialFile {
+    /// The table of its measurements; `None` while it is pending.
+    #[must_use]
+    pub fn measurements(&self) -> Option<&str> {
+        self.measurements.as_ref().map(|name| name.get_ref().as_str())
+    }
+}
+
+/// `[trial_prior]`: what is believed before anything was measured, where it is not the usual.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PriorFile {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    amplitude_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pressure_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inverse_pressure_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    humidity_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sample_std: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    least_measured_std: Option<f64>,
+}
+
+impl PriorFile {
+    /// Each key with what it stands for.
+    fn values<'a>(&'a self, of: &'a mut Hyperparameters) -> [(Option<f64>, &'a mut f64); 7] {
+        [
+            (self.amplitude_std, &mut of.amplitude_std),
+            (self.pressure_std, &mut of.pressure_std),
+            (self.inverse_pressure_std, &mut of.inverse_pressure_std),
+            (self.speed_std, &mut of.speed_std),
+            (self.humidity_std, &mut of.humidity_std),
+            (self.sample_std, &mut of.sample_std),
+            (self.least_measured_std, &mut of.least_measured_std),
+        ]
+    }
+
+    fn read(&self) -> Hyperparameters {
+        let mut prior = Hyperparameters::default();
+        for (given, value) in self.values(&mut prior) {
+            if let Some(given) = given {
+                *value = given;
+            }
+        }
+        prior
+    }
+
+    fn new(prior: &Hyperparameters) -> Self {
+        Self {
+            amplitude_std: Some(prior.amplitude_std),
+            pressure_std: Some(prior.pressure_std),
+            inverse_pressure_std: Some(prior.inverse_pressure_std),
+            speed_std: Some(prior.speed_std),
+            humidity_std: Some(prior.humidity_std),
+            sample_std: Some(prior.sample_std),
+            least_measured_std: Some(prior.least_measured_std),
+        }
+    }
+}
+
+/// Reads the trials of a calibration whose specimens have this `outline`, after the sample `first` that its own tables name; adds
+/// what is unusual to `told`.
+///
+/// # Errors
+/// [`Diagnostic`] for anything refused in them.
+pub fn read_trials(
+    document: &Document,
+    (trials, prior): (&[Spanned<TrialFile>], Option<&Spanned<PriorFile>>),
+    (outline, specimens): (&Outline, &Specimens),
+    first: Option<CutSample>,
+    told: &mut Vec<Diagnostic>,
+) -> Result<TrialsTask, Diagnostic> {
+    let mut samples: Vec<CutSample> = first.into_iter().collect();
+    for table in trials {
+        let file = table.get_ref();
+        if samples.iter().any(|other| other.name == *file.name.get_ref()) {
+            return Err(document
+                .refuse(file.name.span(), "names two trials")
+                .expected("a name of its own for every [[trial]]"));
+        }
+        let pattern = read_fitting_pattern(document, &file.pattern, outline)?;
+        let rows = match &file.measurements {
+            Some(name) => {
+                let path = existing(document, name, name.get_ref())?;
+                Placed::rows(&path, measurements::read(document.source(), &path)?)
+            }
+            None => Vec::new(),
+        };
+        told.extend(measured::check(&rows, specimens)?);
+        let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
+            Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
+        };
+        samples.push(CutSample {
+            name: file.name.get_ref().clone(),
+            date: file.date.clone(),
+            notes: file.notes.clone(),
+            relief: read_relief(document, &file.pattern, &pattern)?,
+            pattern,
+            dimensions_std_m: [std(&file.width_std_um)?, std(&file.spacing_std_um)?, std(&file.depth_std_um)?],
+            sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
+            measured: rows.iter().map(|row| row.measurement).collect(),
+        });
+    }
+    let hyper = prior.map_or_else(Hyperparameters::default, |table| table.get_ref().read());
+    // A prior that means nothing is refused where it stands.
+    Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, Vec::new()).map_err(|error| {
+        let span = prior.map_or(0..0, Spanned::span);
+        document.refuse(span, error.to_string())
+    })?;
+    Ok(TrialsTask { samples, prior: hyper })
+}
+
+/// The sample that a calibration names by `[pattern]` and by `patterned` measurements: the first trial.
+#[must_use]
+pub fn of_tables(
+    pattern: slipgrid_pattern::Pattern,
+    relief: Option<std::sync::Arc<slipgrid_pattern::ReliefMap>>,
+    measured: Vec<Measurement>,
+) -> CutSample {
+    CutSample {
+        name: "patterned samples".to_owned(),
+        date: String::new(),
+        notes: "read from [pattern] and the patterned measurements".to_owned(),
+        pattern,
+        relief,
+        dimensions_std_m: [0.0; 3],
+        sample_std: None,
+        measured,
+    }
+}
+
+/// `[learned]` of a material file: the trials beside the model, from which the discrepancy follows.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct LearnedFile {
+    reference_pressure_mpa: f64,
+    lowest_pressure_mpa: f64,
+    reference_speed_mm_s: f64,
+    modulus_relative_std: f64,
+    prior: PriorFile,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    trial: Vec<LearnedTrial>,
+}
+
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+struct LearnedTrial {
+    name: String,
+    areal_density: f64,
+    edge_per_mm: f64,
+    width_um: f64,
+    pitch_um: f64,
+    depth_um: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sample_std: Option<f64>,
+    pressure_mpa: Vec<f64>,
+    speed_mm_s: Vec<f64>,
+    humidity_pct: Vec<f64>,
+    measured_ratio: Vec<f64>,
+    modelled_ratio: Vec<f64>,
+    patterned_std: Vec<f64>,
+    flat_std: Vec<f64>,
+    modulus_sensitivity: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    of_dimensions: Vec<Vec<f64>>,
+}
+
+/// Metres in a millimetre, for edges per area.
+const PER_MM: f64 = 1e-3;
+
+impl LearnedFile {
+    /// What is kept of `learned`.
+    #[must_use]
+    pub fn new(learned: &Discrepancy) -> Self {
+        let conditions = learned.conditions();
+        let trial = |trial: &Trial| {
+            let column = |of: fn(&Measured) -> f64| trial.measured.iter().map(|at| tidy(of(at))).collect();
+            LearnedTrial {
+                name: trial.name.clone(),
+                areal_density: trial.features.areal_density,
+                edge_per_mm: tidy(trial.features.edge_1_m * PER_MM),
+                width_um: LENGTH_UM.from_si(trial.features.width_m),
+                pitch_um: LENGTH_UM.from_si(trial.features.pitch_m),
+                depth_um: LENGTH_UM.from_si(trial.features.depth_m),
+                sample_std: trial.sample_std,
+                pressure_mpa: column(|at| PRESSURE_MPA.from_si(at.load.pressure_pa)),
+                speed_mm_s: column(|at| SPEED_MM_S.from_si(at.load.speed_m_s)),
+                humidity_pct: column(|at| HUMIDITY_PCT.from_si(at.load.humidity)),
+                measured_ratio: column(|at| at.measured),
+                modelled_ratio: column(|at| at.modelled),
+                patterned_std: column(|at| at.patterned_std),
+                flat_std: column(|at| at.flat_std),
+                modulus_sensitivity: column(|at| at.modulus_sensitivity),
+                of_dimensions: trial.of_dimensions.clone(),
+            }
+        };
+        Self {
+            reference_pressure_mpa: PRESSURE_MPA.from_si(conditions.reference_pressure_pa),
+            lowest_pressure_mpa: PRESSURE_MPA.from_si(conditions.lowest_pressure_pa),
+            reference_speed_mm_s: SPEED_MM_S.from_si(conditions.reference_speed_m_s),
+            modulus_relative_std: learned.modulus_relative_std(),
+            prior: PriorFile::new(learned.hyperparameters()),
+            trial: learned.trials().iter().map(trial).collect(),
+        }
+    }
+
+    /// The discrepancy that it says.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] at the table for numbers that mean nothing.
+    pub fn read(document: &Document, table: &Spanned<Self>) -> Result<Discrepancy, Diagnostic> {
+        let file = table.get_ref();
+        let refuse = |reason: String| document.refuse(table.span(), reason);
+        let trial = |trial: &LearnedTrial| {
+            let n = trial.pressure_mpa.len();
+            let columns = [
+                &trial.speed_mm_s,
+                &trial.humidity_pct,
+                &trial.measured_ratio,
+                &trial.modelled_ratio,
+                &trial.patterned_std,
+                &trial.flat_std,
+                &trial.modulus_sensitivity,
+            ];
+            if columns.into_iter().chain(&trial.of_dimensions).any(|column| column.len() != n) {
+                let reason = format!("has columns of different lengths in trial \"{}\"", trial.name);
+                return Err(refuse(reason).expected("one number a pressure in each of them"));
+            }
+            let measured = |row: usize| Measured {
+                load: Load {
+                    pressure_pa: tidy(PRESSURE_MPA.to_si(trial.pressure_mpa[row])),
+                    speed_m_s: tidy(SPEED_MM_S.to_si(trial.speed_mm_s[row])),
+                    humidity: tidy(HUMIDITY_PCT.to_si(trial.humidity_pct[row])),
+                },
+                measured: trial.measured_ratio[row],
+                modelled: trial.modelled_ratio[row],
+                patterned_std: trial.patterned_std[row],
+                flat_std: trial.flat_std[row],
+                modulus_sensitivity: trial.modulus_sensitivity[row],
+            };
+            Ok(Trial {
+                name: trial.name.clone(),
+                features: Features {
+                    areal_density: trial.areal_density,
+                    edge_1_m: tidy(trial.edge_per_mm / PER_MM),
+                    width_m: tidy(LENGTH_UM.to_si(trial.width_um)),
+                    pitch_m: tidy(LENGTH_UM.to_si(trial.pitch_um)),
+                    depth_m: tidy(LENGTH_UM.to_si(trial.depth_um)),
+                },
+                sample_std: trial.sample_std,
+                measured: (0..n).map(measured).collect(),
+                of_dimensions: trial.of_dimensions.clone(),
+            })
+        };
+        let trials = file.trial.iter().map(trial).collect::<Result<Vec<Trial>, Diagnostic>>()?;
+        let conditions = Conditions {
+            reference_pressure_pa: tidy(PRESSURE_MPA.to_si(file.reference_pressure_mpa)),
+            lowest_pressure_pa: tidy(PRESSURE_MPA.to_si(file.lowest_pressure_mpa)),
+            reference_speed_m_s: tidy(SPEED_MM_S.to_si(file.reference_speed_mm_s)),
+        };
+        Discrepancy::new(file.prior.read(), conditions, file.modulus_relative_std, trials)
+            .map_err(|error| refuse(error.to_string()))
+    }
+}

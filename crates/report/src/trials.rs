@@ -1,0 +1,431 @@
+//! The ledger of a calibration's trials: what was predicted of each before it was measured, what was measured, and what they say of
+//! the next.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_calibrate::CutSample;
+use slipgrid_discrepancy::{Discrepancy, LeftOut, Load, Surprise, leave_out};
+use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use crate::charts::{Estimate, Prediction, TrialsChart, trials};
+use crate::{Outputs, ReportError};
+
+/// A family of forms with more weight than this is what the trials say.
+const IDENTIFIED: f64 = 0.8;
+/// Metres in a millimetre, for edges per area.
+const PER_MM: f64 = 1e-3;
+
+/// The ledger of a calibration's trials.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialsReport {
+    /// The program, and what wrote the record.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// Version of the record's fields.
+    pub schema: u32,
+    /// Name of the calibration.
+    pub name: String,
+    /// Trials, the earliest first.
+    pub trials: Vec<TrialReport>,
+    /// Names of trials that were cut and not yet measured.
+    pub pending: Vec<String>,
+    /// How much each form is believed.
+    pub forms: Vec<FormReport>,
+    /// What the trials say of one family of forms; null while they do not.
+    pub identified: Option<String>,
+    /// What the discrepancy is at the texture measured last, and how it depends on the condition.
+    pub effects: Vec<EffectReport>,
+    /// Measured ratios within what was predicted of them.
+    pub coverage: Vec<CoverageReport>,
+}
+
+/// A trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialReport {
+    /// Its name.
+    pub name: String,
+    /// When it was measured, as the calibration says.
+    pub date: String,
+    /// Whatever else the calibration says.
+    pub notes: String,
+    /// Share of its face that is cavity.
+    pub areal_density: f64,
+    /// Length of its edges over its area, in 1/mm.
+    pub edge_per_mm: f64,
+    /// Depth of its cavities.
+    pub depth_um: f64,
+    /// What was measured.
+    pub measured: Vec<MeasuredReport>,
+}
+
+/// A measured ratio beside what was predicted of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredReport {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// Measured ratio.
+    pub measured: f64,
+    /// Modelled ratio.
+    pub modelled: f64,
+    /// What was predicted by the trials before it.
+    pub before: PredictedReport,
+    /// The same by all other trials.
+    pub without_trial: PredictedReport,
+    /// The same by all other conditions, of this trial as well.
+    pub without_condition: PredictedReport,
+}
+
+/// What was predicted of a measured ratio, with the measurement's own errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictedReport {
+    /// Median.
+    pub ratio: f64,
+    /// Ends of the interval of 68 %.
+    pub interval_68: [f64; 2],
+    /// Ends of the interval of 95 %.
+    pub interval_95: [f64; 2],
+    /// The measured ratio in standard deviations from it.
+    pub surprise: f64,
+}
+
+/// How much a form is believed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FormReport {
+    /// The form.
+    pub form: String,
+    /// Its weight before any trial.
+    pub prior: f64,
+    /// Its weight after them.
+    pub weight: f64,
+}
+
+/// What the discrepancy is, or how it depends on something: of the logarithm of the ratio.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct EffectReport {
+    /// Of what.
+    pub of: String,
+    /// Mean.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// The same before any trial.
+    pub prior_std: f64,
+}
+
+/// Measured ratios within what was predicted of them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoverageReport {
+    /// By what.
+    pub by: String,
+    /// Ratios.
+    pub ratios: usize,
+    /// Of these within the interval of 68 %.
+    pub within_68: usize,
+    /// And within that of 95 %.
+    pub within_95: usize,
+}
+
+impl TrialsReport {
+    /// The ledger of `learned`, the discrepancy that `samples` of the calibration `name` say.
+    #[must_use]
+    pub fn new(name: &str, samples: &[CutSample], learned: &Discrepancy) -> Self {
+        let by = [LeftOut::TrialAndLater, LeftOut::Trial, LeftOut::Condition].map(|by| leave_out(learned, by));
+        let trial = |(place, of): (usize, &slipgrid_discrepancy::Trial)| {
+            let cut = samples.iter().find(|cut| cut.name == of.name);
+            let row = |(row, at): (usize, &slipgrid_discrepancy::Measured)| {
+                let predicted = |all: &[Surprise]| {
+                    all.iter().find(|of| (of.trial, of.row) == (place, row)).map_or_else(
+                        || PredictedReport { ratio: 0.0, interval_68: [0.0; 2], interval_95: [0.0; 2], surprise: 0.0 },
+                        |of| PredictedReport::new(of, at.modelled),
+                    )
+                };
+                MeasuredReport {
+                    pressure_mpa: tidy(PRESSURE_MPA.from_si(at.load.pressure_pa)),
+                    speed_mm_s: tidy(SPEED_MM_S.from_si(at.load.speed_m_s)),
+                    humidity_pct: tidy(HUMIDITY_PCT.from_si(at.load.humidity)),
+                    measured: tidy(at.measured),
+                    modelled: tidy(at.modelled),
+                    before: predicted(&by[0]),
+                    without_trial: predicted(&by[1]),
+                    without_condition: predicted(&by[2]),
+                }
+            };
+            TrialReport {
+                name: of.name.clone(),
+                date: cut.map(|cut| cut.date.clone()).unwrap_or_default(),
+                notes: cut.map(|cut| cut.notes.clone()).unwrap_or_default(),
+                areal_density: tidy(of.features.areal_density),
+                edge_per_mm: tidy(of.features.edge_1_m * PER_MM),
+                depth_um: tidy(LENGTH_UM.from_si(of.features.depth_m)),
+                measured: of.measured.iter().enumerate().map(row).collect(),
+            }
+        };
+        let mut forms: Vec<FormReport> = learned
+            .forms()
+            .iter()
+            .map(|of| FormReport { form: of.form.name(), prior: tidy(of.prior), weight: tidy(of.weight) })
+            .collect();
+        // Stable: of equal weights the earlier first.
+        forms.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        let names = ["the trials before it", "all other trials", "all other conditions"];
+        let coverage = names.iter().zip(&by).map(|(by, all)| {
+            let inside = |interval: fn(&Surprise) -> [f64; 2]| {
+                let is_within = |of: &&Surprise| (interval(of)[0]..=interval(of)[1]).contains(&of.measured);
+                all.iter().filter(is_within).count()
+            };
+            CoverageReport {
+                by: (*by).to_owned(),
+                ratios: all.len(),
+                within_68: inside(|of| of.interval_68),
+                within_95: inside(|of| of.interval_95),
+            }
+        });
+        Self {
+            program: "slipgrid".to_owned(),
+            version: VERSION.to_owned(),
+            schema: SCHEMA,
+            name: name.to_owned(),
+            trials: learned.trials().iter().enumerate().map(trial).collect(),
+            pending: samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.name.clone()).collect(),
+            identified: identified(learned),
+            forms,
+            effects: effects(learned),
+            coverage: coverage.collect(),
+        }
+    }
+
+    /// The ledger in words.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
+        let mut text = format!(
+            "{}: {} trials with {measured} measured ratios{}\n",
+            self.name,
+            self.trials.len(),
+            if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
+        );
+        if self.trials.is_empty() {
+            text += "no trial was measured: what the model lacks is as wide as what is believed before\n";
+        } else {
+            text += "\nratios patterned / flat: measured, modelled, and predicted by the trials before\n";
+            text += &self.table().to_string();
+            for of in &self.coverage {
+                text += &format!(
+                    "predicted by {}: {} of {} within 68 %, {} within 95 %\n",
+                    of.by, of.within_68, of.ratios, of.within_95
+                );
+            }
+        }
+        text += "\nhow the discrepancy grows with the texture: weight now, and before any trial\n";
+        let mut table = Table::new(["form", "weight", "before"]);
+        for of in &self.forms {
+            table.row([of.form.clone(), fixed(Some(of.weight), 3), fixed(Some(of.prior), 3)]);
+        }
+        text += &table.to_string();
+        text += &match &self.identified {
+            Some(family) => format!("the trials say that it grows with {family}\n"),
+            None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart\n"
+                .to_owned(),
+        };
+        text += "\nln(measured / modelled)\n";
+        let mut table = Table::new(["of", "value", "+-", "+- before"]);
+        for of in &self.effects {
+            table.row([
+                of.of.clone(),
+                fixed(Some(of.value), 3),
+                fixed(Some(of.std), 3),
+                fixed(Some(of.prior_std), 3),
+            ]);
+        }
+        text + &table.to_string()
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new([
+            "trial",
+            "density",
+            "edges 1/mm",
+            "depth um",
+            "P MPa",
+            "v mm/s",
+            "RH %",
+            "measured",
+            "model",
+            "before",
+            "95 %",
+            "surprise",
+        ]);
+        for trial in &self.trials {
+            for at in &trial.measured {
+                table.row([
+                    trial.name.clone(),
+                    fixed(Some(trial.areal_density), 3),
+                    fixed(Some(trial.edge_per_mm), 2),
+                    fixed(Some(trial.depth_um), 1),
+                    fixed(Some(at.pressure_mpa), 3),
+                    at.speed_mm_s.to_string(),
+                    at.humidity_pct.to_string(),
+                    fixed(Some(at.measured), 3),
+                    fixed(Some(at.modelled), 3),
+                    fixed(Some(at.before.ratio), 3),
+                    format!("{:.3} to {:.3}", at.before.interval_95[0], at.before.interval_95[1]),
+                    fixed(Some(at.before.surprise), 1),
+                ]);
+            }
+        }
+        table
+    }
+
+    /// A row a measured ratio.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = "trial,date,areal_density,edge_per_mm,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
+                        modelled_ratio,predicted_before,predicted_before_low_95,predicted_before_high_95,surprise_before,\
+                        predicted_without_trial,surprise_without_trial,predicted_without_condition,\
+                        surprise_without_condition\n"
+            .to_owned();
+        for trial in &self.trials {
+            let name = trial.name.replace('"', "\"\"");
+            for at in &trial.measured {
+                let numbers = [
+                    trial.areal_density,
+                    trial.edge_per_mm,
+                    trial.depth_um,
+                    at.pressure_mpa,
+                    at.speed_mm_s,
+                    at.humidity_pct,
+                    at.measured,
+                    at.modelled,
+                    at.before.ratio,
+                    at.before.interval_95[0],
+                    at.before.interval_95[1],
+                    at.before.surprise,
+                    at.without_trial.ratio,
+                    at.without_trial.surprise,
+                    at.without_condition.ratio,
+                    at.without_condition.surprise,
+                ];
+                let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+                text += &format!("\"{name}\",\"{}\",{}\n", trial.date.replace('"', "\"\""), numbers.join(","));
+            }
+        }
+        text
+    }
+
+    /// The ledger as files.
+    ///
+    /// # Errors
+    /// [`ReportError`] where the picture cannot be drawn or the record has no JSON form.
+    pub fn files(&self) -> Result<Outputs, ReportError> {
+        let mut outputs = Outputs::default();
+        outputs.add("trials.csv", self.csv());
+        if !self.trials.is_empty() {
+            outputs.add("trials.svg", self.picture()?);
+        }
+        outputs.add_record(self)?;
+        Ok(outputs)
+    }
+
+    fn picture(&self) -> Result<String, ReportError> {
+        let rows = || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
+        let predictions: Vec<Prediction> = rows()
+            .map(|(trial, at)| Prediction {
+                trial,
+                measured: at.measured,
+                predicted: Estimate { value: at.before.ratio, error: None },
+                interval: at.before.interval_95,
+            })
+            .collect();
+        let names: Vec<String> = self.trials.iter().map(|of| of.name.clone()).collect();
+        let of = |value: &dyn Fn(usize, &MeasuredReport) -> f64| -> Vec<[f64; 2]> {
+            rows().map(|(trial, at)| [value(trial, at), at.measured]).collect()
+        };
+        let panels = [
+            ("areal density", of(&|trial, _| self.trials[trial].areal_density)),
+            ("edges per area (1/mm)", of(&|trial, _| self.trials[trial].edge_per_mm)),
+            ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
+        ];
+        Ok(trials(&TrialsChart { title: &self.name, names: &names, predictions: &predictions, panels: &panels })?)
+    }
+}
+
+impl PredictedReport {
+    fn new(of: &Surprise, modelled: f64) -> Self {
+        let ratio = |log: f64| tidy(modelled * log.exp());
+        Self {
+            ratio: ratio(of.median),
+            interval_68: of.interval_68.map(ratio),
+            interval_95: of.interval_95.map(ratio),
+            surprise: tidy(of.surprise),
+        }
+    }
+}
+
+/// The family of forms that the trials say; `None` while they do not.
+fn identified(learned: &Discrepancy) -> Option<String> {
+    let forms = learned.forms();
+    let share = |family: &str| -> f64 {
+        forms.iter().filter(|of| of.form.family() == family).map(|of| of.weight).sum()
+    };
+    let family = forms.iter().map(|of| of.form.family()).find(|family| share(family) > IDENTIFIED)?;
+    Some(family.to_owned())
+}
+
+/// The discrepancy at the texture measured last, or at the reference, and how it depends on pressure, speed and humidity there.
+fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
+    let conditions = learned.conditions();
+    let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
+    let mut humidities: Vec<f64> =
+        learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
+    humidities.sort_by(f64::total_cmp);
+    humidities.dedup();
+    let at = Load {
+        pressure_pa: conditions.reference_pressure_pa,
+        speed_m_s: conditions.reference_speed_m_s,
+        humidity: humidities.first().copied().unwrap_or(0.4),
+    };
+    let before = learned.with_trials(Vec::new()).ok();
+    // Difference of two loads, of which the modulus and the sample's scatter are alike.
+    let effect = |of: String, to: Load, from: Option<Load>| {
+        let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
+        let moments = |known: &Discrepancy| {
+            let (mean, covariance) = known.at(&loads).predict(&features, &vec![0.0; loads.len()]).mixed();
+            match from {
+                None => (mean[0], covariance[0].sqrt()),
+                Some(_) => {
+                    let variance = covariance[0] - covariance[1] - covariance[2] + covariance[3];
+                    (mean[0] - mean[1], variance.max(0.0).sqrt())
+                }
+            }
+        };
+        let (value, std) = moments(learned);
+        let prior_std = before.as_ref().map_or(std, |before| moments(before).1);
+        EffectReport { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
+    };
+    let percent = |humidity: f64| tidy(HUMIDITY_PCT.from_si(humidity));
+    let where_to = if learned.trials().is_empty() { "at the reference texture" } else { "at the texture of the last trial" };
+    let mut found = vec![effect(
+        format!(
+            "discrepancy {where_to}, {} MPa, {} mm/s, {} %",
+            fixed(Some(PRESSURE_MPA.from_si(at.pressure_pa)), 2),
+            fixed(Some(SPEED_MM_S.from_si(at.speed_m_s)), 2),
+            percent(at.humidity)
+        ),
+        at,
+        None,
+    )];
+    let faster = Load { speed_m_s: at.speed_m_s * std::f64::consts::E, ..at };
+    found.push(effect("a speed e times as high".to_owned(), faster, Some(at)));
+    let heavier = Load { pressure_pa: 2.0 * at.pressure_pa, ..at };
+    found.push(effect("twice the pressure".to_owned(), heavier, Some(at)));
+    for humidity in humidities.iter().skip(1) {
+        let of = format!("a humidity of {} % in place of {} %", percent(*humidity), percent(at.humidity));
+        found.push(effect(of, Load { humidity: *humidity, ..at }, Some(at)));
+    }
+    found
+}
