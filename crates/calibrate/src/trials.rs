@@ -113,8 +113,9 @@ fn trial(
     for axis in axes {
         let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m(), cut.pattern.depth_m()];
         // One standard error upwards: a cavity of a rough edge is rather too large than too small.
-        let [width_m, spacing_m, depth_m] =
-            std::array::from_fn(|other| lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 });
+        let [width_m, spacing_m, depth_m] = std::array::from_fn(|other| {
+            lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
+        });
         let moved = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m);
         let Ok(moved) = moved else { continue };
         let (_, others) = of(moved)?;

@@ -48,6 +48,8 @@ pub enum Command {
     Optimize(OptimizeArgs),
     /// Local friction coefficients from measurements on flat samples
     Calibrate(CalibrateArgs),
+    /// The sample to cut next, with its chance to be on target by what trials say
+    Next(NextArgs),
     /// What was predicted of trial samples before they were cut, beside what was measured
     Trials(TrialsArgs),
     /// Dynamic friction, static peak and stick-slip from tribometer exports
@@ -245,6 +247,32 @@ pub struct AreaLawArgs {
     pub output: Option<PathBuf>,
 }
 
+/// `next`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid next designs/ldpe-lower-friction.toml\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n\n\
+    Compares about 20,000 designs within the bounds by the chance that a cut sample is on target: by the steady model\n\
+    and by what the trials of the calibration say that it lacks. Several samples complement each other, and those\n\
+    that are pending. A [[trial]] without measurements is pending.")]
+pub struct NextArgs {
+    /// Design file
+    pub design: PathBuf,
+    /// Samples to cut at once
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
+    pub count: u8,
+    /// A candidate of your own, width, spacing and depth in um; may be given several times
+    #[arg(long, value_name = "W,S,D")]
+    pub candidate: Vec<String>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for result.json, and next-1, next-2, ... with what a laser needs
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
 /// `trials`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
@@ -352,6 +380,9 @@ pub struct AccuracyArgs {
     /// The scene as it is, all rows: hours
     #[arg(long)]
     pub full: bool,
+    /// Simulated laboratories instead: how many samples each way of choosing them takes to a target; some ten minutes
+    #[arg(long, conflicts_with_all = ["full", "scene"])]
+    pub laboratories: bool,
     /// Draws of the local coefficients behind each row
     #[arg(long, default_value = "3", value_name = "N", value_parser = parse_seeds)]
     pub seeds: NonZeroU64,

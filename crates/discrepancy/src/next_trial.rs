@@ -12,6 +12,10 @@ const OF_CLOSENESS: f64 = 0.05;
 const DRAWS: usize = 16;
 /// Forms of less weight change no choice.
 const LEAST_WEIGHT: f64 = 1e-4;
+/// A form that can add no more than this to a chance is not asked.
+const LEAST_CHANCE: f64 = 1e-5;
+/// By how much the draws behind a closeness may lie above its expectation.
+const SCATTER_OF_CLOSENESS: f64 = 1.25;
 /// Textures whose scores are computed at a time, so that the choice does not depend on the number of threads.
 const BATCH: usize = 64;
 
@@ -81,7 +85,9 @@ impl Wanted {
         let mut score = Score { chance: 0.0, closeness: 0.0 };
         for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
             let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
-            score.chance += of.weight * box_probability(&of.mean, &factor, &lower, &upper);
+            if of.weight * of.most_within(&lower, &upper) > LEAST_CHANCE {
+                score.chance += of.weight * box_probability(&of.mean, &factor, &lower, &upper);
+            }
             // Draws and their opposites.
             let close = |z: &[f64], side: f64| {
                 let misfit = |load: usize| {
@@ -116,8 +122,7 @@ impl Wanted {
             };
             of.weight * (0..n).map(at).fold(1.0, f64::min)
         };
-        // The draws of the closeness scatter about its expectation: with as much to spare nothing is missed that counts.
-        chance + 2.0 * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>()
+        chance + SCATTER_OF_CLOSENESS * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>()
     }
 }
 
@@ -129,6 +134,17 @@ pub fn choose<'a>(
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Option<Chosen> {
+    rank(predictor, wanted, 1, count, of).into_iter().next()
+}
+
+/// The `most` greatest scores of `count` candidates that `of` gives, the greatest first. Of equal ones the first.
+pub fn rank<'a>(
+    predictor: &Predictor,
+    wanted: &Wanted,
+    most: usize,
+    count: usize,
+    of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
+) -> Vec<Chosen> {
     let mut bounds: Vec<(usize, f64)> = (0..count)
         .into_par_iter()
         .filter_map(|place| {
@@ -137,28 +153,19 @@ pub fn choose<'a>(
         })
         .collect();
     bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let mut best: Option<Chosen> = None;
+    let mut best: Vec<Chosen> = Vec::new();
     for batch in bounds.chunks(BATCH) {
-        if best.is_some_and(|best| batch[0].1 < best.score.value()) {
+        if best.len() >= most && best.last().is_some_and(|last| batch[0].1 < last.score.value()) {
             break;
         }
-        let scored: Vec<Chosen> = batch
-            .par_iter()
-            .filter_map(|(place, _)| {
-                let candidate = of(*place)?;
-                let score = wanted.score(&predictor.of(&candidate), candidate.modelled);
-                Some(Chosen { place: *place, score })
-            })
-            .collect();
-        for found in scored {
-            let is_better = |best: &Chosen| {
-                found.score.value() > best.score.value()
-                    || (found.score.value() == best.score.value() && found.place < best.place)
-            };
-            if best.as_ref().is_none_or(is_better) {
-                best = Some(found);
-            }
-        }
+        let scored = batch.par_iter().filter_map(|(place, _)| {
+            let candidate = of(*place)?;
+            let score = wanted.score(&predictor.of(&candidate), candidate.modelled);
+            Some(Chosen { place: *place, score })
+        });
+        best.extend(scored.collect::<Vec<Chosen>>());
+        best.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()).then(a.place.cmp(&b.place)));
+        best.truncate(most);
     }
     best
 }
@@ -193,8 +200,7 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     for (own, (weight, mean, factor, _)) in members.iter().enumerate() {
         for _ in 0..4 * DRAWS {
             let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
-            let y: Vec<f64> =
-                (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], &z)).collect();
+            let y: Vec<f64> = (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], &z)).collect();
             let logs: Vec<f64> = members
                 .iter()
                 .map(|(_, mean, factor, log_determinant)| {
@@ -211,4 +217,3 @@ pub fn information(prediction: &Prediction, measured_std: f64) -> f64 {
     }
     gain.max(0.0)
 }
-

@@ -169,6 +169,19 @@ impl Predictor {
     }
 }
 
+impl Component {
+    /// The least of the loads' own probabilities to lie between `lower` and `upper`: no less than that of all at once.
+    pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
+        let n = self.mean.len();
+        let at = |load: usize| {
+            let std = self.covariance[load * n + load].max(1e-300).sqrt();
+            let below = |end: f64| normal_probability((end - self.mean[load]) / std);
+            below(upper[load]) - below(lower[load])
+        };
+        (0..n).map(at).fold(1.0, f64::min)
+    }
+}
+
 impl Prediction {
     /// Loads.
     #[must_use]
@@ -218,8 +231,7 @@ impl Prediction {
         let n = self.loads();
         let std = |of: &Component| of.covariance[load * n + load].max(0.0).sqrt();
         let end = |side: f64| self.components.iter().map(move |of| of.mean[load] + side * 40.0 * std(of));
-        let (mut low, mut high) =
-            (end(-1.0).fold(f64::INFINITY, f64::min), end(1.0).fold(f64::NEG_INFINITY, f64::max));
+        let (mut low, mut high) = (end(-1.0).fold(f64::INFINITY, f64::min), end(1.0).fold(f64::NEG_INFINITY, f64::max));
         for _ in 0..100 {
             let middle = f64::midpoint(low, high);
             if self.probability_below(load, middle) < p { low = middle } else { high = middle }
@@ -241,16 +253,7 @@ impl Prediction {
     /// No less than [`Prediction::probability_within`], and cheaper: the least of the loads' own probabilities, form by form.
     #[must_use]
     pub fn most_probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
-        let n = self.loads();
-        let of = |of: &Component| {
-            let at = |load: usize| {
-                let std = of.covariance[load * n + load].max(1e-300).sqrt();
-                let below = |end: f64| normal_probability((end - of.mean[load]) / std);
-                below(upper[load]) - below(lower[load])
-            };
-            of.weight * (0..n).map(at).fold(1.0, f64::min)
-        };
-        self.components.iter().map(of).sum()
+        self.components.iter().map(|of| of.weight * of.most_within(lower, upper)).sum()
     }
 
     /// Mean and covariance of the whole mixture.

@@ -34,7 +34,8 @@ impl Basis {
             levels.iter().flat_map(|a| levels.iter().map(|b| correlation(hyper, *a, *b))).collect();
         let mut normals = Normals::new(hyper.seed);
         let wave = |_| {
-            let lengths = [hyper.residual_length, hyper.residual_length, hyper.residual_length, hyper.residual_pressure_length];
+            let lengths =
+                [hyper.residual_length, hyper.residual_length, hyper.residual_length, hyper.residual_pressure_length];
             let frequency = lengths.map(|length| normals.draw() / length);
             // A phase uniform in a turn, from the argument of two deviates.
             (frequency, libm::atan2(normals.draw(), normals.draw()))
@@ -78,19 +79,16 @@ impl Basis {
         let u = (load.pressure_pa - at.reference_pressure_pa) / at.reference_pressure_pa;
         let q = at.lowest_pressure_pa / load.pressure_pa - 0.5;
         let s = libm::log(load.speed_m_s / at.reference_speed_m_s);
-        let mut row = vec![
-            hyper.amplitude_std,
-            hyper.pressure_std * u,
-            hyper.inverse_pressure_std * q,
-            hyper.speed_std * s,
-        ];
+        let mut row =
+            vec![hyper.amplitude_std, hyper.pressure_std * u, hyper.inverse_pressure_std * q, hyper.speed_std * s];
         row.extend(self.humidity(load.humidity).iter().map(|part| hyper.humidity_std * part));
         row
     }
 
     /// eta at a humidity by its whitened values at the measured ones: L^-1 k.
     fn humidity(&self, humidity: f64) -> Vec<f64> {
-        let mut row: Vec<f64> = self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
+        let mut row: Vec<f64> =
+            self.humidities.iter().map(|level| correlation(&self.hyper, *level, humidity)).collect();
         solve_lower(&self.humidity_factor, self.humidities.len(), &mut row);
         row
     }

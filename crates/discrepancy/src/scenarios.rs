@@ -34,9 +34,8 @@ impl Scenarios {
             let member = &members[place];
             let z: Vec<f64> = (0..p).map(|_| normals.draw()).collect();
             // theta = mean + L^-T z
-            let coefficient = |c: usize| {
-                member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>()
-            };
+            let coefficient =
+                |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
             draws.push((place, (0..p).map(coefficient).collect()));
         }
         Self { basis, members, draws }

@@ -65,11 +65,9 @@ fn before_any_trial_the_prior_is_what_is_believed() {
     // q = 0.65 / 1.5 - 1/2; every form is 1 at the reference, and the residual's features have the variance of the sum.
     let q: f64 = 0.65 / 1.5 - 0.5;
     let features = residual_squares(&hyper);
-    let mean_square =
-        |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
-    let of_form = 0.2_f64.powi(2) * (1.0 + features * mean_square(&hyper.residuals))
-        + (0.08 * q).powi(2)
-        + 0.1_f64.powi(2);
+    let mean_square = |all: &[(f64, f64)]| all.iter().map(|(size, weight)| weight * size * size).sum::<f64>();
+    let of_form =
+        0.2_f64.powi(2) * (1.0 + features * mean_square(&hyper.residuals)) + (0.08 * q).powi(2) + 0.1_f64.powi(2);
     let variance = mean_square(&hyper.scales) * of_form + (0.2 * 0.3_f64).powi(2) + 0.005_f64.powi(2);
     assert!(mean.abs() < 1e-15 && (std * std / variance - 1.0).abs() < 1e-12, "{mean} {std}");
     // Scales of several sizes: more in the middle and farther out than one normal distribution.
@@ -80,7 +78,11 @@ fn before_any_trial_the_prior_is_what_is_believed() {
 /// Variance of the residual at the reference, over that of alpha.
 fn residual_squares(hyper: &Hyperparameters) -> f64 {
     let basis = crate::rows::Basis::new(hyper, Conditions::default(), 0.2, &[]);
-    basis.residual(&hyper.reference, &load(1.5, 2.0, 40.0)).iter().map(|entry| (entry / hyper.amplitude_std).powi(2)).sum()
+    basis
+        .residual(&hyper.reference, &load(1.5, 2.0, 40.0))
+        .iter()
+        .map(|entry| (entry / hyper.amplitude_std).powi(2))
+        .sum()
 }
 
 /// Regression of the coefficients and conditioning of the measurements are two ways to one answer.
@@ -148,13 +150,11 @@ fn weights_are_prior_times_evidence() {
                     found.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
                 })
                 .collect();
-            let dense: Vec<f64> =
-                (0..n * n).map(|e| noise[e] + crate::linear::dot(&phi[e / n], &phi[e % n])).collect();
+            let dense: Vec<f64> = (0..n * n).map(|e| noise[e] + crate::linear::dot(&phi[e / n], &phi[e % n])).collect();
             let factor = crate::linear::cholesky(&dense, n).unwrap();
             let mut y: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
             crate::linear::solve_lower(&factor, n, &mut y);
-            member.prior
-                * (-0.5 * (crate::linear::dot(&y, &y) + crate::linear::log_determinant(&factor, n))).exp()
+            member.prior * (-0.5 * (crate::linear::dot(&y, &y) + crate::linear::log_determinant(&factor, n))).exp()
         })
         .collect();
     let sum: f64 = evidences.iter().sum();
@@ -253,9 +253,7 @@ fn the_choice_is_the_best_of_all_scores() {
         })
     };
     let found = choose(&predictor, &wanted, textures.len(), &of).unwrap();
-    let score = |place: usize| {
-        wanted.score(&predictor.predict(&textures[place], &sensitivity), &modelled[place])
-    };
+    let score = |place: usize| wanted.score(&predictor.predict(&textures[place], &sensitivity), &modelled[place]);
     let best = (0..textures.len()).max_by(|a, b| score(*a).value().total_cmp(&score(*b).value())).unwrap();
     assert_eq!((found.place, found.score), (best, score(best)));
     assert!(found.score.chance > 0.05 && found.score.chance < 1.0, "{found:?}");

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
-    flat_friction_law,
+    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource,
+    TrialsTask, flat_friction_law,
 };
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
@@ -24,8 +24,8 @@ use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
-use super::trials::{self, PriorFile, TrialFile};
 use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
+use super::trials::{self, PriorFile, TrialFile};
 use super::values::{Number, NumberList};
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;

@@ -8,8 +8,8 @@ use slipgrid_material::{
 use toml::Spanned;
 
 use super::discrepancy::{DiscrepancyFile, read_discrepancies};
-use super::trials::LearnedFile;
 use super::document::Document;
+use super::trials::LearnedFile;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
 use crate::source::Entry;

@@ -290,10 +290,9 @@ impl Pattern {
                 let length_m = self.length_m().unwrap_or(width_m);
                 2.0 * (width_m + length_m) / (width_m * length_m)
             }
-            Planform::Polygon => self
-                .texture
-                .outline()
-                .map_or(4.0 / width_m, |outline| outline.perimeter() / (outline.area() * width_m)),
+            Planform::Polygon => {
+                self.texture.outline().map_or(4.0 / width_m, |outline| outline.perimeter() / (outline.area() * width_m))
+            }
         };
         of_cavity * self.areal_density()
     }

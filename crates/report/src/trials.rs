@@ -204,9 +204,10 @@ impl TrialsReport {
     pub fn text(&self) -> String {
         let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
         let mut text = format!(
-            "{}: {} trials with {measured} measured ratios{}\n",
+            "{}: {} trial{} with {measured} measured ratios{}\n",
             self.name,
             self.trials.len(),
+            if self.trials.len() == 1 { "" } else { "s" },
             if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
         );
         if self.trials.is_empty() {
@@ -235,12 +236,7 @@ impl TrialsReport {
         text += "\nln(measured / modelled)\n";
         let mut table = Table::new(["of", "value", "+-", "+- before"]);
         for of in &self.effects {
-            table.row([
-                of.of.clone(),
-                fixed(Some(of.value), 3),
-                fixed(Some(of.std), 3),
-                fixed(Some(of.prior_std), 3),
-            ]);
+            table.row([of.of.clone(), fixed(Some(of.value), 3), fixed(Some(of.std), 3), fixed(Some(of.prior_std), 3)]);
         }
         text + &table.to_string()
     }
@@ -332,7 +328,8 @@ impl TrialsReport {
     }
 
     fn picture(&self) -> Result<String, ReportError> {
-        let rows = || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
+        let rows =
+            || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
         let predictions: Vec<Prediction> = rows()
             .map(|(trial, at)| Prediction {
                 trial,
@@ -369,9 +366,8 @@ impl PredictedReport {
 /// The family of forms that the trials say; `None` while they do not.
 fn identified(learned: &Discrepancy) -> Option<String> {
     let forms = learned.forms();
-    let share = |family: &str| -> f64 {
-        forms.iter().filter(|of| of.form.family() == family).map(|of| of.weight).sum()
-    };
+    let share =
+        |family: &str| -> f64 { forms.iter().filter(|of| of.form.family() == family).map(|of| of.weight).sum() };
     let family = forms.iter().map(|of| of.form.family()).find(|family| share(family) > IDENTIFIED)?;
     Some(family.to_owned())
 }
@@ -408,7 +404,8 @@ fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
         EffectReport { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
     };
     let percent = |humidity: f64| tidy(HUMIDITY_PCT.from_si(humidity));
-    let where_to = if learned.trials().is_empty() { "at the reference texture" } else { "at the texture of the last trial" };
+    let where_to =
+        if learned.trials().is_empty() { "at the reference texture" } else { "at the texture of the last trial" };
     let mut found = vec![effect(
         format!(
             "discrepancy {where_to}, {} MPa, {} mm/s, {} %",

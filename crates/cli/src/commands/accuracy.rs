@@ -8,6 +8,7 @@ use slipgrid_report::Outputs;
 use slipgrid_results::json;
 use slipgrid_springblock::{Expense, Fidelity, Scene};
 use slipgrid_studies::accuracy::{self, Machine, Size};
+use slipgrid_studies::laboratories;
 
 use super::announcement::say;
 use super::date;
@@ -22,6 +23,9 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &args.output {
         let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
         check_folder(Place::output(folder), &["accuracy.*", "result.json"], &inputs)?;
+    }
+    if args.laboratories {
+        return of_laboratories(args, console);
     }
     let (scene, input) = match &args.scene {
         Some(path) => {
@@ -66,6 +70,19 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     } else if args.output.is_none() {
         console.answer(&accuracy::markdown(&report))?;
     }
+    Ok(exit_code::DONE)
+}
+
+/// Runs every policy in simulated laboratories and reports.
+fn of_laboratories(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    let report = laboratories::run(&laboratories::Options::default(), &laboratories::Policy::ALL, &Job::new(console))?;
+    if let Some(folder) = &args.output {
+        let mut outputs = Outputs::default();
+        outputs.add("accuracy.md", format!("# Simulated laboratories\n\n{}\n", report.lines().join("\n")));
+        outputs.add("result.json", json(&report)?);
+        console.keep(&outputs, folder)?;
+    }
+    console.report(args.json, &report, || report.lines().join("\n") + "\n")?;
     Ok(exit_code::DONE)
 }
 

@@ -7,6 +7,7 @@ mod calibrate;
 mod date;
 mod export;
 mod new;
+mod next;
 mod optimize;
 mod shell;
 mod simulate;
@@ -29,6 +30,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Optimize(args) => optimize::run(args, console),
         Command::Calibrate(args) => calibrate::run(args, console),
         Command::Traces(args) => traces::run(args, console),
+        Command::Next(args) => next::run(args, console),
         Command::Trials(args) => trials::run(args, console),
         Command::AreaLaw(args) => area_law::run(args, console),
         Command::Surface(args) => surface::run(args, console),

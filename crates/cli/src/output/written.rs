@@ -49,7 +49,7 @@ const BEGINNINGS: [(&str, &[&str]); 12] = [
     (".plt", &["CO \"slipgrid "]),
     (".gcode", &["(slipgrid "]),
     (".stl", &["slipgrid "]),
-    (".md", &["# Speed against error"]),
+    (".md", &["# Speed against error", "# Simulated laboratories"]),
     (".1", &[".ie \\n(.g .ds Aq"]),
 ];
 

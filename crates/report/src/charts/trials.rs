@@ -69,7 +69,8 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         for (number, (name, points)) in chart.panels.iter().enumerate() {
             let left = LEFT + number as f64 * (width + GAP);
             let x_axis = Axis::around(name, points.iter().map(|point| point[0]));
-            let y_axis = Axis::around(if number == 0 { "measured ratio" } else { "" }, points.iter().map(|point| point[1]));
+            let y_axis =
+                Axis::around(if number == 0 { "measured ratio" } else { "" }, points.iter().map(|point| point[1]));
             let plot = Plot::new(canvas, [left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0], x_axis, y_axis)?;
             for (point, of) in points.iter().zip(chart.predictions) {
                 plot.mark(Mark::Square, *point, None, 0.0, colour(of.trial))?;

@@ -10,7 +10,8 @@ mod report;
 mod truth;
 
 use rayon::prelude::*;
-use slipgrid_monitor::Monitor;
+use slipgrid_discrepancy::Hyperparameters;
+use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
 use crate::StudyError;
@@ -63,7 +64,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { laboratories: 225, most_trials: 12, steps: 24, seed: 1 }
+        Self { laboratories: 207, most_trials: 12, steps: 12, seed: 1 }
     }
 }
 
@@ -84,7 +85,10 @@ pub(crate) struct Way {
 /// # Errors
 /// [`StudyError::Cancelled`] once `monitor` has cancelled.
 pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
-    let textures = physics::textures(options.steps, monitor)?;
+    let stage = Stage::new(monitor, "textures", None);
+    let textures = physics::textures(options.steps, &stage)?;
+    stage.finish();
+    let stage = Stage::new(monitor, "laboratories", None);
     let covariances = covariances(&textures);
     let jobs: Vec<(Start, Policy, usize)> = Start::ALL
         .iter()
@@ -95,12 +99,13 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
     let ways: Vec<Way> = jobs
         .par_iter()
         .map(|(start, policy, number)| {
-            monitor.heed()?;
+            stage.heed()?;
             let way = way(options, *start, *policy, *number, &textures, &covariances);
-            monitor.advance(share);
+            stage.advance(share);
             way
         })
         .collect::<Result<_, StudyError>>()?;
+    stage.finish();
     Ok(LaboratoriesReport::new(options, textures.len(), &jobs, &ways))
 }
 
@@ -163,12 +168,18 @@ fn way(
         let made = laboratory.cut(of);
         let is_on_target = (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
         if policy == Policy::Mixture {
-            let predictor = learned(&policy::mixture(), &trials)?;
+            let predictor = learned(&Hyperparameters::default(), &trials)?;
             let prediction = predictor.of(&candidate(of, &covariances[place]));
             found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
             // Errors of the measurement: its own and the flat sample's.
             let errors: Vec<f64> = (0..LOADS * LOADS)
-                .map(|entry| if entry % (LOADS + 1) == 0 { (1.0 + truth::FLAT_SHARE.powi(2)) * laboratory.noise.powi(2) } else { 0.0 })
+                .map(|entry| {
+                    if entry % (LOADS + 1) == 0 {
+                        (1.0 + truth::FLAT_SHARE.powi(2)) * laboratory.noise.powi(2)
+                    } else {
+                        0.0
+                    }
+                })
                 .collect();
             let prediction = prediction.with(&errors);
             found.below.extend(

@@ -68,10 +68,8 @@ pub fn textures(steps: usize, monitor: &dyn Monitor) -> Result<Vec<Solved>, Stud
         loads.push(slipgrid_springblock::Load { pressure_pa, friction: scene.loads[0].friction });
     }
     let scene = Scene { loads, ..scene };
-    let squares = Scene {
-        layer: slipgrid_springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer },
-        ..scene.clone()
-    };
+    let squares =
+        Scene { layer: slipgrid_springblock::Layer { block_m: SQUARE_BLOCK_M, ..scene.layer }, ..scene.clone() };
     let at = |scene: &Scene| -> Result<Vec<Scene>, StudyError> {
         LOG_MODULI
             .iter()

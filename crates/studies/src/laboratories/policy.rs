@@ -136,20 +136,18 @@ impl Policy {
         };
         let by_factor =
             |factor: &dyn Fn(usize) -> f64| nearest(&|place, load| known.textures[place].ratio[load] * factor(load));
-        let excess = |load: usize| -> Vec<f64> {
-            known.trials.iter().map(|trial| trial.measured[load].log_excess()).collect()
-        };
+        let excess =
+            |load: usize| -> Vec<f64> { known.trials.iter().map(|trial| trial.measured[load].log_excess()).collect() };
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
         let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
             let predictor = learned(hyper, known.trials)?;
-            let of = |place: usize| {
-                is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]))
-            };
+            let of =
+                |place: usize| is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]));
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
         };
         let found = match self {
-            Self::Mixture => by_chance(&mixture())?,
+            Self::Mixture => by_chance(&Hyperparameters::default())?,
             Self::Process => by_chance(&process())?,
             Self::Improvement => improvement(known)?,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
@@ -201,22 +199,4 @@ fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
 /// [`of_dimensions`] for every texture.
 pub fn covariances(textures: &[Solved]) -> Vec<Vec<f64>> {
     textures.iter().map(|of| of_dimensions(&of.ratio)).collect()
-}
-
-pub fn mixture() -> Hyperparameters {
-    let list = |name: &str, usual: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
-        std::env::var(name).ok().map_or(usual, |text| {
-            text.split(';').map(|pair| {
-                let (a, b) = pair.split_once(',').unwrap();
-                (a.parse().unwrap(), b.parse().unwrap())
-            }).collect()
-        })
-    };
-    let usual = Hyperparameters::default();
-    let number = |name: &str, usual: f64| std::env::var(name).ok().map_or(usual, |text| text.parse().unwrap());
-    Hyperparameters { scales: list("SC", usual.scales), residuals: list("RS", usual.residuals),
-        residual_length: number("RL", usual.residual_length), residual_pressure_length: number("PL", usual.residual_pressure_length),
-        residual_features: number("RF", usual.residual_features as f64) as usize, amplitude_std: number("AS", usual.amplitude_std),
-        pressure_std: number("PS", usual.pressure_std), inverse_pressure_std: number("IS", usual.inverse_pressure_std),
-        humidity_std: number("HS", usual.humidity_std), ..Hyperparameters::default() }
 }

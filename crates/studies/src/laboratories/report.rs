@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Mechanism, Options, Policy, Start, Way};
+use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::tidy;
 
 /// Bins of the stated chance.
@@ -11,6 +12,12 @@ const BINS: usize = 10;
 /// How many trials each policy took.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LaboratoriesReport {
+    /// The program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// Version of the record's fields.
+    pub schema: u32,
     /// Laboratories of each start.
     pub laboratories: usize,
     /// Most trials of a laboratory.
@@ -90,8 +97,12 @@ impl LaboratoriesReport {
         for start in Start::ALL {
             let mut policies = Vec::new();
             for policy in Policy::ALL {
-                let own: Vec<&Way> =
-                    jobs.iter().zip(ways).filter(|((s, p, _), _)| *s == start && *p == policy).map(|(_, way)| way).collect();
+                let own: Vec<&Way> = jobs
+                    .iter()
+                    .zip(ways)
+                    .filter(|((s, p, _), _)| *s == start && *p == policy)
+                    .map(|(_, way)| way)
+                    .collect();
                 if !own.is_empty() {
                     policies.push(PolicyReport::new(policy, options, &own));
                 }
@@ -117,7 +128,8 @@ impl LaboratoriesReport {
                 let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count();
                 tidy(inside as f64 / below.len().max(1) as f64)
             };
-            let own = jobs.iter().zip(ways).filter(|((_, policy, _), way)| *policy == Policy::Mixture && of(way.mechanism));
+            let own =
+                jobs.iter().zip(ways).filter(|((_, policy, _), way)| *policy == Policy::Mixture && of(way.mechanism));
             let trials: Vec<usize> = own.map(|(_, way)| way.trials.unwrap_or(options.most_trials + 1)).collect();
             let count = trials.len().max(1) as f64;
             Coverage {
@@ -132,6 +144,9 @@ impl LaboratoriesReport {
         let mut coverages = vec![coverage("all", &|_| true)];
         coverages.extend(Mechanism::ALL.iter().map(|own| coverage(own.name(), &|mechanism| mechanism == *own)));
         Self {
+            program: "slipgrid".to_owned(),
+            version: VERSION.to_owned(),
+            schema: SCHEMA,
             laboratories: options.laboratories,
             most_trials: options.most_trials,
             textures,
@@ -171,17 +186,25 @@ impl LaboratoriesReport {
             }
         }
         lines.extend([String::new(), "| chance said | came true | cuts |".to_owned(), "|---|---|---|".to_owned()]);
-        lines.extend(self.chances.iter().map(|bin| format!("| {:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)));
+        lines.extend(
+            self.chances.iter().map(|bin| format!("| {:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)),
+        );
         lines.extend([
             String::new(),
             "| mechanism | mean trials | within 3 | ratios within 68 % | within 95 % | ratios |".to_owned(),
             "|---|---|---|---|---|---|".to_owned(),
         ]);
-        lines.extend(
-            self.coverage
-                .iter()
-                .map(|of| format!("| {} | {:.2} | {} | {:.3} | {:.3} | {} |", of.mechanism, of.mean_trials, percent(of.within_3), of.of_68, of.of_95, of.ratios)),
-        );
+        lines.extend(self.coverage.iter().map(|of| {
+            format!(
+                "| {} | {:.2} | {} | {:.3} | {:.3} | {} |",
+                of.mechanism,
+                of.mean_trials,
+                percent(of.within_3),
+                of.of_68,
+                of.of_95,
+                of.ratios
+            )
+        }));
         lines
     }
 }

@@ -1,27 +1,33 @@
 use super::*;
 use slipgrid_monitor::Unwatched;
 
-/// Prints the tables of the whole study.
+/// A few laboratories: the same tables at every run, the mixture sooner on target than the physics alone, and never sooner than
+/// who knows the truth.
 #[test]
-#[ignore = "a study of minutes: prints its tables"]
-fn laboratories_in_full() {
-    let steps = std::env::var("STEPS").ok().and_then(|s| s.parse().ok()).unwrap_or(24);
-    let laboratories = std::env::var("LABS").ok().and_then(|s| s.parse().ok()).unwrap_or(225);
-    let started = std::time::Instant::now();
-    let policies = if std::env::var("ALL").is_ok() { Policy::ALL.to_vec() } else { vec![Policy::Mixture, Policy::Truth] };
-    let found = run(&Options { steps, laboratories, ..Options::default() }, &policies, &Unwatched).unwrap();
-    for line in found.lines() {
-        println!("{line}");
+fn a_few_laboratories_reach_their_targets() {
+    let options = Options { laboratories: 9, most_trials: 6, steps: 6, seed: 3 };
+    let policies = [Policy::Mixture, Policy::Physics, Policy::Truth];
+    let found = run(&options, &policies, &Unwatched).unwrap();
+    assert_eq!(found, run(&options, &policies, &Unwatched).unwrap());
+    for start in &found.starts {
+        let mean = |policy: Policy| start.policies.iter().find(|of| of.policy == policy.name()).unwrap().mean;
+        let means = policies.map(mean);
+        assert!(means[2] <= means[0] && means[0] < means[1], "{}: {means:?}", start.start);
     }
-    println!("{:.1} s", started.elapsed().as_secs_f64());
+    assert_eq!(found.coverage.len(), 1 + Mechanism::ALL.len());
+    assert!(found.lines().iter().any(|line| line.contains("physics alone")));
+    let all: serde_json::Value = serde_json::from_str(&serde_json::to_string(&found).unwrap()).unwrap();
+    assert_eq!(serde_json::from_value::<LaboratoriesReport>(all).unwrap(), found);
 }
 
 #[test]
-#[ignore = "looks"]
-fn look() {
-    let textures = physics::textures(7, &Unwatched).unwrap();
-    for of in textures.iter().filter(|of| (of.pattern.depth_m() * 1e6).round() == 10.0) {
-        println!("{:?} {:.0} {:.0} a {:.3} e {:.0} R {:.3?} rims {:.3?} g {:.3?}", of.pattern.planform(), of.pattern.width_m()*1e6, of.pattern.spacing_m()*1e6,
-            of.features.areal_density, of.features.edge_1_m, of.ratio, of.of_rims, of.sensitivity);
+fn laboratories_end_when_they_are_cancelled() {
+    struct Pressed;
+    impl Monitor for Pressed {
+        fn cancelled(&self) -> bool {
+            true
+        }
     }
+    let found = run(&Options::default(), &Policy::ALL, &Pressed);
+    assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
 }

@@ -3,6 +3,8 @@
 mod material;
 mod places;
 
+pub use material::complete;
+
 use std::time::Instant;
 
 use slipgrid_design::{DesignError, DesignOutcome};
@@ -56,7 +58,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     task.max_seconds = task.max_seconds.map(|most_s| (most_s - calibrated_s).max(0.0));
     let mut study = StudyFile::new(places::study_path(&folder), args.resume);
     let found = slipgrid_design::run(&task, &mut study, &Job::new(console));
-    let mut found = found.map_err(|error| refused(error, &design, &study))?;
+    let mut found = found.map_err(|error| refused(error, &design, Some(&study)))?;
     heed()?;
 
     let exporting = Instant::now();
@@ -82,10 +84,12 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
 }
 
 /// `error` of the job of `design`, with the place in the file where there is one.
-fn refused(error: DesignError, design: &Design, study: &StudyFile) -> CliError {
+pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -> CliError {
     match error {
         DesignError::Refused(refused) => design.refuse(&refused).into(),
-        DesignError::Cache(reason) => study.refused().cloned().map_or(CliError::Other(reason), CliError::Input),
+        DesignError::Cache(reason) => {
+            study.and_then(|study| study.refused().cloned()).map_or(CliError::Other(reason), CliError::Input)
+        }
         DesignError::Material(error) => error.into(),
         DesignError::Cancelled => CliError::Interrupted,
         DesignError::OutOfTime(reason) => CliError::OutOfTime(reason),

@@ -1,0 +1,153 @@
+//! The steady model on a lattice of designs, and between its nodes.
+
+use rayon::prelude::*;
+use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_optimize::ModelFailure;
+use slipgrid_pattern::Pattern;
+use slipgrid_springblock::Scene;
+
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::{DesignError, Refusal, TaskPart};
+
+/// Most nodes of the lattice along width, spacing and depth: in the plane, where a node takes some milliseconds, and in space.
+const PLANE_NODES: [usize; 3] = [13, 13, 9];
+const SPACE_NODES: [usize; 3] = [6, 6, 4];
+/// Logarithm of Young's modulus by which it is moved for the slope along it.
+const LOG_MODULUS_STEP: f64 = 0.05;
+
+/// Modelled ratio and its slope along the logarithm of Young's modulus, at every load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Modelled {
+    /// ln R.
+    pub log_ratio: Vec<f64>,
+    /// g = d ln R / d ln E.
+    pub sensitivity: Vec<f64>,
+}
+
+/// The model with a stiffer and a softer body beside it.
+pub struct Models<'a> {
+    own: &'a SteadyModel<'a>,
+    stiffer: SteadyModel<'a>,
+    softer: SteadyModel<'a>,
+}
+
+impl<'a> Models<'a> {
+    /// Those about `own`.
+    ///
+    /// # Errors
+    /// [`DesignError`] where the area law cannot be moved.
+    pub fn new(own: &'a SteadyModel<'a>) -> Result<Self, DesignError> {
+        let still = vec![0.0; own.asked().loads.len()];
+        let at = |log: f64| {
+            own.beside(|scene: &Scene| moved(scene, &still, ScaleShift { log, is_fitted: false }, 0.0))
+                .map_err(|error| Refusal::new(TaskPart::Whole, error.to_string()))
+        };
+        Ok(Self { own, stiffer: at(LOG_MODULUS_STEP)?, softer: at(-LOG_MODULUS_STEP)? })
+    }
+
+    /// What they say of `design`.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where it cannot be computed.
+    pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
+        let (stiffer, softer) = (self.stiffer.steady(design)?.ratio, self.softer.steady(design)?.ratio);
+        let slope = |(above, below): (&f64, &f64)| (above / below).ln() / (2.0 * LOG_MODULUS_STEP);
+        Ok(Modelled {
+            log_ratio: self.own.ratios_made(design, design)?.iter().map(|ratio| ratio.ln()).collect(),
+            sensitivity: stiffer.iter().zip(&softer).map(slope).collect(),
+        })
+    }
+}
+
+/// The models at the nodes of a lattice.
+pub struct Interpolation {
+    /// Logarithms of width, spacing and depth at the nodes.
+    axes: [Vec<f64>; 3],
+    /// Nodes, widths slowest; `None` where a design cannot be computed.
+    nodes: Vec<Option<Modelled>>,
+}
+
+impl Interpolation {
+    /// Asks `models` at the nodes of a lattice over the space of `task`; `None` where `stage` ends before that.
+    pub fn new(task: &DesignTask, models: &Models<'_>, stage: &Stage<'_>) -> Option<Self> {
+        let most = if models.own.is_spatial() { SPACE_NODES } else { PLANE_NODES };
+        let space = &task.space;
+        let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
+        let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+            let [low, high] = bounds[axis].map(f64::ln);
+            let count = if low == high { 1 } else { most[axis] };
+            (0..count).map(|node| low + (high - low) * node as f64 / (count.max(2) - 1) as f64).collect()
+        });
+        let [_, spacings, depths] = [0, 1, 2].map(|axis: usize| axes[axis].len());
+        let count = axes[0].len() * spacings * depths;
+        let share = 1.0 / count as f64;
+        let nodes: Vec<Option<Modelled>> = (0..count)
+            .into_par_iter()
+            .map(|node| {
+                let lengths = [node / (spacings * depths), node / depths % spacings, node % depths];
+                let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| axes[axis][lengths[axis]].exp());
+                let design = Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok()?;
+                let found = if stage.cancelled() { None } else { models.at(&design).ok() };
+                stage.advance(share);
+                found
+            })
+            .collect();
+        (!stage.cancelled()).then_some(Self { axes, nodes })
+    }
+
+    /// What the models say of a design of these lengths, linear between the eight nodes about it in the logarithms; `None` where
+    /// one of them cannot be computed. Beyond the lattice its edge stands.
+    pub fn at(&self, lengths_m: [f64; 3]) -> Option<Modelled> {
+        let place = |axis: usize| {
+            let (nodes, x) = (&self.axes[axis], lengths_m[axis].ln());
+            let low = nodes.partition_point(|node| *node <= x).clamp(1, nodes.len().max(2) - 1) - 1;
+            let Some(next) = nodes.get(low + 1) else { return (low, 0.0) };
+            (low, ((x - nodes[low]) / (next - nodes[low])).clamp(0.0, 1.0))
+        };
+        let [(w, tw), (s, ts), (d, td)] = [0, 1, 2].map(place);
+        let (spacings, depths) = (self.axes[1].len(), self.axes[2].len());
+        let mut sum: Option<Modelled> = None;
+        for corner in 0..8 {
+            let [i, j, k] = [corner >> 2, corner >> 1 & 1, corner & 1];
+            let share = |t: f64, upper: usize| if upper == 1 { t } else { 1.0 - t };
+            let weight = share(tw, i) * share(ts, j) * share(td, k);
+            if weight == 0.0 {
+                continue;
+            }
+            let node = self.nodes[((w + i) * spacings + s + j) * depths + d + k].as_ref()?;
+            let sum = sum.get_or_insert_with(|| Modelled {
+                log_ratio: vec![0.0; node.log_ratio.len()],
+                sensitivity: vec![0.0; node.sensitivity.len()],
+            });
+            for (sum, own) in [(&mut sum.log_ratio, &node.log_ratio), (&mut sum.sensitivity, &node.sensitivity)] {
+                sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += weight * own);
+            }
+        }
+        sum
+    }
+
+    /// Covariance of ln R of samples whose lengths scatter by `std_m` about `lengths_m`, to first order: differences over a
+    /// standard deviation each way.
+    pub fn covariance(&self, lengths_m: [f64; 3], std_m: [f64; 3]) -> Option<Vec<f64>> {
+        let count = self.at(lengths_m)?.log_ratio.len();
+        let mut covariance = vec![0.0; count * count];
+        for axis in (0..3).filter(|axis| std_m[*axis] > 0.0) {
+            let moved = |side: f64| {
+                let mut lengths_m = lengths_m;
+                lengths_m[axis] = (lengths_m[axis] + side * std_m[axis]).max(0.1 * lengths_m[axis]);
+                self.at(lengths_m)
+            };
+            let (above, below) = (moved(1.0)?, moved(-1.0)?);
+            let slope: Vec<f64> =
+                above.log_ratio.iter().zip(&below.log_ratio).map(|(above, below)| 0.5 * (above - below)).collect();
+            for l in 0..count {
+                for m in 0..count {
+                    covariance[l * count + m] += slope[l] * slope[m];
+                }
+            }
+        }
+        Some(covariance)
+    }
+}

@@ -1,0 +1,329 @@
+//! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
+
+mod interpolation;
+mod report;
+
+use rayon::prelude::*;
+use slipgrid_discrepancy::{
+    Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
+};
+use slipgrid_material::AreaLaw;
+use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_optimize::{ModelFailure, Quantity};
+use slipgrid_pattern::Pattern;
+use slipgrid_results::MaterialReport;
+use slipgrid_springblock::{Fidelity, RunOptions, Scene};
+
+use crate::lattice_table::lattice;
+use crate::operating_conditions::{Further, further};
+use crate::selection::Effort;
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use crate::{DesignError, KnownMaterial, TaskPart};
+use interpolation::{Interpolation, Modelled, Models};
+
+pub use report::{NextReport, TrialCandidateReport};
+
+/// Designs that are compared by the interpolated model.
+const DESIGNS: usize = 20_000;
+/// Of these the best by it, which the model itself judges.
+const JUDGED: usize = 48;
+/// Truths in which several samples are judged together.
+const SCENARIOS: usize = 2000;
+/// Relative error of a measurement, for what a trial would teach.
+const MEASURED_STD: f64 = 0.01;
+/// Relative humidity where neither design nor trials name one.
+const USUAL_HUMIDITY: f64 = 0.4;
+/// Lengths that differ by less are the same, relative.
+const SAME_LENGTH: f64 = 1e-3;
+
+/// What is asked.
+#[derive(Clone, Debug, Default)]
+pub struct NextOptions {
+    /// Samples to cut at once.
+    pub count: usize,
+    /// Patterns that were cut and are not measured yet.
+    pub pending: Vec<Pattern>,
+    /// Patterns whose chance is asked for.
+    pub own: Vec<Pattern>,
+}
+
+/// A design that could be cut.
+#[derive(Clone, Debug)]
+struct Design {
+    pattern: Pattern,
+    features: Features,
+    ratio: Vec<f64>,
+    sensitivity: Vec<f64>,
+    covariance: Vec<f64>,
+}
+
+/// A design with its chance.
+#[derive(Clone, Debug)]
+struct Judged {
+    design: Design,
+    prediction: Prediction,
+    score: Score,
+}
+
+impl Design {
+    fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>) -> Self {
+        Self {
+            features: Features::from(&pattern),
+            ratio: modelled.log_ratio.iter().map(|log| log.exp()).collect(),
+            sensitivity: modelled.sensitivity,
+            covariance,
+            pattern,
+        }
+    }
+
+    fn candidate(&self) -> Candidate<'_> {
+        Candidate {
+            features: self.features,
+            modelled: &self.ratio,
+            modulus_sensitivity: &self.sensitivity,
+            covariance: &self.covariance,
+        }
+    }
+
+    fn judged(self, predictor: &Predictor, wanted: &Wanted) -> Judged {
+        let prediction = predictor.of(&self.candidate());
+        let score = wanted.score(&prediction, &self.ratio);
+        Judged { design: self, prediction, score }
+    }
+}
+
+/// What is wanted of `task`, where, and what its trials say.
+struct Asked {
+    loads: Vec<Load>,
+    wanted: Wanted,
+    learned: Discrepancy,
+}
+
+/// The samples to cut next, as a report and as patterns.
+#[derive(Clone, Debug)]
+pub struct NextTrials {
+    /// The report.
+    pub report: NextReport,
+    /// Its samples.
+    pub patterns: Vec<Pattern>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+}
+
+/// The samples of `task` to cut next. Stages of the monitor: "model", "trials".
+///
+/// # Errors
+/// [`DesignError`] for a task that is refused, that the monitor cancels, or of which nothing can be computed.
+pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monitor) -> Result<NextTrials, DesignError> {
+    let mut task = task.clone();
+    let known = task.material.clone().ok_or_else(|| DesignError::refused("has no material"))?;
+    task.check(&known)?;
+    let (loads, _) = task.loads(&known.material)?;
+    let further = further(&task, &known.material)?;
+    let scene = Scene {
+        elastic: known.material.elastic,
+        area_law: known.material.area_law.clone(),
+        pattern: None,
+        relief: None,
+        layer: task.layer,
+        loads,
+        speed_m_s: task.speed_m_s,
+        run: RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() },
+    };
+    let elsewhere: Vec<&[slipgrid_springblock::Load]> = further.iter().map(|at| &at.loads[..]).collect();
+    let directions_deg = &task.directions.different_deg;
+    let model =
+        SteadyModel::new(&scene, &elsewhere, directions_deg, &task.space, None).watched_by(monitor).on(task.specimen);
+    let asked = asked(&task, &known, &scene, &further, &model)?;
+    let models = Models::new(&model)?;
+
+    let stage = Stage::new(monitor, "model", None);
+    let interpolation = Interpolation::new(&task, &models, &stage);
+    stage.finish();
+    monitor.heed()?;
+    let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
+    let stage = Stage::new(monitor, "trials", None);
+    let found = choose(&task, options, &asked, &models, &interpolation);
+    stage.finish();
+    monitor.heed()?;
+    let (report, patterns) = found?;
+    Ok(NextTrials { report, patterns, material: MaterialReport::from(&known.material.provenance) })
+}
+
+fn asked(
+    task: &DesignTask,
+    known: &KnownMaterial,
+    scene: &Scene,
+    further: &[Further],
+    model: &SteadyModel<'_>,
+) -> Result<Asked, DesignError> {
+    let learned = match &known.uncertainty.learned {
+        Some(learned) => learned.clone(),
+        // A material that says nothing of trials has none: the prior.
+        None => Discrepancy::new(
+            slipgrid_discrepancy::Hyperparameters::default(),
+            slipgrid_discrepancy::Conditions::default(),
+            known.uncertainty.modulus_relative_std.unwrap_or(0.0),
+            Vec::new(),
+        )
+        .map_err(|error| DesignError::Failed(error.to_string()))?,
+    };
+    let measured = learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity));
+    let humidities: Vec<f64> = measured.collect();
+    let usual =
+        if humidities.is_empty() { USUAL_HUMIDITY } else { humidities.iter().sum::<f64>() / humidities.len() as f64 };
+    let count = task.target.points().len();
+    let conditions: Vec<_> =
+        std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+    let pressures_pa = task.pressures_pa();
+    let (mut loads, mut lower, mut upper) = (Vec::new(), Vec::new(), Vec::new());
+    for (place, condition) in conditions.iter().enumerate() {
+        let excess = known.uncertainty.excess(&pressures_pa, condition.as_ref());
+        for (row, demand) in task.target.points().iter().enumerate() {
+            let at = &model.asked().loads[place * count + row];
+            loads.push(Load {
+                pressure_pa: at.pressure_pa,
+                speed_m_s: condition.map_or(scene.speed_m_s, |condition| condition.speed_m_s),
+                humidity: condition.map_or(usual, |condition| condition.humidity),
+            });
+            // Of friction itself: over that of the flat sample, mu_d f(P) times dynamic over steady friction.
+            let law = |law: &AreaLaw| law.factor(at.pressure_pa);
+            let flat = match task.target.quantity() {
+                Quantity::Ratio => 1.0,
+                Quantity::DynamicFriction => {
+                    at.friction.dynamic_mean()
+                        * scene.area_law.as_ref().map_or(1.0, law)
+                        * excess.as_ref().map_or(1.0, |excess| excess[row])
+                }
+            };
+            let [lowest, highest] = demand.wanted.band();
+            lower.push(lowest.unwrap_or(0.0) / flat);
+            upper.push(highest.unwrap_or(f64::INFINITY) / flat);
+        }
+    }
+    if !task.target.has_demands() {
+        let reason = "a target that demands nothing cannot be missed: there is no trial to choose";
+        return Err(crate::Refusal::new(TaskPart::Whole, reason).into());
+    }
+    Ok(Asked { loads, wanted: Wanted { lower, upper }, learned })
+}
+
+/// Designs of whole blocks and bursts within the bounds and the laser's limits, about [`DESIGNS`] of them.
+fn designs(task: &DesignTask) -> Vec<Pattern> {
+    let (all, _) = lattice(task);
+    let step = all.len().div_ceil(DESIGNS).max(1);
+    // A stride that no axis divides spreads what is left out.
+    all.into_iter().step_by(step).collect()
+}
+
+fn is_like(a: &Pattern, b: &Pattern) -> bool {
+    let lengths = |of: &Pattern| [of.width_m(), of.spacing_m(), of.depth_m()];
+    let close = lengths(a).into_iter().zip(lengths(b)).all(|(a, b)| (a - b).abs() <= SAME_LENGTH * a.max(b));
+    a.planform() == b.planform() && close
+}
+
+/// Whether `design` is one of the trials, which know their features alone.
+fn is_cut(learned: &Discrepancy, design: &Pattern) -> bool {
+    let of = Features::from(design);
+    let same = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
+    learned.trials().iter().map(|trial| trial.features).any(|cut| {
+        same(cut.width_m, of.width_m)
+            && same(cut.pitch_m, of.pitch_m)
+            && same(cut.depth_m, of.depth_m)
+            && same(cut.areal_density, of.areal_density)
+    })
+}
+
+fn choose(
+    task: &DesignTask,
+    options: &NextOptions,
+    asked: &Asked,
+    models: &Models<'_>,
+    interpolation: &Interpolation,
+) -> Result<(NextReport, Vec<Pattern>), DesignError> {
+    let predictor = asked.learned.at(&asked.loads);
+    let std_m = task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
+    let lengths = |of: &Pattern| [of.width_m(), of.spacing_m(), of.depth_m()];
+    let between = |pattern: &Pattern| {
+        let modelled = interpolation.at(lengths(pattern))?;
+        Some(Design::new(*pattern, modelled, interpolation.covariance(lengths(pattern), std_m)?))
+    };
+    let is_open = |pattern: &Pattern| {
+        !is_cut(&asked.learned, pattern) && !options.pending.iter().any(|pending| is_like(pending, pattern))
+    };
+    let patterns: Vec<Pattern> = designs(task).into_iter().filter(is_open).collect();
+    let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
+    let mut left: Vec<Design> = drafts.into_iter().flatten().collect();
+    let compared = left.len();
+    // The model itself at what looks best by the interpolated one.
+    let exactly = |pattern: &Pattern| -> Result<Judged, ModelFailure> {
+        let covariance = interpolation.covariance(lengths(pattern), std_m).unwrap_or_default();
+        Ok(Design::new(*pattern, models.at(pattern)?, covariance).judged(&predictor, &asked.wanted))
+    };
+    let ranked = slipgrid_discrepancy::rank(&predictor, &asked.wanted, JUDGED, left.len(), &|place| {
+        Some(left[place].candidate())
+    });
+    let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();
+    left.clear();
+    let judged: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(exactly).collect();
+    let mut pool: Vec<Judged> = judged.into_iter().flatten().collect();
+    if pool.is_empty() {
+        return Err(DesignError::Failed("no design within the bounds can be computed".to_owned()));
+    }
+    // Stable: of equal scores the earlier first.
+    pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+    let own = |pattern: &Pattern| {
+        exactly(pattern).map_err(|failure| DesignError::refused(format!("the candidate cannot be computed: {failure}")))
+    };
+    let own: Vec<Judged> = options.own.iter().map(own).collect::<Result<_, _>>()?;
+    let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| exactly(pattern).ok()).collect();
+    let (chosen, together) = several(&pool, &pending, options.count.max(1), asked);
+    let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
+    let next = NextReport::new(
+        task,
+        asked,
+        compared,
+        chosen.iter().map(|judged| report(judged)).collect(),
+        (together, pool.iter().map(report).collect(), own.iter().map(report).collect()),
+        options.pending.len(),
+    );
+    Ok((next, chosen.iter().map(|judged| judged.design.pattern).collect()))
+}
+
+/// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target, with
+/// the chance that one of them is on it.
+fn several<'a>(pool: &'a [Judged], pending: &[Judged], count: usize, asked: &Asked) -> (Vec<&'a Judged>, f64) {
+    let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
+    let on = |judged: &Judged| scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted);
+    let hits: Vec<Vec<bool>> = pool.par_iter().map(on).collect();
+    let mut hit = vec![false; SCENARIOS];
+    let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
+    pending.iter().for_each(|judged| mark(&mut hit, &on(judged)));
+    let mut chosen: Vec<usize> = Vec::new();
+    for _ in 0..count.min(pool.len()) {
+        let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
+        let open = (0..pool.len()).filter(|place| !chosen.contains(place));
+        // The first of nothing before it is the best by its score; of equal gains the better by that.
+        let best = if chosen.is_empty() && pending.is_empty() {
+            Some(0)
+        } else {
+            open.max_by(|a, b| gain(a).cmp(&gain(b)).then(b.cmp(a)))
+        };
+        let Some(best) = best else { break };
+        mark(&mut hit, &hits[best]);
+        chosen.push(best);
+    }
+    let together = hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
+    (chosen.into_iter().map(|place| &pool[place]).collect(), together)
+}
+
+/// What a trial of `judged` would teach of the form, in bits.
+fn information_bits(judged: &Judged) -> f64 {
+    information(&judged.prediction, MEASURED_STD) / std::f64::consts::LN_2
+}
+
+/// Seconds under the laser, where its speed is known.
+fn laser_s(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
+    Effort::LaserTime.of(task, pattern).ok()
+}

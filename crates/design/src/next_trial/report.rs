@@ -1,0 +1,201 @@
+//! The samples to cut next, as JSON and in words.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_results::{PatternReport, SCHEMA, Table, VERSION, fixed};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use super::{Asked, Judged, information_bits, laser_s};
+use crate::chance_report::percent;
+use crate::task::DesignTask;
+
+/// Designs of the table.
+const LISTED: usize = 10;
+/// Advice: a chance above this is worth a series.
+const SERIES: f64 = 0.5;
+
+/// The samples to cut next.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NextReport {
+    /// The program.
+    pub program: String,
+    /// Its version.
+    pub version: String,
+    /// Version of the record's fields.
+    pub schema: u32,
+    /// Name of the design.
+    pub name: String,
+    /// Trials that were measured, and that are pending.
+    pub trials: usize,
+    /// Samples that were cut and are not measured yet.
+    pub pending: usize,
+    /// Designs that were compared.
+    pub designs: usize,
+    /// "series" where the best is on target more likely than not, "trial" otherwise.
+    pub advice: String,
+    /// The samples to cut.
+    pub next: Vec<TrialCandidateReport>,
+    /// Chance that one of them, or of the pending ones, is on target.
+    pub one_on_target: f64,
+    /// The best designs, by what there is for cutting them.
+    pub best: Vec<TrialCandidateReport>,
+    /// Those that were asked for.
+    pub own: Vec<TrialCandidateReport>,
+}
+
+/// A sample that could be cut.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TrialCandidateReport {
+    /// Its design.
+    pub design: PatternReport,
+    /// Chance that it is on target at all pressures and conditions at once.
+    pub chance: f64,
+    /// Expected exp(-m^2 / 4), m its largest distance from the target in tolerances.
+    pub closeness: f64,
+    /// What measuring it would say of the form of the discrepancy, in bits.
+    pub information_bits: f64,
+    /// Time under the laser; null where the laser's speed is not given.
+    pub laser_s: Option<f64>,
+    /// What is predicted of it.
+    pub predicted: Vec<PredictedRatio>,
+}
+
+/// What is predicted of a sample at one load.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictedRatio {
+    /// Nominal pressure.
+    pub pressure_mpa: f64,
+    /// Speed.
+    pub speed_mm_s: f64,
+    /// Relative humidity.
+    pub humidity_pct: f64,
+    /// By the model alone.
+    pub modelled: f64,
+    /// Median, with what trials say.
+    pub ratio: f64,
+    /// Ends of the interval of 95 % of samples.
+    pub interval_95: [f64; 2],
+    /// Lowest ratio that is accepted; null where there is none.
+    pub lowest: Option<f64>,
+    /// Highest.
+    pub highest: Option<f64>,
+}
+
+impl TrialCandidateReport {
+    pub(super) fn new(task: &DesignTask, asked: &Asked, judged: &Judged) -> Self {
+        let predicted = asked.loads.iter().enumerate().map(|(load, at)| {
+            let modelled = judged.design.ratio[load];
+            let quantile = |p: f64| tidy(modelled * judged.prediction.quantile(load, p).exp());
+            PredictedRatio {
+                pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),
+                speed_mm_s: tidy(SPEED_MM_S.from_si(at.speed_m_s)),
+                humidity_pct: tidy(HUMIDITY_PCT.from_si(at.humidity)),
+                modelled: tidy(modelled),
+                ratio: quantile(0.5),
+                interval_95: [quantile(0.025), quantile(0.975)],
+                lowest: Some(asked.wanted.lower[load]).filter(|end| *end > 0.0).map(tidy),
+                highest: Some(asked.wanted.upper[load]).filter(|end| end.is_finite()).map(tidy),
+            }
+        });
+        Self {
+            design: PatternReport::from(&judged.design.pattern),
+            chance: tidy(judged.score.chance),
+            closeness: tidy(judged.score.closeness),
+            information_bits: tidy(information_bits(judged)),
+            laser_s: laser_s(task, &judged.design.pattern).map(tidy),
+            predicted: predicted.collect(),
+        }
+    }
+
+    fn row(&self, name: &str) -> [String; 8] {
+        let design = &self.design;
+        let at = |place: usize| self.predicted.get(place);
+        let ratio = |at: Option<&PredictedRatio>| {
+            at.map_or_else(String::new, |at| {
+                format!("{:.3} ({:.3} to {:.3})", at.ratio, at.interval_95[0], at.interval_95[1])
+            })
+        };
+        [
+            name.to_owned(),
+            format!("{} / {} / {}", design.width_um, design.spacing_um, design.depth_um),
+            design.planform.clone(),
+            percent(self.chance),
+            fixed(Some(self.information_bits), 2),
+            fixed(self.laser_s.map(|seconds| seconds / 60.0), 1),
+            ratio(at(0)),
+            ratio(at(self.predicted.len().saturating_sub(1))),
+        ]
+    }
+}
+
+impl NextReport {
+    pub(super) fn new(
+        task: &DesignTask,
+        asked: &Asked,
+        designs: usize,
+        next: Vec<TrialCandidateReport>,
+        (one_on_target, mut best, own): (f64, Vec<TrialCandidateReport>, Vec<TrialCandidateReport>),
+        pending: usize,
+    ) -> Self {
+        best.truncate(LISTED);
+        let greatest = best.iter().map(|of| of.chance).fold(0.0, f64::max);
+        Self {
+            program: "slipgrid".to_owned(),
+            version: VERSION.to_owned(),
+            schema: SCHEMA,
+            name: task.name.clone(),
+            trials: asked.learned.trials().len(),
+            pending,
+            designs,
+            advice: if greatest > SERIES { "series" } else { "trial" }.to_owned(),
+            next,
+            one_on_target: tidy(one_on_target),
+            best,
+            own,
+        }
+    }
+
+    /// The samples in words.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+        let chance = percent;
+        let greatest = self.next.first().map_or(0.0, |next| next.chance);
+        let mut text = format!(
+            "{}: {} measured, {} pending; {} compared\n",
+            self.name,
+            plural(self.trials, "trial"),
+            self.pending,
+            plural(self.designs, "design"),
+        );
+        text += &if self.advice == "series" {
+            format!("cut it as a series: {} chance that a cut sample is on target\n", chance(greatest))
+        } else {
+            format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
+        };
+        if self.next.len() > 1 || self.pending > 0 {
+            text += &format!("{} chance that one of those cut is on target\n", chance(self.one_on_target));
+        }
+        let mut table = Table::new([
+            "",
+            "width / spacing / depth um",
+            "planform",
+            "chance",
+            "form, bits",
+            "laser min",
+            "ratio at the first load (95 %)",
+            "at the last",
+        ]);
+        let numbered =
+            |place: usize| if self.next.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
+        for (place, of) in self.next.iter().enumerate() {
+            table.row(of.row(&numbered(place)));
+        }
+        for of in &self.own {
+            table.row(of.row("yours"));
+        }
+        for of in self.best.iter().filter(|of| !self.next.contains(of)) {
+            table.row(of.row("also"));
+        }
+        text + &table.to_string()
+    }
+}
