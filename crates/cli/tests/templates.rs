@@ -11,10 +11,12 @@ use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::Design;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 15] = [
     "simulate",
     "optimize",
     "calibrate",
+    "next",
+    "trials",
     "area-law",
     "surface",
     "traces",

@@ -11,6 +11,7 @@ use crate::chance::Chances;
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::evaluation_cache::EvaluationCache;
 use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
+use crate::next_trial::advice;
 use crate::outcome::{DesignReport, MisfitReport, patterns};
 use crate::target_report::{GoalReport, TargetReport};
 use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
@@ -160,6 +161,15 @@ fn every_step(
         Some(chances) => found.chance(design, uncertainty, chances, &errors.report)?,
         None => None,
     };
+    let of_trials = advice::Found {
+        scene: &found.scene,
+        further: &found.further,
+        model: &found.model,
+        pattern: &pattern,
+        confirmed,
+    };
+    let known = KnownMaterial { material: material.clone(), uncertainty: uncertainty.clone() };
+    let advice = advice::of_design(design, &known, &of_trials)?;
     let conditions = found.conditions_report(design, uncertainty, &errors.report, &outside)?;
     let reachable = reachable_range::of_search(design, uncertainty, &found, &probing)?;
     let mut cut_short = found.cut_short.clone();
@@ -194,6 +204,7 @@ fn every_step(
         status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() }.into(),
         flat,
         chance,
+        advice,
         selection: found.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
         specimen_areal_density: tidy(laid.areal_density()),

@@ -81,7 +81,9 @@ pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
 pub use job::{Compared, DesignOutcome, Lattice, run};
-pub use next_trial::{NextOptions, NextReport, NextTrials, TrialCandidateReport, next_trials};
+pub use next_trial::{
+    AdviceReport, NextOptions, NextReport, NextTrials, PredictedRatio, TrialCandidateReport, next_trials,
+};
 pub use outcome::{DesignReport, MisfitReport, StoredDesign};
 pub use scene_errors::{Solved, of_scene};
 pub use specimen::{SpecimenError, simulate_on, solved_as};

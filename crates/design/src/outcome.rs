@@ -14,6 +14,7 @@ use crate::discrepancy_correction::DiscrepancyReport;
 use crate::flat_is_best::FlatReport;
 use crate::infeasibility::ExplanationReport;
 use crate::lattice_table::TableReport;
+use crate::next_trial::AdviceReport;
 use crate::reachable_range::ReachableReport;
 use crate::robustness_report::{MEANING, RobustnessReport};
 use crate::selection::SelectionReport;
@@ -43,6 +44,8 @@ pub struct DesignReport {
     pub status: Cow<'static, str>,
     /// The chance that a cut sample is on target; null where nothing is demanded.
     pub chance: Option<ChanceReport>,
+    /// Whether to cut it as a series or as a trial, by what trials say that the model lacks; null where nothing is demanded.
+    pub advice: Option<AdviceReport>,
     /// Why the flat surface is better than any pattern; null where one is.
     pub flat: Option<FlatReport>,
     /// How the design was chosen among those on target; null where none meets the target, and with a goal.
@@ -208,6 +211,9 @@ impl DesignReport {
         }
         for line in self.chance.iter().flat_map(ChanceReport::lines) {
             text.insert_str(text.len() - 1, &format!("  {line}\n"));
+        }
+        if let Some(advice) = &self.advice {
+            text.insert_str(text.len() - 1, &format!("  {}\n", advice.words));
         }
         let mut table = Table::new([
             "P MPa",

@@ -1,5 +1,6 @@
 //! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
 
+pub mod advice;
 mod interpolation;
 mod report;
 
@@ -22,7 +23,8 @@ use crate::task::DesignTask;
 use crate::{DesignError, KnownMaterial, TaskPart};
 use interpolation::{Interpolation, Modelled, Models};
 
-pub use report::{NextReport, TrialCandidateReport};
+pub use advice::AdviceReport;
+pub use report::{NextReport, PredictedRatio, TrialCandidateReport};
 
 /// Designs that are compared by the interpolated model.
 const DESIGNS: usize = 20_000;
@@ -34,6 +36,8 @@ const SCENARIOS: usize = 2000;
 const MEASURED_STD: f64 = 0.01;
 /// Relative humidity where neither design nor trials name one.
 const USUAL_HUMIDITY: f64 = 0.4;
+/// Advice: a chance above this is worth a series.
+const SERIES: f64 = 0.5;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 

@@ -4,14 +4,12 @@ use serde::{Deserialize, Serialize};
 use slipgrid_results::{PatternReport, SCHEMA, Table, VERSION, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use super::{Asked, Judged, information_bits, laser_s};
+use super::{Asked, Judged, SERIES, information_bits, laser_s};
 use crate::chance_report::percent;
 use crate::task::DesignTask;
 
 /// Designs of the table.
 const LISTED: usize = 10;
-/// Advice: a chance above this is worth a series.
-const SERIES: f64 = 0.5;
 
 /// The samples to cut next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,12 +78,13 @@ pub struct PredictedRatio {
     pub highest: Option<f64>,
 }
 
-impl TrialCandidateReport {
-    pub(super) fn new(task: &DesignTask, asked: &Asked, judged: &Judged) -> Self {
+impl PredictedRatio {
+    /// What is predicted of `judged` at every load.
+    pub(super) fn of(asked: &Asked, judged: &Judged) -> Vec<Self> {
         let predicted = asked.loads.iter().enumerate().map(|(load, at)| {
             let modelled = judged.design.ratio[load];
             let quantile = |p: f64| tidy(modelled * judged.prediction.quantile(load, p).exp());
-            PredictedRatio {
+            Self {
                 pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),
                 speed_mm_s: tidy(SPEED_MM_S.from_si(at.speed_m_s)),
                 humidity_pct: tidy(HUMIDITY_PCT.from_si(at.humidity)),
@@ -96,13 +95,19 @@ impl TrialCandidateReport {
                 highest: Some(asked.wanted.upper[load]).filter(|end| end.is_finite()).map(tidy),
             }
         });
+        predicted.collect()
+    }
+}
+
+impl TrialCandidateReport {
+    pub(super) fn new(task: &DesignTask, asked: &Asked, judged: &Judged) -> Self {
         Self {
             design: PatternReport::from(&judged.design.pattern),
             chance: tidy(judged.score.chance),
             closeness: tidy(judged.score.closeness),
             information_bits: tidy(information_bits(judged)),
             laser_s: laser_s(task, &judged.design.pattern).map(tidy),
-            predicted: predicted.collect(),
+            predicted: PredictedRatio::of(asked, judged),
         }
     }
 

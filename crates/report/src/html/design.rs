@@ -1,7 +1,7 @@
 //! What `optimize` found.
 
-use slipgrid_design::DesignReport;
 use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
+use slipgrid_design::{AdviceReport, DesignReport};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
 use slipgrid_results::PatternReport;
@@ -60,6 +60,9 @@ fn verdict(page: &mut Page, report: &DesignReport) {
     if let Some(found) = &report.chance {
         chance(page, found);
     }
+    if let Some(advice) = &report.advice {
+        advised(page, advice);
+    }
     if let Some(flat) = &report.flat {
         let words = &flat.words;
         page.marked(MISSED, &format!("No pattern: {words}. What follows is the pattern that lowers it least."));
@@ -88,12 +91,22 @@ fn verdict(page: &mut Page, report: &DesignReport) {
 
 /// The chance that a cut sample is on target, first of all.
 fn chance(page: &mut Page, chance: &ChanceReport) {
-    let mut letters = chance.words.chars();
-    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-    page.marked("chance", &format!("{first}{}.", letters.as_str()));
+    page.marked("chance", &sentence(&chance.words));
     if let Some(share) = known(chance.value) {
         page.bar(share);
     }
+}
+
+/// Whether to cut it as a series or as a trial.
+fn advised(page: &mut Page, advice: &AdviceReport) {
+    page.paragraph(&sentence(&advice.words));
+}
+
+/// Words as a sentence.
+fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
+    format!("{first}{}.", letters.as_str())
 }
 
 /// What the chance rests on.

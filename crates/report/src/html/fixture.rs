@@ -37,6 +37,7 @@ pub fn report() -> DesignReport {
         name: "a <b> & \"c\"".into(),
         status: "met".into(),
         chance: Some(chance()),
+        advice: None,
         selection: Some(SelectionReport {
             words: "chosen of 3".into(),
             designs: 9,

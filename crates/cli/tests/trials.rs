@@ -1,0 +1,155 @@
+//! A laboratory with a rim that nobody measured: it cuts what `next` says, measures, and is on target within three cuts.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod common;
+
+use std::fmt::Write as _;
+use std::fs;
+
+use common::{CALIBRATION, DESIGN, Place, SCENE};
+use serde_json::Value;
+
+/// Forces whose pressures on the disc are 0.64 to 2.55 MPa, with the flat sample's friction.
+const FORCES_N: [f64; 3] = [50.0, 100.0, 200.0];
+const MU_FLAT: [f64; 3] = [0.248, 0.262, 0.270];
+const TOLERANCE: f64 = 0.02;
+
+fn table(ratios: [f64; 3]) -> String {
+    let mut text = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n".to_owned();
+    for place in 0..3 {
+        writeln!(text, "{},2,15,{:.5},0.001", FORCES_N[place], MU_FLAT[place] * ratios[place]).unwrap();
+    }
+    text
+}
+
+fn place() -> Place {
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", CALIBRATION)]);
+    place.succeed(&["calibrate", "calibration.toml", "-o", "m.toml", "-q"]);
+    place
+}
+
+/// Ratios of grooves of these lengths that have the rim.
+fn truth(place: &Place, [width_um, spacing_um, depth_um]: [f64; 3]) -> [f64; 3] {
+    let area_m2 = std::f64::consts::PI * 25e-6;
+    let pressures: Vec<String> = FORCES_N.iter().map(|force_n| (force_n / area_m2 / 1e6).to_string()).collect();
+    let material = "material = \"m.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n";
+    let rest = &SCENE[SCENE.find("[sample]").unwrap()..];
+    let rest = rest.replace("pressure_mpa = [0.65, 2.6]", &format!("pressure_mpa = [{}]", pressures.join(", ")));
+    let rest = rest.replace("speed_mm_s = 2.0\n", "");
+    let scene = format!(
+        "{material}[pattern]\nplanform = \"groove\"\nwidth_um = {width_um}\nspacing_um = {spacing_um}\ndepth_um = {depth_um}\n\
+         rim_height_um = 0.2\nrim_width_um = 20.0\n{rest}"
+    );
+    fs::write(place.path("truth.toml"), scene).unwrap();
+    let found: Value = serde_json::from_str(&place.succeed(&["simulate", "truth.toml", "--json"])).unwrap();
+    let ratio = |row: usize| found["results"][row]["ratio"].as_f64().unwrap();
+    [ratio(0), ratio(1), ratio(2)]
+}
+
+fn design(target: [f64; 3]) -> String {
+    let from = DESIGN.find("[target]").unwrap();
+    let rest = DESIGN[from..]
+        .replace("pressure_mpa = [0.65, 2.6]", "pressure_mpa = [0.63662, 1.27324, 2.54648]")
+        .replace("value = 0.9\n", &format!("value = [{:.4}, {:.4}, {:.4}]\n", target[0], target[1], target[2]))
+        .replace("tolerance = 0.01", &format!("tolerance = {TOLERANCE}"))
+        .replace("depth_um = [2.0, 50.0]", "depth_um = [10.4, 10.4]");
+    format!(
+        "name = \"three cuts\"\nmaterial = \"calibration.toml\"\ncondition = {{ speed_mm_s = 2.0, humidity_pct = 15.0 }}\n{rest}"
+    )
+}
+
+fn next(place: &Place, more: &[&str]) -> Value {
+    let args = [&["next", "design.toml", "--json", "-q"], more].concat();
+    serde_json::from_str(&place.succeed(&args)).unwrap()
+}
+
+fn lengths(of: &Value) -> [f64; 3] {
+    ["width_um", "spacing_um", "depth_um"].map(|key| of["design"][key].as_f64().unwrap())
+}
+
+fn trial(name: &str, [width_um, spacing_um, depth_um]: [f64; 3], measurements: &str) -> String {
+    format!(
+        "[[trial]]\nname = \"{name}\"\ndate = \"2026-11-22\"\n{measurements}width_std_um = 2.0\n[trial.pattern]\n\
+         planform = \"groove\"\nwidth_um = {width_um}\nspacing_um = {spacing_um}\ndepth_um = {depth_um}\n"
+    )
+}
+
+#[test]
+fn a_hidden_rim_is_on_target_within_three_cuts() {
+    let place = place();
+    let target = truth(&place, [120.0, 330.0, 10.4]);
+    fs::write(place.path("design.toml"), design(target)).unwrap();
+    let mut calibration = CALIBRATION.to_owned();
+    let mut cuts = Vec::new();
+    loop {
+        fs::write(place.path("calibration.toml"), &calibration).unwrap();
+        let found = next(&place, &[]);
+        assert_eq!(found["trials"], cuts.len());
+        assert!(found["designs"].as_u64().unwrap() > 1000);
+        let lengths = lengths(&found["next"][0]);
+        assert!(!cuts.contains(&lengths), "never a texture that was cut: {cuts:?}");
+        cuts.push(lengths);
+        let made = truth(&place, lengths);
+        if made.iter().zip(target).all(|(made, target)| (made - target).abs() <= TOLERANCE) {
+            break;
+        }
+        assert!(cuts.len() < 3, "{cuts:?}");
+        let name = format!("cut-{}", cuts.len());
+        fs::write(place.path(&format!("{name}.csv")), table(made)).unwrap();
+        calibration += &trial(&name, lengths, &format!("measurements = \"{name}.csv\"\n"));
+    }
+    assert!(cuts.len() > 1, "what nobody measured was guessed at once: the truth is too easy");
+    // The ledger: what was believed before the first cut, and how that changed.
+    let ledger = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
+    assert!(ledger.contains("cut-1") && ledger.contains("predicted by the trials before it"), "{ledger}");
+    let names = common::names(&place.path("ledger"));
+    assert_eq!(names, ["result.json", "timings.json", "trials.csv", "trials.svg"]);
+    let read: Value = serde_json::from_str(&fs::read_to_string(place.path("ledger/result.json")).unwrap()).unwrap();
+    let before = &read["trials"][0]["measured"][0]["before"];
+    let [low, high] = [0, 1].map(|end| before["interval_95"][end].as_f64().unwrap());
+    assert!(high / low > 1.5, "before the first trial nothing is known: {low} {high}");
+}
+
+#[test]
+fn several_samples_complement_each_other_and_those_that_are_pending() {
+    let place = place();
+    fs::write(place.path("design.toml"), design([0.85, 0.83, 0.8])).unwrap();
+    let alone = next(&place, &["--count", "3", "--candidate", "100,300,10.4", "-o", "out"]);
+    let chances = |found: &Value| -> Vec<f64> {
+        found["next"].as_array().unwrap().iter().map(|next| next["chance"].as_f64().unwrap()).collect()
+    };
+    let together = alone["one_on_target"].as_f64().unwrap();
+    assert!(alone["next"].as_array().unwrap().len() == 3 && together > chances(&alone)[0] - 0.02, "{alone}");
+    assert_eq!(lengths(&alone["own"][0]), [100.0, 300.0, 10.4]);
+    for n in 1..=3 {
+        assert!(common::names(&place.path(&format!("out/next-{n}"))).contains(&"pattern.dxf".to_owned()));
+    }
+    // The first of them pending, another comes next, and together they are as good as two at once.
+    let pending = format!("{CALIBRATION}{}", trial("first", lengths(&alone["next"][0]), ""));
+    fs::write(place.path("calibration.toml"), pending).unwrap();
+    let after = next(&place, &[]);
+    assert_eq!((after["pending"].as_u64(), after["trials"].as_u64()), (Some(1), Some(0)));
+    assert_ne!(lengths(&after["next"][0]), lengths(&alone["next"][0]));
+    assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
+}
+
+#[test]
+fn what_means_nothing_is_refused_where_it_stands() {
+    let place = place();
+    let lengths = [100.0, 300.0, 10.4];
+    let twice = format!("{CALIBRATION}{}{}", trial("a", lengths, ""), trial("a", lengths, ""));
+    let prior = format!("{CALIBRATION}[trial_prior]\namplitude_std = -1.0\n");
+    let missing = format!("{CALIBRATION}{}", trial("a", lengths, "measurements = \"none.csv\"\n"));
+    for (text, says) in
+        [(twice, "names two trials"), (prior, "amplitude_std is -1, and must be from 0 to 10"), (missing, "none.csv")]
+    {
+        fs::write(place.path("c.toml"), text).unwrap();
+        let said = place.refuse(&["trials", "c.toml"]);
+        assert!(said.contains("c.toml:") && said.contains(says), "{said}");
+    }
+    fs::write(place.path("design.toml"), design([0.85, 0.83, 0.8])).unwrap();
+    let said = place.refuse(&["next", "design.toml", "--candidate", "100,300"]);
+    assert!(said.contains("--candidate") && said.contains("100,300,10"), "{said}");
+    assert!(place.succeed(&["trials", "calibration.toml"]).contains("no trial was measured"));
+}
