@@ -102,10 +102,10 @@ fn compare(command: &str, shown: &[String], printed: &str, differ: &mut Vec<Stri
     now
 }
 
-#[test]
-fn the_guide_is_true() {
+/// Goes through the guide `name` of the synthetic polymer in an empty folder, which it returns with the number of commands.
+fn walk(name: &str) -> (Place, usize) {
     let root: PathBuf = [env!("CARGO_MANIFEST_DIR"), "..", ".."].iter().collect();
-    let guide = root.join("calibration/synthetic-polymer/guide.md");
+    let guide = root.join("calibration/synthetic-polymer").join(name);
     let text = fs::read_to_string(&guide).unwrap();
     let lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let place = Place::with(&[]);
@@ -114,7 +114,12 @@ fn the_guide_is_true() {
     let mut updated: Vec<(usize, usize, Vec<String>)> = Vec::new();
     for block in blocks(&lines) {
         match block.info.split_whitespace().collect::<Vec<_>>()[..] {
-            ["toml", name] => fs::write(place.path(name), block.lines.join("\n") + "\n").unwrap(),
+            ["toml" | "csv", name] => fs::write(place.path(name), block.lines.join("\n") + "\n").unwrap(),
+            // At the end of a file.
+            ["toml", name, "+"] => {
+                let old = fs::read_to_string(place.path(name)).unwrap();
+                fs::write(place.path(name), format!("{old}\n{}\n", block.lines.join("\n"))).unwrap();
+            }
             // In place of the last lines of a file.
             ["toml", name, last] => {
                 let last: usize = last.trim_start_matches('-').parse().unwrap();
@@ -151,9 +156,15 @@ fn the_guide_is_true() {
             lines.splice(start..start + count, now);
         }
         fs::write(&guide, lines.join("\n") + "\n").unwrap();
-        return;
+        return (place, commands);
     }
     assert!(differ.is_empty(), "{}", differ.join("\n"));
+    (place, commands)
+}
+
+#[test]
+fn the_guide_is_true() {
+    let (place, commands) = walk("guide.md");
     // What the last section speaks of is there.
     for name in [
         "out/design/report.html",
@@ -162,6 +173,15 @@ fn the_guide_is_true() {
         "out/laser/height-map.png",
         "out/fit/fit.json",
     ] {
+        assert!(place.path(name).is_file(), "{name}");
+    }
+    assert_eq!(commands, 8);
+}
+
+#[test]
+fn three_cuts_are_as_the_walk_says() {
+    let (place, commands) = walk("trials.md");
+    for name in ["out/trials/trials.svg", "out/trials/trials.csv"] {
         assert!(place.path(name).is_file(), "{name}");
     }
     assert_eq!(commands, 8);

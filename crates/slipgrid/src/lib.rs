@@ -63,6 +63,7 @@
 pub use slipgrid_calibrate as calibrate;
 pub use slipgrid_contact as contact;
 pub use slipgrid_design as design;
+pub use slipgrid_discrepancy as discrepancy;
 pub use slipgrid_export as export;
 pub use slipgrid_formats as formats;
 pub use slipgrid_material as material;

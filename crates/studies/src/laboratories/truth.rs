@@ -75,14 +75,13 @@ impl Mechanism {
         matches!(self, Self::Density | Self::Edge | Self::Saturating | Self::Depth)
     }
 
-    /// How it grows with the texture, 1 at the reference; of rims nothing.
-    fn value(self, of: &Features) -> f64 {
+    /// How it grows with the texture, 1 at the reference; of rims nothing. `scale` is the form where it has a scale.
+    fn value(self, of: &Features, scale: Form) -> f64 {
         let of_form = |form: Form| form.value(of) / form.value(&Hyperparameters::default().reference);
         match self {
             Self::Density | Self::Opposite => of_form(Form::Density),
             Self::Edge => of_form(Form::Edge),
-            Self::Saturating => of_form(Form::Saturating { scale: 0.08 }),
-            Self::Depth => of_form(Form::DepthDensity { scale_m: 10e-6 }),
+            Self::Saturating | Self::Depth => of_form(scale),
             Self::Root => (of_form(Form::Density) * of_form(Form::Edge)).sqrt(),
             Self::Bump => {
                 let away = (of.pitch_m / 300e-6).ln() / 0.3;
@@ -97,6 +96,8 @@ impl Mechanism {
 #[derive(Clone, Debug)]
 pub struct Laboratory {
     mechanism: Mechanism,
+    /// The form of a mechanism that has a scale.
+    scale: Form,
     log_modulus: f64,
     amplitude: [f64; LOADS],
     /// Standard error of one measurement over itself.
@@ -133,13 +134,19 @@ impl Laboratory {
         let noise = 0.005 * 4_f64.powf(uniform(&mut normals));
         let log_modulus = (MODULUS_STD * normals.draw()).clamp(-0.5, 0.5);
         let flat = [0; LOADS].map(|_| FLAT_SHARE * noise * normals.draw());
-        Self { mechanism, log_modulus, amplitude, noise, flat, normals }
+        // One of the family's four scales.
+        let place = ((4.0 * uniform(&mut normals)) as usize).min(3);
+        let scale = match mechanism {
+            Mechanism::Depth => Form::DepthDensity { scale_m: [2e-6, 5e-6, 10e-6, 20e-6][place] },
+            _ => Form::Saturating { scale: [0.02, 0.04, 0.08, 0.16][place] },
+        };
+        Self { mechanism, scale, log_modulus, amplitude, noise, flat, normals }
     }
 
     /// Logarithm of the true ratio of a texture, as it was designed.
     fn log_truth(&self, of: &Solved) -> [f64; LOADS] {
         let physics = of.log_ratio(self.log_modulus);
-        let value = self.mechanism.value(&of.features);
+        let value = self.mechanism.value(&of.features, self.scale);
         let is_rims = self.mechanism == Mechanism::Rims;
         std::array::from_fn(|load| {
             physics[load] + value * self.amplitude[load] + if is_rims { of.of_rims[load] } else { 0.0 }
