@@ -134,6 +134,21 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
 }
 
+/// The verdict is the model's; beside it stands what the model may lack.
+#[test]
+fn a_design_is_cut_as_a_trial_where_little_is_known() {
+    let place = Place::with(&[("design.toml", &common::small().replace("tolerance = 0.2", "tolerance = 0.05"))]);
+    let output = place.run(&["optimize", "design.toml", "-o", "out", "--json"]);
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let advice = &report["advice"];
+    assert_eq!((advice["advice"].as_str(), advice["trials"].as_u64()), (Some("trial"), Some(0)), "{advice}");
+    let words = advice["words"].as_str().unwrap();
+    assert!(words.starts_with("cut it as a trial: chance ") && words.contains("before any trial"), "{words}");
+    assert_eq!(advice["predicted"].as_array().unwrap().len(), 2);
+    let page = fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("Cut it as a trial: chance "));
+}
+
 #[test]
 fn what_means_nothing_is_refused_where_it_stands() {
     let place = place();

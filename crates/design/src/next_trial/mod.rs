@@ -331,3 +331,6 @@ fn information_bits(judged: &Judged) -> f64 {
 fn laser_s(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
     Effort::LaserTime.of(task, pattern).ok()
 }
+
+#[cfg(test)]
+mod tests;

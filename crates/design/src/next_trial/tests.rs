@@ -1,0 +1,101 @@
+use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
+use slipgrid_monitor::{Stage, Unwatched};
+use slipgrid_optimize::{DesignSpace, Target, TargetPoint};
+use slipgrid_pattern::Planform;
+use slipgrid_springblock::Layer;
+
+use super::*;
+
+fn task(planform: Planform) -> DesignTask {
+    let material = Material {
+        elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+        friction: Friction::Single(LocalFriction::new(0.30, 0.27, 0.05).unwrap()),
+        area_law: Some(AreaLaw::new(vec![0.7e6, 10e6], vec![1.0, 0.6]).unwrap()),
+        provenance: Provenance::default(),
+    };
+    let points = [0.65e6, 2.6e6].map(|pressure_pa| TargetPoint { pressure_pa, value: 0.9 });
+    let target = Target::new(Quantity::Ratio, points.to_vec(), 0.02).unwrap();
+    let space = DesignSpace::new(planform, [60e-6, 300e-6], [100e-6, 700e-6], [5e-6, 30e-6]).unwrap();
+    let specimen =
+        slipgrid_export::Specimen { outline: slipgrid_export::Outline::Disc { diameter_m: 10e-3 }, is_clipped: false };
+    let layer = Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None };
+    DesignTask::new(material, target, space, specimen, layer)
+}
+
+fn model(task: &DesignTask) -> SteadyModel<'static> {
+    let known = task.material.clone().unwrap();
+    let scene = Scene {
+        elastic: known.material.elastic,
+        area_law: known.material.area_law.clone(),
+        pattern: None,
+        relief: None,
+        layer: task.layer,
+        loads: task.loads(&known.material).unwrap().0,
+        speed_m_s: task.speed_m_s,
+        run: RunOptions::default(),
+    };
+    SteadyModel::new(&scene, &[], &[], &task.space, None)
+}
+
+/// What the interpolated model is off by: the finalists are solved exactly, so it need only rank.
+#[test]
+fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
+    let task = task(Planform::Groove);
+    let model = model(&task);
+    let models = Models::new(&model).unwrap();
+    let stage = Stage::new(&Unwatched, "model", None);
+    let found = Interpolation::new(&task, &models, &stage).unwrap();
+    let mut worst = [0.0_f64; 2];
+    for width in [60.0, 85.0, 140.0, 222.0, 300.0] {
+        for spacing in [100.0, 133.0, 270.0, 510.0, 700.0] {
+            for depth in [5.0, 9.0, 17.0, 30.0] {
+                let lengths_m = [width, spacing, depth].map(|length: f64| length * 1e-6);
+                let design = Pattern::new(Planform::Groove, lengths_m[0], lengths_m[1], lengths_m[2]).unwrap();
+                let Ok(exact) = models.at(&design) else { continue };
+                let near = found.at(lengths_m).unwrap();
+                for load in 0..2 {
+                    worst[0] = worst[0].max((near.log_ratio[load] - exact.log_ratio[load]).abs());
+                    worst[1] = worst[1].max((near.sensitivity[load] - exact.sensitivity[load]).abs());
+                }
+            }
+        }
+    }
+    assert!(worst[0] < 0.01 && worst[1] < 0.02, "{worst:?}");
+    // Corners are nodes.
+    let corner = [60e-6, 700e-6, 5e-6];
+    let exact = models.at(&Pattern::new(Planform::Groove, corner[0], corner[1], corner[2]).unwrap()).unwrap();
+    let near = found.at(corner).unwrap();
+    assert!((near.log_ratio[1] - exact.log_ratio[1]).abs() < 1e-6);
+    // Samples whose widths scatter: the variance is the slope's square, and loads move together.
+    let covariance = found.covariance([120e-6, 300e-6, 15e-6], [5e-6, 0.0, 0.0]).unwrap();
+    assert!(covariance[3] > 0.0 && (covariance[1].powi(2) / (covariance[0] * covariance[3]) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
+    let task = task(Planform::Groove);
+    let options = NextOptions { count: 4, ..NextOptions::default() };
+    let found = next_trials(&task, &options, &Unwatched).unwrap();
+    assert_eq!((found.report.trials, found.report.advice.as_str()), (0, "trial"));
+    assert_eq!(found.patterns.len(), 4);
+    for (place, pattern) in found.patterns.iter().enumerate() {
+        assert!(!found.patterns[..place].iter().any(|other| is_like(other, pattern)));
+    }
+    let first = &found.report.next[0];
+    assert!(first.chance > 0.0 && first.chance < 0.3, "{}", first.chance);
+    assert!(found.report.one_on_target >= first.chance - 0.03, "{}", found.report.one_on_target);
+    assert!(first.predicted.iter().all(|at| at.interval_95[0] < at.modelled && at.modelled < at.interval_95[1]));
+    let again = next_trials(&task, &options, &Unwatched).unwrap();
+    assert_eq!(again.report, found.report);
+    assert!(found.report.text().contains("next 4"));
+}
+
+#[test]
+fn squares_are_chosen_in_space() {
+    let mut task = task(Planform::Square);
+    // A thin layer: cells in space take milliseconds.
+    task.layer = Layer { height_m: 40e-6, block_m: 20e-6, ..task.layer };
+    let found = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
+    assert_eq!(found.patterns.len(), 1);
+    assert_eq!(found.report.next[0].design.planform, "square");
+}
