@@ -68,7 +68,7 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         let width = (WIDTH - LEFT - RIGHT - GAP * (chart.panels.len() as f64 - 1.0)) / chart.panels.len().max(1) as f64;
         for (number, (name, points)) in chart.panels.iter().enumerate() {
             let left = LEFT + number as f64 * (width + GAP);
-            let x_axis = Axis::around(name, points.iter().map(|point| point[0]));
+            let x_axis = Axis::from_zero(name, points.iter().map(|point| point[0]));
             let y_axis =
                 Axis::around(if number == 0 { "measured ratio" } else { "" }, points.iter().map(|point| point[1]));
             let plot = Plot::new(canvas, [left, FIRST + GAP + 20.0, left + width, HEIGHT - 60.0], x_axis, y_axis)?;
