@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
@@ -73,9 +74,8 @@ pub fn compare(
     monitor: &dyn Monitor,
 ) -> Result<Option<PatternedSamples>, CalibrationError> {
     let (Some(form), Some(pattern)) = (task.discrepancy, task.pattern) else { return Ok(None) };
-    let sample = Sample { pattern, relief: task.relief.clone() };
-    let (flat, points) = ratio_points(task, patterned, (law, curve), &sample, monitor)?;
-    let (flat, points): (Vec<Measurement>, Vec<RatioPoint>) = (flat.iter().map(|pair| pair[0]).collect(), points);
+    let model = Model { task, law: (law, curve), pattern, relief: task.relief.clone() };
+    let (flat, points) = ratio_points(&model, patterned, monitor)?;
     if points.is_empty() {
         return Ok(None);
     }
@@ -109,62 +109,94 @@ pub fn compare(
     Ok(Some(PatternedSamples { rows, pattern, modulus_relative_std, discrepancies }))
 }
 
-/// What was measured: a pattern, and the relief of its face where that is known.
-#[derive(Clone, Debug)]
-pub(crate) struct Sample {
+/// A measurement on a flat sample and that on a patterned one at the same condition.
+pub(crate) type Pair = [Measurement; 2];
+
+/// Conditions of `patterned` that were measured on a flat sample as well.
+pub(crate) fn pairs(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
+    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+    let pair = |patterned: &Measurement| {
+        let alike = |flat: &&Measurement| {
+            same(flat.force_n, patterned.force_n)
+                && same(flat.speed_m_s, patterned.speed_m_s)
+                && same(flat.humidity, patterned.humidity)
+        };
+        Some([*task.flat.iter().find(alike)?, *patterned])
+    };
+    patterned.iter().filter_map(pair).collect()
+}
+
+/// What the model says of a sample.
+pub(crate) struct Model<'a> {
+    pub task: &'a CalibrationTask,
+    /// The law, and the contact area that it follows from where it moves with the modulus.
+    pub law: (Option<&'a AreaLaw>, &'a [AreaPoint]),
     pub pattern: Pattern,
     pub relief: Option<Arc<ReliefMap>>,
 }
 
-/// Conditions measured on both kinds of sample whose modelled ratio converged: the measurements on the flat and on the patterned
-/// sample, and the ratios.
-pub(crate) fn ratio_points(
-    task: &CalibrationTask,
-    patterned: &[Measurement],
-    (law, curve): (Option<&AreaLaw>, &[AreaPoint]),
-    sample: &Sample,
-    monitor: &dyn Monitor,
-) -> Result<(Vec<[Measurement; 2]>, Vec<RatioPoint>), CalibrationError> {
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-    let pairs: Vec<(Measurement, Measurement)> = patterned
-        .iter()
-        .filter_map(|patterned| {
-            let alike = |flat: &&Measurement| {
-                same(flat.force_n, patterned.force_n)
-                    && same(flat.speed_m_s, patterned.speed_m_s)
-                    && same(flat.humidity, patterned.humidity)
-            };
-            Some((*task.flat.iter().find(alike)?, *patterned))
-        })
-        .collect();
-    let monitor = Portion { whole: monitor, share: 1.0 / 3.0 };
-    let modelled = |log_modulus: f64| -> Result<Vec<Option<f64>>, CalibrationError> {
+impl Model<'_> {
+    /// Modelled ratio of each pair; `None` where a load did not converge.
+    pub fn ratios(&self, pairs: &[Pair], monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, CalibrationError> {
+        self.ratios_at(0.0, pairs, monitor)
+    }
+
+    /// The same with d ln(modelled) / d ln(E).
+    pub fn sensitive_ratios(
+        &self,
+        pairs: &[Pair],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Option<[f64; 2]>>, CalibrationError> {
+        let third = Portion { whole: monitor, share: 1.0 / 3.0 };
+        let steps = [-LOG_MODULUS_STEP, 0.0, LOG_MODULUS_STEP];
+        let all: Vec<Vec<Option<f64>>> =
+            steps.par_iter().map(|&step| self.ratios_at(step, pairs, &third)).collect::<Result<_, _>>()?;
+        let at = |i: usize| {
+            let sensitivity = (all[2][i]?.ln() - all[0][i]?.ln()) / (2.0 * LOG_MODULUS_STEP);
+            Some([all[1][i]?, sensitivity])
+        };
+        Ok((0..pairs.len()).map(at).collect())
+    }
+
+    fn ratios_at(
+        &self,
+        log_modulus: f64,
+        pairs: &[Pair],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Option<f64>>, CalibrationError> {
+        let (law, curve) = self.law;
         let law = match law {
             None => None,
             // A measured law is moved by no modulus.
             Some(law) if curve.is_empty() => Some(law.clone()),
-            Some(_) => Some(stiffer(curve, log_modulus, task.threshold_pa)?),
+            Some(_) => Some(stiffer(curve, log_modulus, self.task.threshold_pa)?),
         };
-        ratios(task, task.elastic.at_modulus(log_modulus.exp())?, law, sample, &pairs, &monitor)
+        let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
+        ratios(self, elastic, law, pairs, monitor)
+    }
+}
+
+/// A measured ratio of a pair with its standard deviation.
+fn measured_ratio([flat, patterned]: &Pair) -> [f64; 2] {
+    let measured = patterned.mu_dynamic / flat.mu_dynamic;
+    let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
+    [measured, measured * relative]
+}
+
+/// Conditions measured on both kinds of sample whose modelled ratio converged: the flat sample's measurement, and the ratios.
+fn ratio_points(
+    model: &Model<'_>,
+    patterned: &[Measurement],
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Measurement>, Vec<RatioPoint>), CalibrationError> {
+    let pairs = pairs(model.task, patterned);
+    let modelled = model.sensitive_ratios(&pairs, monitor)?;
+    let point = |(pair, modelled): (&Pair, Option<[f64; 2]>)| {
+        let ([measured, measured_std], [modelled, modulus_sensitivity]) = (measured_ratio(pair), modelled?);
+        let pressure_pa = model.task.pressure_pa(&pair[0]);
+        Some((pair[0], RatioPoint { pressure_pa, measured, measured_std, modelled, modulus_sensitivity }))
     };
-    let [less, here, more] = [modelled(-LOG_MODULUS_STEP)?, modelled(0.0)?, modelled(LOG_MODULUS_STEP)?];
-    Ok(pairs
-        .iter()
-        .enumerate()
-        .filter_map(|(i, (flat, patterned))| {
-            let measured = patterned.mu_dynamic / flat.mu_dynamic;
-            let relative =
-                (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
-            let point = RatioPoint {
-                pressure_pa: task.pressure_pa(flat),
-                measured,
-                measured_std: measured * relative,
-                modelled: here[i]?,
-                modulus_sensitivity: (more[i]?.ln() - less[i]?.ln()) / (2.0 * LOG_MODULUS_STEP),
-            };
-            Some(([*flat, *patterned], point))
-        })
-        .unzip())
+    Ok(pairs.iter().zip(modelled).filter_map(point).unzip())
 }
 
 /// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E).
@@ -178,23 +210,22 @@ fn stiffer(curve: &[AreaPoint], log_modulus: f64, threshold_pa: f64) -> Result<A
 /// Modelled ratios of the patterned samples: steady cells, the flat surface at its measured friction. `None` where a load did
 /// not converge.
 fn ratios(
-    task: &CalibrationTask,
+    Model { task, pattern, relief, .. }: &Model<'_>,
     elastic: Elastic,
     area_law: Option<AreaLaw>,
-    Sample { pattern, relief }: &Sample,
-    pairs: &[(Measurement, Measurement)],
+    pairs: &[Pair],
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<f64>>, CalibrationError> {
     let loads = pairs
         .iter()
-        .map(|(flat, _)| {
+        .map(|[flat, _]| {
             let pressure_pa = task.pressure_pa(flat);
             // A flat cell slides at mu_flat = mu_d f(P).
             let mean = flat.mu_dynamic / area_law.as_ref().map_or(1.0, |law| law.factor(pressure_pa));
             Ok(Load { pressure_pa, friction: LocalFriction::new(mean, mean, 0.0)? })
         })
         .collect::<Result<Vec<Load>, MaterialError>>()?;
-    let Some(speed_m_s) = pairs.first().map(|(flat, _)| flat.speed_m_s) else { return Ok(Vec::new()) };
+    let Some(speed_m_s) = pairs.first().map(|[flat, _]| flat.speed_m_s) else { return Ok(Vec::new()) };
     let block_m = match (pattern.texture().rim(), relief) {
         (Some(rim), _) => rim.block_m(task.layer.block_m),
         // Measured rims are some ten micrometres wide.

@@ -10,9 +10,9 @@ use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_units::tidy;
 
 use crate::flat_sample::Portion;
-use crate::patterned_samples::{Sample, ratio_points};
+use crate::patterned_samples::{Model, Pair, pairs};
 use crate::surface_findings::surface_findings;
-use crate::{CalibrationError, CalibrationTask, Measurement, RatioPoint, Surface};
+use crate::{CalibrationError, CalibrationTask, Measurement, Surface};
 
 /// A sample that was cut, and measured unless it is pending.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +96,9 @@ fn conditions(task: &CalibrationTask) -> Conditions {
 }
 
 /// A sample beside the model, its numbers to the digits that a material file holds.
+///
+/// A modelled ratio depends on local friction by a thousandth at most, and linearly but for 5e-5: at each force it is solved for
+/// the least and the greatest, as a load in space takes a tenth of a second.
 fn trial(
     task: &CalibrationTask,
     cut: &CutSample,
@@ -104,11 +107,12 @@ fn trial(
 ) -> Result<Trial, CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
     let monitor = Portion { whole: monitor, share: 1.0 / (1 + axes.len()) as f64 };
-    let of = |pattern: Pattern| {
-        let sample = Sample { pattern, relief: cut.relief.clone() };
-        ratio_points(task, &cut.measured, law, &sample, &monitor)
-    };
-    let (pairs, points) = of(cut.pattern)?;
+    let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone() };
+    let pairs = pairs(task, &cut.measured);
+    let ends = Ends::new(&pairs);
+    let modelled = model(cut.pattern).sensitive_ratios(&ends.solved, &monitor)?;
+    let known: Vec<(&Pair, [f64; 2])> =
+        pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();
     let mut of_dimensions = Vec::new();
     for axis in axes {
         let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m(), cut.pattern.depth_m()];
@@ -116,25 +120,25 @@ fn trial(
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|other| {
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }
         });
-        let moved = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m);
-        let Ok(moved) = moved else { continue };
-        let (_, others) = of(moved)?;
-        if others.len() == points.len() {
-            let change = |(other, own): (&RatioPoint, &RatioPoint)| tidy((other.modelled / own.modelled).ln());
-            of_dimensions.push(others.iter().zip(&points).map(change).collect());
-        }
+        let Ok(moved) = Pattern::new(*cut.pattern.texture(), width_m, spacing_m, depth_m) else { continue };
+        let others = model(moved).ratios(&ends.solved, &monitor)?;
+        let change = |(pair, [own, _]): &(&Pair, [f64; 2])| {
+            let [other] = ends.between(pair, |place| Some([others[place]?]))?;
+            Some(tidy((other / own).ln()))
+        };
+        of_dimensions.extend(known.iter().map(change).collect::<Option<Vec<f64>>>());
     }
-    let measured = pairs.iter().zip(&points).map(|([flat, patterned], point)| Measured {
+    let measured = known.iter().map(|([flat, patterned], [modelled, modulus_sensitivity])| Measured {
         load: Load {
-            pressure_pa: tidy(point.pressure_pa),
+            pressure_pa: tidy(task.pressure_pa(flat)),
             speed_m_s: tidy(flat.speed_m_s),
             humidity: tidy(flat.humidity),
         },
-        measured: tidy(point.measured),
-        modelled: tidy(point.modelled),
+        measured: tidy(patterned.mu_dynamic / flat.mu_dynamic),
+        modelled: tidy(*modelled),
         patterned_std: tidy(patterned.mu_dynamic_std / patterned.mu_dynamic),
         flat_std: tidy(flat.mu_dynamic_std / flat.mu_dynamic),
-        modulus_sensitivity: tidy(point.modulus_sensitivity),
+        modulus_sensitivity: tidy(*modulus_sensitivity),
     });
     let features = Features::from(&cut.pattern);
     let features = Features {
@@ -146,4 +150,122 @@ fn trial(
     };
     let name = cut.name.clone();
     Ok(Trial { name, features, sample_std: cut.sample_std, measured: measured.collect(), of_dimensions })
+}
+
+/// The pairs that are solved, and what lies between them.
+struct Ends {
+    /// At each force that of the least and that of the greatest flat friction, where they differ.
+    solved: Vec<Pair>,
+}
+
+impl Ends {
+    fn new(pairs: &[Pair]) -> Self {
+        let mut solved: Vec<Pair> = Vec::new();
+        for [flat, _] in pairs {
+            if solved.iter().any(|[own, _]| own.force_n == flat.force_n) {
+                continue;
+            }
+            let mut alike: Vec<&Pair> = pairs.iter().filter(|[other, _]| other.force_n == flat.force_n).collect();
+            alike.sort_by(|a, b| a[0].mu_dynamic.total_cmp(&b[0].mu_dynamic));
+            let (least, most) = (*alike[0], *alike[alike.len() - 1]);
+            solved.push(least);
+            solved.extend((most[0].mu_dynamic > least[0].mu_dynamic).then_some(most));
+        }
+        Self { solved }
+    }
+
+    /// What `at` says of the solved pairs, linear in flat friction between those at the force of `pair`.
+    fn between<const N: usize>(&self, [flat, _]: &Pair, at: impl Fn(usize) -> Option<[f64; N]>) -> Option<[f64; N]> {
+        let first = self.solved.iter().position(|[own, _]| own.force_n == flat.force_n)?;
+        let least = at(first)?;
+        let Some([most, _]) = self.solved.get(first + 1).filter(|[most, _]| most.force_n == flat.force_n) else {
+            return Some(least);
+        };
+        let from = self.solved[first][0].mu_dynamic;
+        let t = (flat.mu_dynamic - from) / (most.mu_dynamic - from);
+        let greatest = at(first + 1)?;
+        Some(std::array::from_fn(|value| least[value] + t * (greatest[value] - least[value])))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use slipgrid_material::{Elastic, THRESHOLD_PRESSURE_PA};
+    use slipgrid_monitor::Unwatched;
+    use slipgrid_pattern::Planform;
+    use slipgrid_springblock::Layer;
+
+    use super::*;
+    use crate::{Coefficients, Selection};
+
+    fn measured(force_n: f64, humidity: f64, mu_dynamic: f64) -> Measurement {
+        Measurement { force_n, speed_m_s: 2e-3, humidity, mu_dynamic, mu_dynamic_std: 0.002, static_peak: None }
+    }
+
+    fn task(flat: Vec<Measurement>, planform: Planform) -> CalibrationTask {
+        let sample = CutSample {
+            name: "cut".to_owned(),
+            date: String::new(),
+            notes: String::new(),
+            pattern: Pattern::new(planform, 130e-6, 170e-6, 12e-6).unwrap(),
+            relief: None,
+            dimensions_std_m: [5e-6, 0.0, 0.0],
+            sample_std: None,
+            measured: flat.iter().map(|flat| Measurement { mu_dynamic: 0.9 * flat.mu_dynamic, ..*flat }).collect(),
+        };
+        CalibrationTask {
+            name: "test".to_owned(),
+            source: "nowhere".to_owned(),
+            elastic: Elastic::new(0.38e9, 900.0).unwrap(),
+            youngs_modulus_std_pa: Some(0.08e9),
+            poisson_ratio: 1.0 / 3.0,
+            surface: Surface::RmsSlope(0.0137),
+            threshold_pa: THRESHOLD_PRESSURE_PA,
+            specimen_area_m2: 78.54e-6,
+            flat,
+            patterned: Vec::new(),
+            pattern: None,
+            relief: None,
+            discrepancy: None,
+            trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },
+            coefficients: Coefficients::PerCondition,
+            relative_std: 0.05,
+            static_over_dynamic: 0.30 / 0.27,
+            layer: Layer { length_m: 500e-6, height_m: 100e-6, block_m: 10e-6, thickness_m: None },
+            seed: 1,
+            selection: Selection::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Friction between that of two other measurements at its force, in the plane and in space.
+    #[test]
+    fn between_two_frictions_the_modelled_ratio_is_linear() {
+        for planform in [Planform::Groove, Planform::Square] {
+            let flat = vec![
+                measured(100.0, 0.8, 0.32),
+                measured(100.0, 0.4, 0.27),
+                measured(100.0, 0.15, 0.24),
+                measured(200.0, 0.4, 0.3),
+            ];
+            let all = learn_alone(&task(flat.clone(), planform), &Unwatched).unwrap();
+            let all = &all.trials()[0];
+            assert_eq!(all.of_dimensions.len(), 1);
+            for (row, flat) in flat.iter().enumerate() {
+                let own = learn_alone(&task(vec![*flat], planform), &Unwatched).unwrap();
+                let own = &own.trials()[0];
+                let (found, exact) = (&all.measured[row], &own.measured[0]);
+                assert!((found.modelled - exact.modelled).abs() < 5e-5, "{planform:?} {row}: {found:?} {exact:?}");
+                assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 2e-4, "{planform:?} {row}");
+                // A wider cavity lowers the ratio.
+                let change = all.of_dimensions[0][row];
+                assert!(
+                    change < -1e-4 && (change - own.of_dimensions[0][0]).abs() < 5e-5,
+                    "{planform:?} {row}: {change}"
+                );
+            }
+            let [most, _, least, heavy] = [0, 1, 2, 3].map(|row| all.measured[row].modelled);
+            assert!((most - least).abs() > 1e-7 && heavy < most - 0.005, "{most} {least} {heavy}");
+        }
+    }
 }
