@@ -1,24 +1,17 @@
 //! The job of a calibration: from measurements and a surface to a material and what is known of its errors.
 
-use std::sync::Arc;
-
 use slipgrid_contact::ContactError;
 use slipgrid_material::{AreaLaw, Condition, Elastic, Extrapolation, Material, MaterialError};
-use slipgrid_monitor::{Monitor, Part, Stage};
-use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_springblock::{Layer, SceneError};
 use slipgrid_topography::PreparedMap;
 
 use crate::area_law::AreaLawError;
-use crate::patterned_samples::{PatternedSamples, compare};
 use crate::select_measurements::Selection;
 use crate::surface_findings::{SurfaceFindings, surface_findings};
 use crate::trials::{TrialsTask, learn};
 use crate::uncertainty::MaterialUncertainty;
-use crate::{
-    Coefficients, DiscrepancyForm, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material,
-    planned_steps,
-};
+use crate::{Coefficients, Fit, FitError, Measurement, Problem, fit_coefficients, fitted_material, planned_steps};
 
 /// Measurements, the surface they were made on, and what is to be made of them.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,15 +34,7 @@ pub struct CalibrationTask {
     pub specimen_area_m2: f64,
     /// Measurements on flat samples.
     pub flat: Vec<Measurement>,
-    /// Measurements on patterned samples; empty without any.
-    pub patterned: Vec<Measurement>,
-    /// Pattern of the patterned samples, where it is known.
-    pub pattern: Option<Pattern>,
-    /// Measured heights of their face over one period, in place of rims.
-    pub relief: Option<Arc<ReliefMap>>,
-    /// How the model's error on patterned samples depends on pressure; `None` where it is not wanted.
-    pub discrepancy: Option<DiscrepancyForm>,
-    /// Samples that were cut and measured, those of `patterned` among them, and what is believed before.
+    /// Samples that were cut and measured, and what is believed before.
     pub trials: TrialsTask,
     /// What is fitted.
     pub coefficients: Coefficients,
@@ -119,8 +104,6 @@ pub struct CalibrationOutcome {
     pub by_condition: Vec<(Condition, Vec<FittedRow>)>,
     /// The surface and its contact area.
     pub surface: SurfaceFindings,
-    /// Patterned samples beside the model, where a discrepancy was found.
-    pub patterned: Option<PatternedSamples>,
 }
 
 /// A measured pressure with what was fitted there.
@@ -159,9 +142,6 @@ pub enum CalibrationError {
         /// The measurement that it is about.
         measurement: Option<Measurement>,
     },
-    /// The numbers of the patterned samples make no discrepancy.
-    #[error("discrepancy: {0}")]
-    Discrepancy(FitError),
     /// The numbers of the trials make no discrepancy.
     #[error("trials: {0}")]
     Trials(slipgrid_discrepancy::DiscrepancyError),
@@ -196,7 +176,7 @@ impl CalibrationError {
             Self::MapAfter(_) => Some("surface.map_after"),
             Self::NoAreaLaw(_) | Self::Contact(_) => Some("surface"),
             Self::Fit { measurement: Some(_), .. } => Some("measurements.flat"),
-            Self::Discrepancy(_) | Self::Scene(_) => Some("measurements.patterned"),
+            Self::Scene(_) => Some("measurements.patterned"),
             _ => None,
         }
     }
@@ -226,9 +206,9 @@ impl CalibrationTask {
     }
 }
 
-/// Selects the measurements that `task` needs, computes the area law, fits local coefficients and compares the model with
-/// patterned samples. Stages of the monitor: "area law", "windows", "area law after the test", "calibration",
-/// "discrepancy"; it is told where the fit will take long.
+/// Selects the measurements that `task` needs, computes the area law, fits local coefficients and learns from
+/// trials. Stages of the monitor: "area law", "windows", "area law after the test", "calibration",
+/// "trials"; it is told where the fit will take long.
 ///
 /// # Errors
 /// [`CalibrationError`] for numbers without meaning, measurements that the model cannot follow, or when the monitor asks to
@@ -258,14 +238,11 @@ pub fn run(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<CalibrationO
     let mut fit = fit.map_err(|error| refused(error, &problem.measurements))?;
     surface.take_fitted_scale(&fit)?;
     fit.free_of_the_law(&problem, task.modulus_relative_std().filter(|_| surface.moves_with_the_modulus()))?;
-    let patterned = task.selection.patterned(&task.patterned);
-    let stage = Stage::new(monitor, "discrepancy", None);
-    let halves = [0; 2].map(|_| Part::new(&stage, 0.5));
-    let patterned = compare(task, &patterned, surface.law.as_ref(), &surface.curve, &halves[0]);
-    let learned = learn(task, (surface.law.as_ref(), &surface.curve), &halves[1]);
+    let stage = Stage::new(monitor, "trials", None);
+    let learned = learn(task, (surface.law.as_ref(), &surface.curve), &stage);
     stage.finish();
     heed()?;
-    fitted_material::outcome(task, problem.measurements, fit, surface, (patterned?, learned?))
+    fitted_material::outcome(task, problem.measurements, fit, surface, learned?)
 }
 
 fn refused(error: FitError, measurements: &[Measurement]) -> CalibrationError {

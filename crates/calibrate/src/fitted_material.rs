@@ -4,18 +4,18 @@
 use slipgrid_material::{
     AreaLaw, Condition, ConditionFriction, Elastic, Friction, LocalFriction, Material, Provenance,
 };
-use slipgrid_pattern::Pattern;
 use slipgrid_units::{
-    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRACTION, FRICTION, FRICTION_STD, HUMIDITY_PCT, LENGTH_UM, MODULUS_GPA,
-    MODULUS_STD_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
+    DENSITY_G_CM3, EXCESS, FACTOR, FACTOR_STD, FRICTION, FRICTION_STD, HUMIDITY_PCT, MODULUS_GPA, MODULUS_STD_GPA,
+    PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
 };
 
 use crate::area_law::table_warnings;
 use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
-use crate::patterned_samples::PatternedSamples;
 use crate::surface_findings::{AreaLawOrigin, SurfaceFindings};
+use crate::trials::note;
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
-use crate::{Coefficients, Discrepancy, DiscrepancyByHumidity, Fit, FittedPair, Measurement, Trial, TrialDomain};
+use crate::{Coefficients, Fit, FittedPair, Measurement};
+use slipgrid_discrepancy::Discrepancy;
 
 /// A number of the material as a file holds it.
 fn written(field: &'static str, quantity: Quantity, si: f64) -> Result<f64, CalibrationError> {
@@ -30,13 +30,13 @@ fn all_written(field: &'static str, quantity: Quantity, si: &[f64]) -> Result<Ve
     si.iter().map(|&si| written(field, quantity, si)).collect()
 }
 
-/// The outcome of `task`, from what was fitted to `measurements` and found of the surface and of patterned samples.
+/// The outcome of `task`, from what was fitted to `measurements`, found of the surface and learned from trials.
 pub(crate) fn outcome(
     task: &CalibrationTask,
     measurements: Vec<Measurement>,
     fit: Fit,
     surface: SurfaceFindings,
-    (patterned, learned): (Option<PatternedSamples>, slipgrid_discrepancy::Discrepancy),
+    learned: Discrepancy,
 ) -> Result<CalibrationOutcome, CalibrationError> {
     let by_condition = match task.coefficients {
         Coefficients::Single => Vec::new(),
@@ -57,16 +57,11 @@ pub(crate) fn outcome(
     let has_origin = |origin| surface.law.is_some() && surface.origin == Some(origin);
     uncertainty.law_is_fitted = has_origin(AreaLawOrigin::Fit);
     uncertainty.law_is_measured = has_origin(AreaLawOrigin::Measured);
-    if let Some(patterned) = &patterned {
-        uncertainty.discrepancies = Some(discrepancies(&patterned.discrepancies)?);
-        uncertainty.discrepancy_domain = trial_domain(&patterned.pattern);
-        uncertainty.discrepancy_pattern = Some(pattern_text(&patterned.pattern));
-    }
-    uncertainty.learned = Some(learned);
     let area_law = surface.law.as_ref().map(law).transpose()?;
     let mut notes = fit.notes.clone();
     notes.extend(surface.notes.iter().chain(&task.notes).cloned());
-    notes.extend(patterned.as_ref().map(PatternedSamples::note));
+    notes.extend(note(&learned));
+    uncertainty.learned = Some(learned);
     if surface.synthetic {
         notes.push("the area law rests on a synthetic surface, not on a measured one".to_owned());
     }
@@ -78,7 +73,7 @@ pub(crate) fn outcome(
         warnings: warnings(&surface, area_law.as_ref()),
     };
     let material = Material { elastic, friction, area_law, provenance };
-    Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface, patterned })
+    Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
 }
 
 /// What makes the law doubtful, and what is odd about its table beside.
@@ -237,56 +232,4 @@ impl Fit {
         let shared = entry(mean, scale)?;
         Some([[tidy(variance), tidy(shared)], [tidy(shared), tidy(entry(scale, scale)?)]])
     }
-}
-
-/// The pattern of the samples behind a discrepancy, in words.
-fn pattern_text(pattern: &Pattern) -> String {
-    let um = |length_m: f64| LENGTH_UM.from_si(length_m);
-    let rim = pattern.texture().rim().filter(|rim| rim.stands());
-    let rims = rim.map(|rim| {
-        let (height_um, width_um) = (um(pattern.rim_height_m()), um(rim.width_m()));
-        format!(", with {} rims {height_um} um high and {width_um} um wide", rim.profile())
-    });
-    format!(
-        "{} {} um wide, {} um apart, {} um deep{}",
-        pattern.planform(),
-        um(pattern.width_m()),
-        um(pattern.spacing_m()),
-        um(pattern.depth_m()),
-        rims.unwrap_or_default()
-    )
-}
-
-fn trial_domain(pattern: &Pattern) -> Option<TrialDomain> {
-    let trial = Trial::from(pattern);
-    TrialDomain::about(vec![Trial {
-        planform: trial.planform,
-        areal_density: FRACTION.as_written(trial.areal_density),
-        depth_m: LENGTH_UM.as_written(trial.depth_m),
-    }])
-}
-
-fn discrepancies(found: &DiscrepancyByHumidity) -> Result<DiscrepancyByHumidity, CalibrationError> {
-    let at = |(humidity, found): &(f64, Discrepancy)| Ok((HUMIDITY_PCT.as_written(*humidity), discrepancy(found)?));
-    Ok(DiscrepancyByHumidity {
-        all: discrepancy(&found.all)?,
-        by_humidity: found.by_humidity.iter().map(at).collect::<Result<_, CalibrationError>>()?,
-    })
-}
-
-fn discrepancy(found: &Discrepancy) -> Result<Discrepancy, CalibrationError> {
-    let all = |values: &[f64]| values.iter().copied().map(tidy).collect::<Vec<f64>>();
-    let pressure = |pressure_pa: f64| written("discrepancy.reference_pressure_mpa", PRESSURE_MPA, pressure_pa);
-    let [from, to] = found.pressure_range_pa;
-    Ok(Discrepancy {
-        coefficients: all(&found.coefficients),
-        covariance: found.covariance.iter().map(|row| all(row)).collect(),
-        reference_pressure_pa: pressure(found.reference_pressure_pa)?,
-        scatter: tidy(found.scatter),
-        modulus_sensitivity: all(&found.modulus_sensitivity),
-        modulus_relative_std: tidy(found.modulus_relative_std),
-        pressure_range_pa: [pressure(from)?, pressure(to)?],
-        chi_square: tidy(found.chi_square),
-        degrees_of_freedom: found.degrees_of_freedom,
-    })
 }

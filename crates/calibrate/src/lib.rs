@@ -21,10 +21,7 @@
 //! | [`fit_coefficients`], [`Problem`] | the fit alone |
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
 //! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
-//! | [`estimate_discrepancy`], [`Discrepancy`] | the model's error on patterned samples, apart from its physics |
-//! | [`PatternedSamples`] | measured ratios of patterned samples beside the modelled ones |
 //! | [`learn`], [`CutSample`] | what samples that were cut and measured say of any texture |
-//! | [`TrialDomain`] | the patterns that the discrepancy is used for |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
 //! The mean dynamic friction of a flat sample says nothing of mu_s: without a measured static peak
@@ -58,10 +55,6 @@
 //!     threshold_pa: THRESHOLD_PRESSURE_PA,
 //!     specimen_area_m2: 78.54e-6,
 //!     flat: vec![measured(100.0, 0.271), measured(200.0, 0.278)],
-//!     patterned: Vec::new(),
-//!     pattern: None,
-//!     relief: None,
-//!     discrepancy: None,
 //!     trials: TrialsTask::default(),
 //!     coefficients: Coefficients::PerCondition,
 //!     relative_std: 0.05,
@@ -79,8 +72,6 @@
 
 pub mod area_law;
 mod calibration_task;
-mod discrepancy;
-mod discrepancy_by_humidity;
 mod fit;
 mod fit_problem;
 mod fitted_material;
@@ -98,23 +89,16 @@ mod synthetic_noise;
 pub mod trace;
 mod trials;
 pub mod uncertainty;
-mod validity_domain;
 
 pub use calibration_task::{
     CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow, MapSurface, Surface, run,
 };
-pub use discrepancy::{
-    Discrepancy, DiscrepancyForm, RatioInterval, RatioPoint, estimate_discrepancy, leave_one_out, uncorrected,
-};
-pub use discrepancy_by_humidity::DiscrepancyByHumidity;
 pub use fit::{Fit, FittedPair, Parameter, Prediction, fit_coefficients, planned_steps};
 pub use fit_problem::{Coefficients, FitError, Measurement, Problem, StaticPeak};
 pub use flat_friction_law::flat_friction_law;
 pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
-pub use patterned_samples::{PatternedSamples, RatioAtCondition};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
 pub use synthetic_noise::Noise;
 pub use trials::{CutSample, TrialsTask, learn, learn_alone};
-pub use validity_domain::{DENSITY_FACTOR, DEPTH_FACTOR, Far, Trial, TrialDomain};

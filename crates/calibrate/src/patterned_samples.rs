@@ -1,4 +1,4 @@
-//! Measured ratios of patterned samples beside the modelled ones, and the discrepancy between the two.
+//! What the model says of patterned samples at the conditions at which they were measured.
 
 use std::sync::Arc;
 
@@ -11,103 +11,10 @@ use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
 
 use crate::area_law::area_law;
 use crate::flat_sample::Portion;
-use crate::select_measurements::FEWEST_AT_HUMIDITY;
-use crate::{
-    CalibrationError, CalibrationTask, Discrepancy, DiscrepancyByHumidity, Measurement, RatioInterval, RatioPoint,
-    estimate_discrepancy, leave_one_out,
-};
+use crate::{CalibrationError, CalibrationTask, Measurement};
 
 /// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.
 const LOG_MODULUS_STEP: f64 = 0.02;
-
-/// One condition measured on both kinds of sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RatioAtCondition {
-    /// The measurement on the flat sample.
-    pub flat: Measurement,
-    /// Measured and modelled ratio.
-    pub point: RatioPoint,
-    /// The ratio predicted by the discrepancy of all other conditions; `None` where those are too few.
-    pub left_out: Option<RatioInterval>,
-    /// The same by the other conditions at its humidity.
-    pub left_out_at_humidity: Option<RatioInterval>,
-}
-
-/// The discrepancy with what each condition says without itself.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PatternedSamples {
-    /// Conditions measured on both kinds of sample.
-    pub rows: Vec<RatioAtCondition>,
-    /// The pattern of the samples.
-    pub pattern: Pattern,
-    /// Standard deviation of Young's modulus over itself; 0 where it is not known.
-    pub modulus_relative_std: f64,
-    /// The discrepancy over all conditions and at humidities.
-    pub discrepancies: DiscrepancyByHumidity,
-}
-
-impl PatternedSamples {
-    /// What the discrepancy says, for the material's notes.
-    #[must_use]
-    pub fn note(&self) -> String {
-        let all = &self.discrepancies.all;
-        let factor = all.factor(all.reference_pressure_pa);
-        let found = all.correct(all.reference_pressure_pa, factor, 0.0);
-        format!(
-            "discrepancy: on the patterned samples measured ratios are {factor:.3} times the modelled ones (95 % of conditions within {:.3} to {:.3}); it is kept apart from the physics, in [discrepancy], and holds for patterns like theirs alone",
-            found.interval[0] / factor,
-            found.interval[1] / factor
-        )
-    }
-}
-
-/// Compares the `patterned` measurements of `task` with the model, by an area law that follows from a contact area `curve`, or
-/// by `law` itself where there is no curve; `None` without patterned samples, their pattern, or where no discrepancy is wanted.
-///
-/// # Errors
-/// [`CalibrationError`] if the numbers make no scene or no discrepancy, or the monitor asks to stop.
-pub fn compare(
-    task: &CalibrationTask,
-    patterned: &[Measurement],
-    law: Option<&AreaLaw>,
-    curve: &[AreaPoint],
-    monitor: &dyn Monitor,
-) -> Result<Option<PatternedSamples>, CalibrationError> {
-    let (Some(form), Some(pattern)) = (task.discrepancy, task.pattern) else { return Ok(None) };
-    let model = Model { task, law: (law, curve), pattern, relief: task.relief.clone() };
-    let (flat, points) = ratio_points(&model, patterned, monitor)?;
-    if points.is_empty() {
-        return Ok(None);
-    }
-    let modulus_relative_std = task.modulus_relative_std().unwrap_or(0.0);
-    let all = estimate_discrepancy(&points, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
-    let left_out = leave_one_out(&points, form, modulus_relative_std);
-    let mut rows: Vec<RatioAtCondition> = flat
-        .into_iter()
-        .zip(&points)
-        .zip(left_out)
-        .map(|((flat, &point), left_out)| RatioAtCondition { flat, point, left_out, left_out_at_humidity: None })
-        .collect();
-    let mut by_humidity: Vec<(f64, Discrepancy)> = Vec::new();
-    for place in 0..rows.len() {
-        let humidity = rows[place].flat.humidity;
-        if by_humidity.iter().any(|(known, _)| *known == humidity) {
-            continue;
-        }
-        let members: Vec<usize> = (0..rows.len()).filter(|&i| rows[i].flat.humidity == humidity).collect();
-        let own: Vec<RatioPoint> = members.iter().map(|&i| points[i]).collect();
-        if own.len() >= FEWEST_AT_HUMIDITY {
-            let found =
-                estimate_discrepancy(&own, form, modulus_relative_std).map_err(CalibrationError::Discrepancy)?;
-            by_humidity.push((humidity, found));
-            for (&i, found) in members.iter().zip(leave_one_out(&own, form, modulus_relative_std)) {
-                rows[i].left_out_at_humidity = found;
-            }
-        }
-    }
-    let discrepancies = DiscrepancyByHumidity { all, by_humidity };
-    Ok(Some(PatternedSamples { rows, pattern, modulus_relative_std, discrepancies }))
-}
 
 /// A measurement on a flat sample and that on a patterned one at the same condition.
 pub(crate) type Pair = [Measurement; 2];
@@ -174,29 +81,6 @@ impl Model<'_> {
         let elastic = self.task.elastic.at_modulus(log_modulus.exp())?;
         ratios(self, elastic, law, pairs, monitor)
     }
-}
-
-/// A measured ratio of a pair with its standard deviation.
-fn measured_ratio([flat, patterned]: &Pair) -> [f64; 2] {
-    let measured = patterned.mu_dynamic / flat.mu_dynamic;
-    let relative = (patterned.mu_dynamic_std / patterned.mu_dynamic).hypot(flat.mu_dynamic_std / flat.mu_dynamic);
-    [measured, measured * relative]
-}
-
-/// Conditions measured on both kinds of sample whose modelled ratio converged: the flat sample's measurement, and the ratios.
-fn ratio_points(
-    model: &Model<'_>,
-    patterned: &[Measurement],
-    monitor: &dyn Monitor,
-) -> Result<(Vec<Measurement>, Vec<RatioPoint>), CalibrationError> {
-    let pairs = pairs(model.task, patterned);
-    let modelled = model.sensitive_ratios(&pairs, monitor)?;
-    let point = |(pair, modelled): (&Pair, Option<[f64; 2]>)| {
-        let ([measured, measured_std], [modelled, modulus_sensitivity]) = (measured_ratio(pair), modelled?);
-        let pressure_pa = model.task.pressure_pa(&pair[0]);
-        Some((pair[0], RatioPoint { pressure_pa, measured, measured_std, modelled, modulus_sensitivity }))
-    };
-    Ok(pairs.iter().zip(modelled).filter_map(point).unzip())
 }
 
 /// The law of a surface whose modulus is larger by the factor exp(log_modulus): A(P; c E) = A(P / c; E).

@@ -6,8 +6,6 @@ use crate::{CalibrationTask, Coefficients, Measurement};
 
 /// A force within a part in a million of another is the same.
 const SAME_PRESSURE: f64 = 1e-6;
-/// Ratios at one humidity from which it has a discrepancy of its own.
-pub(crate) const FEWEST_AT_HUMIDITY: usize = 3;
 
 /// The conditions and pressures at which friction is wanted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,20 +41,6 @@ impl Selection {
                 && self.pressures_pa.iter().any(|wanted| is_beside(&own, task.pressure_pa(row), *wanted))
         };
         task.flat.iter().filter(is_needed).copied().collect()
-    }
-
-    /// The measurements on `patterned` samples that a discrepancy for the selected conditions rests on: those at their
-    /// humidities, whatever the speed, or all where those at one of them are too few.
-    #[must_use]
-    pub fn patterned(&self, patterned: &[Measurement]) -> Vec<Measurement> {
-        let is_at = |measured: &Measurement, humidity: f64| measured.humidity == humidity;
-        let count = |humidity| patterned.iter().filter(|measured| is_at(measured, humidity)).count();
-        let humidities = self.conditions.iter().map(|condition| condition.humidity);
-        if self.conditions.is_empty() || !humidities.clone().all(|humidity| count(humidity) >= FEWEST_AT_HUMIDITY) {
-            return patterned.to_vec();
-        }
-        let is_wanted = |measured: &&Measurement| humidities.clone().any(|humidity| is_at(measured, humidity));
-        patterned.iter().filter(is_wanted).copied().collect()
     }
 }
 

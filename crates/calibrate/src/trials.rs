@@ -7,7 +7,7 @@ use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, L
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_units::tidy;
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::flat_sample::Portion;
 use crate::patterned_samples::{Model, Pair, pairs};
@@ -152,6 +152,27 @@ fn trial(
     Ok(Trial { name, features, sample_std: cut.sample_std, measured: measured.collect(), of_dimensions })
 }
 
+/// What trials say, for the material's notes; `None` without any that was measured.
+pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
+    let trial = learned.trials().iter().rfind(|trial| !trial.measured.is_empty())?;
+    let ratios: usize = learned.trials().iter().map(|trial| trial.measured.len()).sum();
+    let at = trial.measured.first()?;
+    let found = learned.at(&[at.load]).predict(&trial.features, &[at.modulus_sensitivity]);
+    let Load { pressure_pa, speed_m_s, humidity } = at.load;
+    Some(format!(
+        "trials: {ratios} measured ratios of {} samples. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
+         {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); this is kept apart from the physics, in [learned]",
+        learned.trials().len(),
+        trial.name,
+        PRESSURE_MPA.from_si(pressure_pa),
+        tidy(SPEED_MM_S.from_si(speed_m_s)),
+        tidy(HUMIDITY_PCT.from_si(humidity)),
+        found.quantile(0, 0.5).exp(),
+        found.quantile(0, 0.025).exp(),
+        found.quantile(0, 0.975).exp(),
+    ))
+}
+
 /// The pairs that are solved, and what lies between them.
 struct Ends {
     /// At each force that of the least and that of the greatest flat friction, where they differ.
@@ -223,10 +244,6 @@ mod tests {
             threshold_pa: THRESHOLD_PRESSURE_PA,
             specimen_area_m2: 78.54e-6,
             flat,
-            patterned: Vec::new(),
-            pattern: None,
-            relief: None,
-            discrepancy: None,
             trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },
             coefficients: Coefficients::PerCondition,
             relative_std: 0.05,

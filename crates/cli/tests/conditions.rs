@@ -239,22 +239,15 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         (2.0, 80.0, 0.3),
         (4.0, 80.0, 0.31),
     ];
-    let estimate = |log: f64| {
-        format!(
-            "coefficients = [{log}]\ncovariance = [[1e-4]]\nreference_pressure_mpa = 1.5\nscatter = 0.02\n\
-             modulus_sensitivity = [0.1]\nmodulus_relative_std = 0.1\npressure_range_mpa = [0.6, 2.8]\nchi_square = 20.0\n\
-             degrees_of_freedom = 10000\n"
-        )
-    };
-    let discrepancy = format!(
-        "[material.discrepancy]\npattern = \"groove\"\ntrials = [{{ planform = \"groove\", areal_density = 0.4, depth_um = 15.0 }}]\n[material.discrepancy.all]\n{}[[material.discrepancy.humidity]]\n\
-         humidity_pct = 80.0\n[material.discrepancy.humidity.estimate]\n{}[target]",
-        estimate(0.9_f64.ln()),
-        estimate(0.85_f64.ln())
-    );
+    let trial = "[material.learned]\nreference_pressure_mpa = 2.6\nlowest_pressure_mpa = 2.6\nreference_speed_mm_s = 2.0\n\
+        modulus_relative_std = 0.0\n[material.learned.prior]\n[[material.learned.trial]]\nname = \"first\"\n\
+        areal_density = 0.4\nedge_per_mm = 10.0\nwidth_um = 80.0\npitch_um = 200.0\ndepth_um = 15.0\n\
+        pressure_mpa = [2.6, 2.6]\nspeed_mm_s = [2.0, 2.0]\nhumidity_pct = [15.0, 80.0]\nmeasured_ratio = [0.81, 0.73]\n\
+        modelled_ratio = [0.87, 0.87]\npatterned_std = [0.002, 0.002]\nflat_std = [0.002, 0.002]\n\
+        modulus_sensitivity = [0.0, 0.0]\n[target]";
     let with = |header: &str| {
         let target = "quantity = \"ratio\"\nvalue = 0.78\ntolerance = 0.04\ndiscrepancy = true";
-        design(target, &measured, header).replace("[target]", &discrepancy)
+        design(target, &measured, header).replace("[target]", trial)
     };
     let range = "condition = { speed_mm_s = [1.5, 4.0], humidity_pct = [15.0, 80.0] }";
     let each = [(1.5, 15.0), (1.5, 80.0), (2.0, 80.0), (4.0, 15.0), (4.0, 80.0), (2.0, 80.0)];
@@ -279,11 +272,18 @@ fn a_range_is_the_list_of_its_conditions_and_each_humidity_has_its_own_discrepan
         at(&one).iter().map(|at| [number(&at["speed_mm_s"]), number(&at["humidity_pct"])]).collect();
     assert_eq!(places, [[2.0, 15.0], [1.5, 15.0], [1.5, 80.0], [2.0, 80.0], [4.0, 15.0], [4.0, 80.0]]);
     assert!(fs::read_to_string(place.path("out/one/design.toml")).unwrap().contains("speed_mm_s = 2.0"));
-    // The ratio at 80 % counts times its own discrepancy, elsewhere times that of all.
+    // Each humidity has what was measured there; of the speed nothing is known, which moves a median by little.
+    let factors = |humidity: f64| -> Vec<f64> {
+        let own = at(&one).iter().filter(|at| at["humidity_pct"] == humidity);
+        own.map(|at| number(&at["by_pressure"][0]["factor"])).collect()
+    };
+    let (dry, humid) = (factors(15.0), factors(80.0));
+    for own in [&dry, &humid] {
+        assert!(own.len() == 3 && own.iter().all(|factor| (factor - own[0]).abs() < 2e-3), "{own:?}");
+    }
+    assert!((humid[0] / dry[0] - 0.73 / 0.81).abs() < 0.05 && humid[0] < dry[0] - 0.04, "{dry:?} {humid:?}");
     for at in at(&one) {
         let value = &at["by_pressure"][0];
-        let expected = if at["humidity_pct"] == 80.0 { 0.85 } else { 0.9 };
-        assert!((number(&value["factor"]) - expected).abs() < 1e-9, "{value}");
         assert!((number(&value["ratio"]) - 0.78).abs() <= 0.04, "{value}");
         assert!(
             (number(&value["mu"]) / number(&value["mu_flat"]) / number(&value["ratio"]) - 1.0).abs() < 0.01,
@@ -337,7 +337,7 @@ fn a_calibration_takes_in_every_condition_of_a_range() {
     assert!((value(dry, "mu_flat") / (0.25 * 1.01) - 1.0).abs() < 0.02, "{dry}");
     assert!((value(humid, "mu_flat") / (0.28 * 1.01) - 1.0).abs() < 0.02, "{humid}");
     // Measured ratios are 0.9 at 15 % and 0.8 at 80 %; modelled ones hardly differ.
-    assert!((value(humid, "factor") / value(dry, "factor") / (0.8 / 0.9) - 1.0).abs() < 0.02, "{dry} {humid}");
+    assert!((value(humid, "factor") / value(dry, "factor") / (0.8 / 0.9) - 1.0).abs() < 0.05, "{dry} {humid}");
     assert!((number(&found["discrepancy"]["by_pressure"][0]["factor"]) - value(dry, "factor")).abs() < 1e-9);
     assert!(value(humid, "ratio") < 0.95 * value(dry, "ratio") && found["status"] == "met");
 }

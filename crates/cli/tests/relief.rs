@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{CALIBRATION, Place, SCENE};
+use common::{Place, SCENE, THREE_FORCES, patterned_calibration};
 use serde_json::Value;
 
 /// Grooves 60/140/5.2 um with round rims 0.5 um high and 20 um wide, on pixels of 2 um.
@@ -55,27 +55,17 @@ fn the_mean_period_of_a_map_gives_the_friction_of_its_rims() {
 
 #[test]
 fn a_calibration_compares_its_samples_with_their_measured_relief() {
-    let flat = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n75,2,15,0.25,0.002\n\
-                100,2,15,0.26,0.002\n";
-    let patterned = flat.replace("0.25,", "0.22,").replace("0.26,", "0.22,");
-    let calibration = |more: &str| {
-        let text = CALIBRATION.replace("flat = \"flat.csv\"\n", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"\n");
-        format!("{text}[pattern]\nwidth_um = 60.0\nspacing_um = 140.0\ndepth_um = 5.2\n{more}")
-    };
+    let squares = "width_um = 60.0\nspacing_um = 140.0\ndepth_um = 5.2\n";
+    let patterned = THREE_FORCES.replace("0.25,", "0.22,").replace("0.26,", "0.22,");
     let place = Place::with(&[
-        ("flat.csv", flat),
+        ("flat.csv", THREE_FORCES),
         ("patterned.csv", &patterned),
-        ("relief.toml", &calibration("relief = \"period.asc\"\n")),
-        ("flat.toml", &calibration("")),
+        ("relief.toml", &patterned_calibration(&format!("{squares}relief = \"period.asc\"\n"))),
+        ("flat.toml", &patterned_calibration(squares)),
     ]);
     place.succeed(&MADE.split_whitespace().collect::<Vec<_>>());
     place.succeed(&["surface", "sample.asc", "--cavities", "--period-out", "period.asc"]);
-    let [relief, flat] = ["relief", "flat"].map(|name| {
-        place.succeed(&["calibrate", &format!("{name}.toml"), "-o", &format!("{name}-m.toml")]);
-        let text = std::fs::read_to_string(place.path(&format!("{name}-m.toml"))).unwrap();
-        let table: toml::Table = text.parse().unwrap();
-        table["discrepancy"]["all"]["coefficients"].as_array().unwrap()[0].as_float().unwrap()
-    });
+    let [relief, flat] = ["relief", "flat"].map(|name| place.log_excess(name));
     // ln(measured / modelled): what the rims of the map do is no longer the model's error.
     assert!(relief > flat + 0.02, "{relief} {flat}");
 }

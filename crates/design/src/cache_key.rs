@@ -8,9 +8,9 @@ use slipgrid_springblock::Scene;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA};
 
 /// Everything that the steady cells of a search are made of, but for width, spacing and depth. A texture may slide in
-/// `further_deg` directions, too.
+/// `further_deg` directions, too. With `slopes` answers have their slopes along Young's modulus.
 #[must_use]
-pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<String, Value> {
+pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64], slopes: bool) -> Map<String, Value> {
     let um = |length_m: f64| LENGTH_UM.from_si(length_m);
     let area_law = scene.area_law.as_ref().map(|law| {
         let pressure_mpa: Vec<f64> =
@@ -57,5 +57,6 @@ pub fn cache_key(scene: &Scene, texture: &Texture, further_deg: &[f64]) -> Map<S
         // Last but one, by its name.
         entries[4].1["rim"] = json!(rim);
     }
-    entries.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    let slopes = slopes.then_some(("modulus_sensitivity", json!(true)));
+    entries.into_iter().chain(slopes).map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -2,8 +2,10 @@
 //! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
 
 use std::ops::Range;
+use std::sync::Arc;
 
-use slipgrid_calibrate::uncertainty::{Covariance, DiscrepancyAt, ScaleShift, log_covariance, moved, with_scale};
+use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
+use slipgrid_discrepancy::Sampler;
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_optimize::{
     CommonDraws, Linearization, ModelFailure, Probability, Quantity, SearchError, Target, Tolerances, UncertainModel,
@@ -13,6 +15,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
 use crate::DesignError;
+use crate::learned::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -58,12 +61,34 @@ pub struct Chances<'a> {
     /// That scale was fitted; otherwise it is Young's modulus.
     scale_is_fitted: bool,
     law: Option<Along<'a>>,
-    discrepancy: Option<Vec<DiscrepancyAt>>,
-    aims: bool,
+    /// What designs aim with beside the physics. It has what is not known of Young's modulus in it.
+    learned: Option<Arc<LearnedDiscrepancy<'a>>>,
     inputs: Vec<Input>,
-    /// First place of the discrepancy's errors, and of the numerical ones.
+    /// First place of the discrepancy's deviates, one that picks its form and one a load, and of the numerical errors.
     first_discrepancy: usize,
     first_numerical: usize,
+}
+
+/// A design to first order in everything but the discrepancy, which is drawn from its own distribution.
+pub struct Linear {
+    slopes: Linearization,
+    discrepancy: Option<Drawn>,
+}
+
+/// The discrepancy of a design: values are times the exponential of a draw less the median.
+struct Drawn {
+    sampler: Sampler,
+    medians: Vec<f64>,
+    first: usize,
+}
+
+impl Drawn {
+    /// What values are multiplied by where the deviates, of all inputs, are `deviations`.
+    fn factors(&self, deviations: &[f64]) -> impl Iterator<Item = f64> {
+        let (which, z) = (deviations[self.first], &deviations[self.first + 1..=self.first + self.medians.len()]);
+        let drawn = self.sampler.draw(which, z);
+        drawn.into_iter().zip(&self.medians).map(|(drawn, median)| (drawn - median).exp())
+    }
 }
 
 /// Two models to both sides of the one that is used.
@@ -84,8 +109,6 @@ pub struct About<'a> {
     pub values: &'a [f64],
     /// Standard deviations of the values by how exactly they were computed.
     pub numerical: &'a [f64],
-    /// Values are also multiplied by the discrepancy's factor, with which the design does not aim.
-    pub corrected: bool,
 }
 
 impl<'a> Chances<'a> {
@@ -128,7 +151,7 @@ impl<'a> Chances<'a> {
                 parts.name("flat friction", known_to, first..first + count);
                 friction_at = Some(first);
             }
-            if let Some(std) = material.modulus_std(law) {
+            if let Some(std) = material.modulus_std(law).filter(|_| !design.discrepancy) {
                 let first = parts.add(vec![vec![std * std]]);
                 parts.name("Young's modulus", percent(std), first..first + 1);
                 scale_at = Some(first);
@@ -140,26 +163,17 @@ impl<'a> Chances<'a> {
             parts.name("area law", "known to the scatter of its map's windows".to_owned(), first..first + 1);
             law_at = Some(first);
         }
-        let per_condition = count / conditions.len();
-        let found: Option<Vec<_>> = conditions
-            .iter()
-            .map(|at| material.discrepancy_at(at.as_ref().map(|condition| condition.humidity)))
-            .collect();
-        let own = |place: usize| &loads[place * per_condition..(place + 1) * per_condition];
         let first_discrepancy = parts.count;
-        let discrepancy = found.map(|found| {
-            let blocks: Vec<Covariance> =
-                found.iter().enumerate().map(|(place, found)| log_covariance(found, own(place))).collect();
-            let covariance = diagonal(&blocks);
-            let known_to = percent(rms(&covariance));
-            let first = parts.add(covariance);
-            if design.discrepancy {
-                parts.name("discrepancy", known_to, first..first + count);
-            }
-            let each: Vec<DiscrepancyAt> =
-                found.iter().enumerate().flat_map(|(place, found)| DiscrepancyAt::each(found, own(place))).collect();
-            each.repeat(directions)
-        });
+        let learned = model.learned().cloned();
+        if let Some(learned) = &learned {
+            let first = parts.add(diagonal(&vec![vec![vec![1.0]]; 1 + values]));
+            let known_to = match learned.trials() {
+                0 => "by what is believed before any trial".to_owned(),
+                1 => "known by one trial".to_owned(),
+                trials => format!("known by {trials} trials"),
+            };
+            parts.name("discrepancy", known_to, first..first + 1 + values);
+        }
         let first_numerical = parts.add(diagonal(&vec![vec![vec![1.0]]; values]));
         let covariance = diagonal(&parts.blocks);
         let refused = |error: SearchError| DesignError::Failed(format!("errors of the material: {error}"));
@@ -196,8 +210,7 @@ impl<'a> Chances<'a> {
             scale_is_fitted: is_fitted,
             law: along(law_at, 1, false, 0.0, 1.0)?,
             uncertainty,
-            discrepancy,
-            aims: design.discrepancy,
+            learned,
             inputs: parts.inputs,
             first_discrepancy,
             first_numerical,
@@ -214,12 +227,7 @@ impl<'a> Chances<'a> {
         !self.inputs.is_empty()
     }
 
-    /// Whether patterned samples are known with which the design does not aim.
-    pub const fn has_unused_discrepancy(&self) -> bool {
-        self.discrepancy.is_some() && !self.aims
-    }
-
-    /// What ratios are multiplied by before they are compared with the target.
+    /// What ratios are multiplied by before they are compared with the target, but for the discrepancy.
     pub fn scale(&self) -> &[f64] {
         &self.scale
     }
@@ -249,21 +257,43 @@ impl<'a> Chances<'a> {
     }
 
     /// Share of `draws` in which the inputs that `of` names leave every value accepted.
-    pub fn share(&self, draws: &CommonDraws, about: &Linearization, of: &dyn Fn(usize) -> bool) -> Probability {
-        draws.probability_of(about, of, |values| self.target.accepts(values))
+    pub fn share(&self, draws: &CommonDraws, about: &Linear, of: &dyn Fn(usize) -> bool) -> Probability {
+        let drawn = about.discrepancy.as_ref().filter(|drawn| of(drawn.first));
+        draws.probability_by(&about.slopes, of, |values, deviations| {
+            let Some(drawn) = drawn else { return self.target.accepts(values) };
+            let values: Vec<f64> = values.iter().zip(drawn.factors(deviations)).map(|(v, factor)| v * factor).collect();
+            self.target.accepts(&values)
+        })
+    }
+
+    /// Share of `draws` in which `values`, off by the numerical errors `std` alone, are accepted.
+    pub fn share_of_run(&self, draws: &CommonDraws, design: &Pattern, values: &[f64], std: &[f64]) -> Probability {
+        let places = self.numerical();
+        let mut slopes = vec![vec![0.0; values.len()]; places.end];
+        for (load, std) in std.iter().enumerate() {
+            slopes[places.start + load][load] = *std;
+        }
+        let run = Linearization::of_slopes(*design, values.to_vec(), slopes);
+        self.share(draws, &Linear { slopes: run, discrepancy: None }, &|place| places.contains(&place))
+    }
+
+    /// The discrepancy of `design`, where designs aim with it.
+    fn drawn(&self, design: &Pattern) -> Result<Option<Drawn>, ModelFailure> {
+        let Some(learned) = &self.learned else { return Ok(None) };
+        let prediction = learned.prediction(design, &learned.modulus_sensitivity(design)?);
+        let (sampler, medians) = (prediction.sampler(), prediction.medians());
+        Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
     }
 
     /// The values of a design to first order: by central differences over a standard deviation each way.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
-    pub fn linearize(&self, about: &About<'_>) -> Result<Linearization, ModelFailure> {
-        let count = self.scale.len();
-        let factor = |load: usize| match &self.discrepancy {
-            Some(all) if about.corrected => all[load].factor,
-            _ => 1.0,
-        };
-        let values: Vec<f64> = about.values.iter().enumerate().map(|(load, value)| value * factor(load)).collect();
+    pub fn linearize(&self, about: &About<'_>) -> Result<Linear, ModelFailure> {
+        let (count, values) = (self.scale.len(), about.values.to_vec());
+        let discrepancy = self.drawn(about.design)?;
+        let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
+        let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
         let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
         for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
@@ -286,23 +316,16 @@ impl<'a> Chances<'a> {
                     slope + if self.is_ratio { 0.0 } else { values[load] };
             }
         }
-        let applies = self.discrepancy.as_ref().filter(|_| self.aims || about.corrected);
         if let Some(along) = &self.law_scale {
-            // A stiffer surface would have left the fit of the discrepancy less to correct.
-            let falls = |load: usize| applies.map_or(0.0, |all| values[load] * all[load].modulus_sensitivity);
-            slopes[along.first] =
-                difference(along)?.into_iter().enumerate().map(|(load, slope)| slope - falls(load)).collect();
+            slopes[along.first] = difference(along)?;
         }
         if let Some(along) = &self.law {
             slopes[along.first] = difference(along)?;
         }
         for load in 0..count {
-            if applies.is_some() {
-                slopes[self.first_discrepancy + load % self.inputs_of_loads][load] = values[load];
-            }
             slopes[self.first_numerical + load][load] = about.numerical[load];
         }
-        Ok(Linearization::of_slopes(*about.design, values, slopes))
+        Ok(Linear { slopes: Linearization::of_slopes(*about.design, values, slopes), discrepancy })
     }
 
     /// dr/dh of each ratio along the height of the rims, per metre: over a standard deviation each way, and upwards alone
@@ -322,6 +345,24 @@ impl<'a> Chances<'a> {
         self.uncertainty.rim()?;
         let per_m = self.along_rim(design).ok()?;
         Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
+    }
+
+    /// Covariance of ln r of samples by their dimensions and rims alone, r the `ratio` of `design` at each load: row by row.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where neighbours of the design cannot be computed.
+    pub fn covariance_of_made(&self, design: &Pattern, ratio: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+        let dimensions = self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0);
+        let along = dimensions.map(|(axis, std_m)| Ok((self.along_axis(design, axis, std_m)?, std_m)));
+        let rim = self.uncertainty.rim().map(|_| Ok((self.along_rim(design)?, self.tolerances.rim_height_std_m)));
+        let mut covariance = vec![0.0; ratio.len() * ratio.len()];
+        for found in along.chain(rim) {
+            let (per_m, std_m): (Vec<f64>, f64) = found?;
+            let log: Vec<f64> = per_m.iter().zip(ratio).map(|(slope, ratio)| slope * std_m / ratio).collect();
+            let products = log.iter().flat_map(|left| log.iter().map(move |right| left * right));
+            covariance.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
+        }
+        Ok(covariance)
     }
 
     /// dr/dx of each ratio along one dimension, per metre.
@@ -354,6 +395,9 @@ pub struct Sampled<'a> {
     about: About<'a>,
     /// Ratios of the design by the steady model.
     still: Vec<f64>,
+    /// What ratios are multiplied by before they are compared with the target.
+    scale: Vec<f64>,
+    discrepancy: Option<Drawn>,
     of: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
@@ -370,7 +414,11 @@ impl<'a> Chances<'a> {
         of: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<Probability, ModelFailure> {
         let still = self.still.steady(about.design)?.ratio;
-        let model = Sampled { chances: self, about: *about, still, of };
+        let discrepancy = self.drawn(about.design)?;
+        let factor = |load: usize| discrepancy.as_ref().map_or(1.0, |drawn| drawn.medians[load].exp());
+        let scale = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
+        let discrepancy = discrepancy.filter(|drawn| of(drawn.first));
+        let model = Sampled { chances: self, about: *about, still, scale, discrepancy, of };
         let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
         Ok(drawn.probability(|values| self.target.accepts(values)))
     }
@@ -400,19 +448,14 @@ impl UncertainModel for Sampled<'_> {
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
         let value = |load: usize| {
-            let by = chances.scale[load] * (ratio[load] - self.still[load]);
-            let physics = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
-            let corrected = match &chances.discrepancy {
-                Some(all) if chances.aims || about.corrected => {
-                    let own = if about.corrected { all[load].factor } else { 1.0 };
-                    let log = off(chances.first_discrepancy + input(load)) - all[load].modulus_sensitivity * log_scale;
-                    physics * own * log.exp()
-                }
-                _ => physics,
-            };
-            corrected + about.numerical[load] * off(chances.first_numerical + load)
+            let by = self.scale[load] * (ratio[load] - self.still[load]);
+            let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
+            value + about.numerical[load] * off(chances.first_numerical + load)
         };
-        Ok((0..self.still.len()).map(value).collect())
+        let values = (0..self.still.len()).map(value);
+        let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };
+        let all: Vec<f64> = (0..DIMENSIONS).map(|_| 0.0).chain(deviations.iter().copied()).collect();
+        Ok(values.zip(drawn.factors(&all)).map(|(value, factor)| value * factor).collect())
     }
 }
 

@@ -1,14 +1,13 @@
 //! The chance that a cut sample is on target, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_optimize::{Linearization, ModelFailure};
+use slipgrid_optimize::ModelFailure;
 use slipgrid_springblock::Simulation;
 
 use crate::DesignError;
 use crate::chance::{About, Chances};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
-use crate::uncertainty_budget::knowledge;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
 use slipgrid_units::tidy;
@@ -40,9 +39,6 @@ pub struct ChanceReport {
     pub limited_by: Option<PartReport>,
     /// The same of every part, the greatest gain first.
     pub parts: Vec<PartReport>,
-    /// Were the model as far off as on the calibration's patterned samples; null where there are none, and where the design
-    /// aims with them.
-    pub with_discrepancy: Option<f64>,
     /// Draws of the steady model about the confirming runs; in space of its first-order form.
     pub draws: usize,
 }
@@ -72,7 +68,7 @@ impl MultiFidelityLoop<'_> {
         if !design.target.has_demands() {
             return Ok(None);
         }
-        let known = knowledge(design, material, &self.scene, design.condition.as_ref())?;
+        let known = material.at_loads(self.scene.area_law.as_ref(), &self.scene.loads, design.condition.as_ref())?;
         let mut not_known: Vec<String> = Vec::new();
         if design.tolerances.is_none() {
             not_known.push("tolerances of width, spacing and depth".to_owned());
@@ -82,7 +78,7 @@ impl MultiFidelityLoop<'_> {
             not_known.push("tolerance of the rims' height".to_owned());
         }
         not_known.extend(material.unknown(&known, self.model.area_law()).into_iter().map(str::to_owned));
-        let (numerical, discretization) = numerical(design, chances, predicted, errors);
+        let (numerical, discretization) = numerical(design, &self.model.scales(&best.design), predicted, errors);
         if !discretization {
             not_known.push("discretization".to_owned());
         }
@@ -98,7 +94,6 @@ impl MultiFidelityLoop<'_> {
             not_known,
             limited_by: None,
             parts: Vec::new(),
-            with_discrepancy: None,
             draws: 0,
         };
         let Some(values) = values else {
@@ -111,11 +106,8 @@ impl MultiFidelityLoop<'_> {
             let words = "chance not known: neither tolerances nor errors of the material are given";
             return Ok(Some(nothing(words, not_known)));
         }
-        let about = |corrected: bool| {
-            let about = About { design: &best.design, values: &values, numerical: &numerical, corrected };
-            chances.linearize(&about)
-        };
-        let linear = match about(false) {
+        let about = About { design: &best.design, values: &values, numerical: &numerical };
+        let linear = match chances.linearize(&about) {
             Ok(linear) => linear,
             Err(ModelFailure::Trial { reason }) => {
                 let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
@@ -130,12 +122,10 @@ impl MultiFidelityLoop<'_> {
             if !is_sampled {
                 return Ok(chances.share(&draws, &linear, of));
             }
-            let about = About { design: &best.design, values: &values, numerical: &numerical, corrected: false };
             chances.sampled(&about, count, design.seed, of).map_err(failed)
         };
         let all = share_of(SAMPLED, &|_| true)?;
         let parts = parts(chances, &numerical, &|of| Ok(tidy(share_of(SAMPLED_PARTS, of)?.share)))?;
-        let corrected: Option<Linearization> = chances.has_unused_discrepancy().then(|| about(true).ok()).flatten();
         let mut included: Vec<String> =
             chances.inputs().iter().map(|input| format!("{} ({})", input.name, input.known_to)).collect();
         included.push(if discretization {
@@ -152,7 +142,6 @@ impl MultiFidelityLoop<'_> {
             not_known,
             limited_by,
             parts,
-            with_discrepancy: corrected.map(|corrected| tidy(chances.share(&draws, &corrected, &|_| true).share)),
             draws: if is_sampled { SAMPLED } else { DRAWS },
         }))
     }
@@ -160,12 +149,7 @@ impl MultiFidelityLoop<'_> {
 
 /// Standard deviations of the values by time average and discretization, at each load of each condition as at the same
 /// pressure of the condition designed for, and whether the latter is known.
-fn numerical(
-    design: &DesignTask,
-    chances: &Chances,
-    predicted: &Simulation,
-    errors: &ErrorsReport,
-) -> (Vec<f64>, bool) {
+fn numerical(design: &DesignTask, scales: &[f64], predicted: &Simulation, errors: &ErrorsReport) -> (Vec<f64>, bool) {
     let count = design.target.points().len();
     let is_ratio = design.target.quantity() == slipgrid_optimize::Quantity::Ratio;
     let discretization = |row: usize| predicted.loads.get(row).and_then(|load| load.ratio_discretization_error);
@@ -177,10 +161,10 @@ fn numerical(
     let std = |place: usize| {
         let row = place % count;
         // What errors hardly exceed, as two standard deviations.
-        let of_blocks = 0.5 * chances.scale()[place] * discretization(row).unwrap_or(0.0);
+        let of_blocks = 0.5 * scales[place] * discretization(row).unwrap_or(0.0);
         run(row).unwrap_or(0.0).hypot(of_blocks)
     };
-    ((0..chances.scale().len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
+    ((0..scales.len()).map(std).collect(), (0..count).all(|row| discretization(row).is_some()))
 }
 
 /// Which inputs are off.
@@ -248,12 +232,6 @@ impl ChanceReport {
         }
         if !self.not_known.is_empty() {
             lines.push(format!("not in it, as nothing says how well it is known: {}", self.not_known.join(", ")));
-        }
-        if let Some(share) = self.with_discrepancy {
-            lines.push(format!(
-                "were the model as far off as on the calibration's patterned samples, the chance would be {}",
-                percent(share)
-            ));
         }
         lines
     }

@@ -12,7 +12,7 @@ use crate::multi_fidelity::MultiFidelityLoop;
 use crate::operating_conditions::Setting;
 use crate::task::DesignTask;
 use crate::uncertainty_budget::of_condition;
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_calibrate::uncertainty::{DiscrepancyAt, MaterialUncertainty};
 use slipgrid_results::ErrorsReport;
 use slipgrid_results::{fixed, with_error};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
@@ -103,7 +103,7 @@ const MEANING: &str = "at the condition designed for, and where values are lowes
 
 impl MultiFidelityLoop<'_> {
     /// What the best design does at every condition; `None` where there is one, and where the confirming run has no
-    /// friction. `errors` are those at the first, `outside`: whether each pressure lies outside the measured range there.
+    /// friction. `lacking` is what designs aim with beside the physics, at each load of each condition, `errors` are those at the first, `outside`: whether each pressure lies outside the measured range there.
     ///
     /// # Errors
     /// [`DesignError::Failed`] where the model has no answer.
@@ -111,6 +111,7 @@ impl MultiFidelityLoop<'_> {
         &self,
         design: &DesignTask,
         material: &MaterialUncertainty,
+        lacking: Option<&[DiscrepancyAt]>,
         errors: &ErrorsReport,
         outside: &[bool],
     ) -> Result<Option<ConditionsReport>, DesignError> {
@@ -121,6 +122,7 @@ impl MultiFidelityLoop<'_> {
             return Ok(None);
         };
         let model = &self.model;
+        let (factors, scales) = (model.factors(&best.design), model.scales(&best.design));
         let peaks_pa = model
             .peak_pressures_pa(&best.design)
             .map_err(|failure| DesignError::Failed(format!("further conditions: {failure}")))?;
@@ -141,7 +143,7 @@ impl MultiFidelityLoop<'_> {
                 let own_flat = run.and_then(|load| load.flat.as_ref()).and_then(|flat| flat.mu_dynamic);
                 // mu_flat = mu_d f(P): at one pressure it goes as mu_d
                 let mu_flat = own_flat.unwrap_or(flat[pressure] * share);
-                let factor = model.factor(own);
+                let factor = factors[own];
                 let (ratio, mu) = match run.and_then(|load| Some((load.ratio?, load.surface.mu_dynamic?))) {
                     Some((ratio, mu)) => (ratio * factor, mu * factor),
                     None if is_ratio => (values[own], values[own] * mu_flat),
@@ -180,8 +182,8 @@ impl MultiFidelityLoop<'_> {
             let ratios: Vec<f64> = own.by_pressure.iter().map(|value| value.ratio / value.factor).collect();
             let mu_flat: Vec<f64> = own.by_pressure.iter().map(|value| value.mu_flat).collect();
             let found = of_condition(
-                design,
                 material,
+                lacking.map(|all| all[place * count..(place + 1) * count].to_vec()),
                 (&scene, condition.condition.as_ref()),
                 run,
                 (&ratios, &mu_flat),
@@ -198,45 +200,44 @@ impl MultiFidelityLoop<'_> {
             at,
             worst: design.target.has_demands().then(|| greatest(misfits.iter().copied())),
             held,
-            conflict: if held { None } else { self.conflict(design, &conditions, &values) },
+            conflict: if held { None } else { conflict(design, &conditions, &scales, &values) },
         }))
     }
+}
 
-    /// The two conditions, and the pressure, at which values differ most beyond what the target allows, by flat friction
-    /// and by the `values` of the best design alike: ratios hardly depend on the coefficients.
-    fn conflict(&self, design: &DesignTask, conditions: &[Setting], values: &[f64]) -> Option<ConflictReport> {
-        let count = design.target.points().len();
-        let mut worst: Option<(f64, ConflictReport)> = None;
-        for (pressure, point) in design.target.points().iter().enumerate() {
-            let [Some(lowest), Some(highest)] = point.wanted.band() else { continue };
-            let scale: Vec<f64> =
-                (0..conditions.len()).map(|place| self.model.scale(place * count + pressure)).collect();
-            let (low, high) = (greatest(scale.iter().map(|s| -s)), greatest(scale.iter().copied()));
-            let flat_factor = scale[high] / scale[low];
-            let factor = values[high * count + pressure] / values[low * count + pressure];
-            // v at the one and q v at the other lie within [a, b] for some v where q a <= b
-            let beyond = flat_factor.min(factor) * lowest / highest;
-            if beyond <= 1.0 || worst.as_ref().is_some_and(|(most, _)| beyond <= *most) {
-                continue;
-            }
-            // (m + t) / (m - t) = q
-            let middle = f64::midpoint(lowest, highest);
-            let tolerance = middle * (factor - 1.0) / (factor + 1.0);
-            let mut report = ConflictReport {
-                pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
-                lowest_at: conditions[low].in_words(),
-                highest_at: conditions[high].in_words(),
-                flat_factor: tidy(flat_factor),
-                factor: tidy(factor),
-                accepted: [tidy(lowest), tidy(highest)],
-                needed: [tidy(middle - tolerance), tidy(middle + tolerance)],
-                words: String::new(),
-            };
-            report.words = report.in_words(design.discrepancy);
-            worst = Some((beyond, report));
+/// The two conditions, and the pressure, at which values differ most beyond what the target allows, by what ratios are multiplied
+/// by and by the `values` of the best design alike: ratios hardly depend on the coefficients.
+fn conflict(design: &DesignTask, conditions: &[Setting], scales: &[f64], values: &[f64]) -> Option<ConflictReport> {
+    let count = design.target.points().len();
+    let mut worst: Option<(f64, ConflictReport)> = None;
+    for (pressure, point) in design.target.points().iter().enumerate() {
+        let [Some(lowest), Some(highest)] = point.wanted.band() else { continue };
+        let scale: Vec<f64> = (0..conditions.len()).map(|place| scales[place * count + pressure]).collect();
+        let (low, high) = (greatest(scale.iter().map(|s| -s)), greatest(scale.iter().copied()));
+        let flat_factor = scale[high] / scale[low];
+        let factor = values[high * count + pressure] / values[low * count + pressure];
+        // v at the one and q v at the other lie within [a, b] for some v where q a <= b
+        let beyond = flat_factor.min(factor) * lowest / highest;
+        if beyond <= 1.0 || worst.as_ref().is_some_and(|(most, _)| beyond <= *most) {
+            continue;
         }
-        worst.map(|(_, report)| report)
+        // (m + t) / (m - t) = q
+        let middle = f64::midpoint(lowest, highest);
+        let tolerance = middle * (factor - 1.0) / (factor + 1.0);
+        let mut report = ConflictReport {
+            pressure_mpa: PRESSURE_MPA.from_si(point.pressure_pa),
+            lowest_at: conditions[low].in_words(),
+            highest_at: conditions[high].in_words(),
+            flat_factor: tidy(flat_factor),
+            factor: tidy(factor),
+            accepted: [tidy(lowest), tidy(highest)],
+            needed: [tidy(middle - tolerance), tidy(middle + tolerance)],
+            words: String::new(),
+        };
+        report.words = report.in_words(design.discrepancy);
+        worst = Some((beyond, report));
     }
+    worst.map(|(_, report)| report)
 }
 
 impl ConflictReport {

@@ -42,7 +42,7 @@ impl MultiFidelityLoop<'_> {
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
-        self.confirming.refine |= self.is_coarse(design, &predicted);
+        self.confirming.refine |= self.is_coarse(design, pattern, &predicted);
         let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
@@ -60,9 +60,9 @@ impl MultiFidelityLoop<'_> {
     }
 
     /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
-    fn is_coarse(&self, design: &DesignTask, predicted: &Simulation) -> bool {
-        let each = predicted.loads.iter().enumerate();
-        let most = each.filter_map(|(place, load)| Some(load.ratio_discretization_error? * self.model.scale(place)));
+    fn is_coarse(&self, design: &DesignTask, pattern: &Pattern, predicted: &Simulation) -> bool {
+        let each = predicted.loads.iter().zip(self.model.scales(pattern));
+        let most = each.filter_map(|(load, scale)| Some(load.ratio_discretization_error? * scale));
         most.fold(0.0, f64::max) > OF_TOLERANCE * design.target.tolerance()
     }
 

@@ -5,9 +5,9 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
 use crate::evaluation_cache::Answer;
+use crate::pattern_effect::Effect;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
-use crate::trial_domain::Effect;
 use slipgrid_export::Specimen;
 
 /// A quantity of a design that can be limited.
@@ -25,12 +25,6 @@ pub enum ConstraintQuantity {
     Clearance,
     /// Least local pressure over the nominal one, at any target pressure: negative under tension.
     LeastPressure,
-    /// Share of the endless pattern that is cavity.
-    PatternDensity,
-    /// Depth of a cavity.
-    Depth,
-    /// 1 where no trial behind the discrepancy had the planform, 0 otherwise.
-    OtherPlanform,
     /// Distance from the flat surface by the physics alone, in tolerances.
     Effect,
 }
@@ -55,9 +49,9 @@ impl Limited {
         }
     }
 
-    /// Whether by the physics behind `values` a pattern does less than limits demand.
-    pub fn does_too_little(&self, values: &[f64]) -> bool {
-        self.measures.contains(&ConstraintQuantity::Effect) && self.effect.of(values) < 1.0
+    /// Whether by `physics`, values without the discrepancy, a pattern does less than limits demand.
+    pub fn does_too_little(&self, physics: &[f64]) -> bool {
+        self.measures.contains(&ConstraintQuantity::Effect) && self.effect.of(physics) < 1.0
     }
 
     /// Whether the specimen takes `pattern`: what cannot be drawn for the laser is no answer.
@@ -74,12 +68,12 @@ impl Limited {
         self.measures.contains(&ConstraintQuantity::Clearance)
     }
 
-    /// The quantities of `pattern`, of which the model says `answer` and gives `values` of the target's quantity, in the order of
-    /// the limits, SI units.
+    /// The quantities of `pattern`, of which the model says `answer` and, without the discrepancy, gives the values `physics` of the
+    /// target's quantity, in the order of the limits, SI units.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the specimen cannot take the pattern.
-    pub fn values(&self, pattern: &Pattern, answer: &Answer, values: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+    pub fn values(&self, pattern: &Pattern, answer: &Answer, physics: &[f64]) -> Result<Vec<f64>, ModelFailure> {
         self.measures
             .iter()
             .map(|measure| {
@@ -91,10 +85,7 @@ impl Limited {
                     // Where nothing is left that could sag, nothing does.
                     ConstraintQuantity::Clearance => answer.clearance_m().unwrap_or_else(|| pattern.depth_m()),
                     ConstraintQuantity::LeastPressure => answer.least_pressure,
-                    ConstraintQuantity::PatternDensity => pattern.areal_density(),
-                    ConstraintQuantity::Depth => pattern.depth_m(),
-                    ConstraintQuantity::OtherPlanform => 1.0,
-                    ConstraintQuantity::Effect => self.effect.of(values),
+                    ConstraintQuantity::Effect => self.effect.of(physics),
                 })
             })
             .collect()

@@ -40,10 +40,10 @@ impl MultiFidelityLoop<'_> {
     /// none was made by the steady model about that at the condition designed for. Absent where a run gave none.
     pub(super) fn confirmed_each(&self) -> Vec<Option<f64>> {
         let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Vec::new() };
-        let first = self.model.confirmed(0, confirmed);
+        let first = self.model.confirmed(&best.design, 0, confirmed);
         let of = |(place, at): (usize, &Further)| match &at.confirmed {
-            Some(run) => self.model.confirmed(place + 1, run),
-            None => self.model.about(place + 1, &best.response.value, &first),
+            Some(run) => self.model.confirmed(&best.design, place + 1, run),
+            None => self.model.about(&best.design, place + 1, &best.response.value, &first),
         };
         let further: Vec<Option<f64>> = self.further.iter().enumerate().flat_map(of).collect();
         first.into_iter().chain(further).collect()

@@ -53,8 +53,6 @@ pub enum TaskPart {
     FurtherConditions,
     /// Number `.0` of the target's pressures.
     Pressure(usize),
-    /// The wish to aim with the material's discrepancy.
-    Discrepancy,
     /// The size of blocks.
     BlockSize,
 }

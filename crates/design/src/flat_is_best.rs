@@ -24,9 +24,7 @@ impl MultiFidelityLoop<'_> {
     /// What the flat surface does about the target of `design`, where it is better than any pattern.
     pub(super) fn flat_is_best(&self, design: &DesignTask) -> Option<FlatReport> {
         let target = &design.target;
-        // The discrepancy is one of patterned samples: it lowers what patterns reach, not the flat surface.
-        let most: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
-        let flat: Vec<f64> = most.iter().enumerate().map(|(load, most)| most / self.model.factor(load)).collect();
+        let flat: Vec<f64> = (0..target.values()).map(|load| self.model.scale(load)).collect();
         let quantity = match target.quantity() {
             Quantity::Ratio => "ratio",
             Quantity::DynamicFriction => "dynamic friction",
@@ -35,24 +33,21 @@ impl MultiFidelityLoop<'_> {
         let asked = |of: &[f64]| -> Vec<(Demand, f64)> {
             of.iter().enumerate().map(|(place, value)| (points[place % points.len()], *value)).collect()
         };
-        // The demand that lies highest above what no pattern exceeds.
-        let above = asked(&most)
+        // The demand that lies highest above what no pattern exceeds by the physics.
+        let above = asked(&flat)
             .into_iter()
-            .filter_map(|(point, most)| Some((point, most, point.wanted.band()[0]? - most)))
+            .filter_map(|(point, flat)| Some((point, flat, point.wanted.band()[0]? - flat)))
             .filter(|(_, _, by)| *by > 0.0)
             .max_by(|a, b| a.2.total_cmp(&b.2));
-        if let Some((point, most, by)) = above.filter(|_| self.status == Status::Unreachable) {
-            let limit = if design.discrepancy {
-                "with the discrepancy no pattern exceeds"
-            } else {
-                "the flat surface, which no pattern exceeds, has"
-            };
+        // What the model lacks may raise friction.
+        if let Some((point, flat, by)) = above.filter(|_| self.status == Status::Unreachable && !design.discrepancy) {
             return Some(FlatReport {
                 words: format!(
-                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and {limit} {}",
+                    "this model only lowers friction: at {} MPa a {quantity} of at least {} is wanted, and the flat surface, which no \
+                     pattern exceeds, has {}",
                     PRESSURE_MPA.from_si(point.pressure_pa),
-                    fixed(Some(most + by), 4),
-                    fixed(Some(most), 4),
+                    fixed(Some(flat + by), 4),
+                    fixed(Some(flat), 4),
                 ),
                 suffices: false,
             });

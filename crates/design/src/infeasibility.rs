@@ -11,7 +11,6 @@ use slipgrid_optimize::{
 use std::cell::Cell;
 
 use crate::DesignError;
-use crate::constraint_quantities::ConstraintQuantity;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -88,7 +87,7 @@ impl MultiFidelityLoop<'_> {
     ) -> Result<Option<ExplanationReport>, DesignError> {
         let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
         // No limit is the reason where physics is.
-        if self.flat_is_best(design).is_some() || design.quantities.contains(&ConstraintQuantity::OtherPlanform) {
+        if self.flat_is_best(design).is_some() {
             return Ok(None);
         }
         let bar = self.stage("why not");

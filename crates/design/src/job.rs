@@ -10,16 +10,16 @@ use slipgrid_units::tidy;
 use crate::chance::Chances;
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::evaluation_cache::EvaluationCache;
+use crate::learned::LearnedDiscrepancy;
 use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
-use crate::next_trial::advice;
 use crate::outcome::{DesignReport, MisfitReport, patterns};
 use crate::target_report::{GoalReport, TargetReport};
 use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{
-    DesignError, flat_is_best, lattice_table, operating_conditions, reachable_range, rim_sensitivity, robustness,
-    selection, sensitivity, trade_offs, trial_domain, uncertainty_budget,
+    DesignError, flat_is_best, lattice_table, operating_conditions, pattern_effect, reachable_range, rim_sensitivity,
+    robustness, selection, sensitivity, trade_offs, uncertainty_budget,
 };
 
 /// What a job found.
@@ -31,7 +31,7 @@ pub struct DesignOutcome {
     pub status: Status,
     /// The design.
     pub pattern: Pattern,
-    /// The task with its conditions known and, where it aims with the discrepancy, kept near the trials behind that.
+    /// The task with its conditions known.
     pub task: DesignTask,
     /// The material as it was used.
     pub material: KnownMaterial,
@@ -102,15 +102,17 @@ fn every_step(
     let (loads, outside) = task.loads(&material)?;
     let further = operating_conditions::further(&task, &material)?;
     task.target = task.target.at_conditions(1 + further.len());
-    trial_domain::keep_near(&mut task, uncertainty.discrepancy_domain.as_ref());
+    pattern_effect::demand_effect(&mut task);
     if task.table {
         lattice_table::check(&task)?;
     }
     let (design, uncertainty) = (&task, &uncertainty);
 
-    let factors = operating_conditions::all_factors(design, uncertainty, &loads, &further);
     let mut found = MultiFidelityLoop::new(design, &material, loads.clone(), further, budget, monitor, &mut timings)?;
-    found.model.aim_with(factors);
+    if design.discrepancy {
+        let learned = LearnedDiscrepancy::new(design, uncertainty, &found.further, &found.model)?;
+        found.model.aim_with(learned);
+    }
     found.chances = Some(Chances::new(design, uncertainty, &found.model, &found.further)?);
     let conditions = std::iter::once(design.condition).chain(found.further.iter().map(|further| further.at.condition));
     let excess = conditions.map(|condition| uncertainty.excess(&design.pressures_pa(), condition.as_ref()));
@@ -153,24 +155,23 @@ fn every_step(
     let value = &best.response.value;
     let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
     let rim_std = found.chances.as_ref().and_then(|chances| chances.rim_std(&pattern));
-    let errors = uncertainty_budget::of_design(design, uncertainty, &confirming, confirmed, value, rim_std.as_deref())?;
-    // What a sample does whose discrepancy nobody knows has no chance that could be said.
-    let is_far = design.discrepancy
-        && uncertainty.discrepancy_domain.as_ref().is_some_and(|domain| !domain.far(&pattern).is_empty());
-    let chance = match found.chances.as_ref().filter(|_| !is_far) {
+    let failed = |failure: ModelFailure| DesignError::Failed(format!("discrepancy: {failure}"));
+    let learned = found.model.learned();
+    let lacking = learned.map(|learned| learned.each(&pattern)).transpose().map_err(failed)?;
+    let errors = uncertainty_budget::of_design(
+        design,
+        uncertainty,
+        (&confirming, confirmed),
+        value,
+        rim_std.as_deref(),
+        lacking.as_deref(),
+    )?;
+    let chance = match found.chances.as_ref() {
         Some(chances) => found.chance(design, uncertainty, chances, &errors.report)?,
         None => None,
     };
-    let of_trials = advice::Found {
-        scene: &found.scene,
-        further: &found.further,
-        model: &found.model,
-        pattern: &pattern,
-        confirmed,
-    };
-    let known = KnownMaterial { material: material.clone(), uncertainty: uncertainty.clone() };
-    let advice = advice::of_design(design, &known, &of_trials)?;
-    let conditions = found.conditions_report(design, uncertainty, &errors.report, &outside)?;
+    let advice = found.advice(design, uncertainty)?;
+    let conditions = found.conditions_report(design, uncertainty, lacking.as_deref(), &errors.report, &outside)?;
     let reachable = reachable_range::of_search(design, uncertainty, &found, &probing)?;
     let mut cut_short = found.cut_short.clone();
     cut_short.extend(probing.is_out_of_time().then_some("slopes and tolerances"));
@@ -218,7 +219,10 @@ fn every_step(
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: value[..loads.len()].to_vec(),
         confirmed: load_reports(confirmed, sectioned, &outside),
-        discrepancy: DiscrepancyReport::new(design, uncertainty, &loads, &errors, &pattern),
+        discrepancy: learned
+            .zip(lacking.as_ref())
+            .zip(errors.physics.as_ref())
+            .map(|((learned, lacking), physics)| DiscrepancyReport::new(design, learned.trials(), lacking, physics)),
         goal: GoalReport::new(&design.target, value, found.confirmed_values().as_deref(), &errors.report),
         errors: errors.report,
         conditions,

@@ -17,7 +17,8 @@
 //! | `confirmation`, `flat_sample`, `dynamic_excess` | runs in time: of the design, of the flat sample, and how both agree with calibration |
 //! | `specimen` | a pattern solved on the specimen that it is cut into |
 //! | `operating_conditions`, `decisive_conditions`, `conditions_report` | further speeds, humidities and sliding directions |
-//! | `constraint_quantities`, `trial_domain` | what limits hold, and where a discrepancy may be used |
+//! | `constraint_quantities`, `pattern_effect` | what limits hold |
+//! | `learned` | what trials say that the model lacks, which designs may aim with |
 //! | `selection`, `chance`, `chance_report` | the choice among designs on target by their chance |
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
 //! | `robustness`, `robust_search`, `sensitivity`, `rim_sensitivity` | what tolerances make of the design, and its slopes |
@@ -45,10 +46,12 @@ mod flat_sample;
 mod infeasibility;
 mod job;
 mod lattice_table;
+mod learned;
 mod multi_fidelity;
 mod next_trial;
 mod operating_conditions;
 mod outcome;
+mod pattern_effect;
 mod reachable_range;
 mod rim_sensitivity;
 mod robust_search;
@@ -64,7 +67,6 @@ mod task;
 mod time_budget;
 mod timings;
 mod trade_offs;
-mod trial_domain;
 mod uncertainty_budget;
 
 // What a task is made of, so that a program needs no other crate.
@@ -96,20 +98,19 @@ pub use task::{
 pub mod records {
     pub use crate::chance_report::{ChanceReport, PartReport};
     pub use crate::conditions_report::{ConditionReport, ConditionValue, ConditionsReport, ConflictReport};
-    pub use crate::discrepancy_correction::{DiscrepancyReport, FactorReport, MisfitReading, Reading};
+    pub use crate::discrepancy_correction::{DiscrepancyReport, FactorReport, Reading};
     pub use crate::flat_is_best::FlatReport;
     pub use crate::infeasibility::{ExplanationReport, NearestReport, ReliefReport};
     pub use crate::lattice_table::{NodeReport, TableReport};
     pub use crate::reachable_range::ReachableReport;
     pub use crate::rim_sensitivity::{RimSensitivityReport, RimSlopeReport};
     pub use crate::robustness_report::{
-        CorrectedReport, Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport,
-        ScatterReport, SpreadReport,
+        Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport,
+        SpreadReport,
     };
     pub use crate::selection::SelectionReport;
     pub use crate::sensitivity::{Dimensions, SensitivityReport, SlopesReport};
     pub use crate::target_report::{GoalReport, TargetReport, Tolerance};
     pub use crate::timings::{ImprovementReport, Timings};
     pub use crate::trade_offs::{ListedDesign, TradeOffsReport};
-    pub use crate::trial_domain::DomainReport;
 }

@@ -12,7 +12,6 @@ use crate::DesignError;
 use crate::cache_key::cache_key;
 use crate::chance::Chances;
 use crate::confirmation::WARM_TRAVEL_M;
-use crate::constraint_quantities::ConstraintQuantity;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
@@ -106,16 +105,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let warm =
             RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
         let confirming = if design.from_rest { from_rest } else { warm };
-        let scene = Scene {
-            elastic: material.elastic,
-            area_law: material.area_law.clone(),
-            pattern: None,
-            relief: None,
-            layer: design.layer,
-            loads,
-            speed_m_s: design.speed_m_s,
-            run: confirming,
-        };
+        let scene = design.flat_scene(material, loads, confirming);
         let started_s = monitor.seconds();
         let flat_mu = match design.target.quantity() {
             Quantity::Ratio => None,
@@ -203,10 +193,6 @@ impl<'a> MultiFidelityLoop<'a> {
                 break;
             }
         }
-        // No evaluation more would change the planform.
-        if self.status == Status::Budget && design.quantities.contains(&ConstraintQuantity::OtherPlanform) {
-            self.status = Status::Unreachable;
-        }
         // What is reported stands on them, too.
         self.confirm_further(design, timings)
     }
@@ -218,7 +204,7 @@ impl<'a> MultiFidelityLoop<'a> {
         cache: &'a mut dyn EvaluationCache,
     ) -> Result<(), DesignError> {
         let asked = self.model.asked();
-        let key = cache_key(asked, design.space.texture(), &design.directions.different_deg);
+        let key = cache_key(asked, design.space.texture(), &design.directions.different_deg, design.discrepancy);
         let place = cache.place();
         let (evaluations, known) = Evaluations::cached(cache, &key, asked.loads.len())?;
         if known > 0 {
@@ -259,7 +245,8 @@ impl<'a> MultiFidelityLoop<'a> {
     /// Corrects the model at the confirmed design; returns the largest change.
     pub(super) fn correct(&mut self) -> f64 {
         let confirmed = self.confirmed_each();
-        self.missed = self.best.as_ref().map_or(0.0, |best| self.model.correct(&best.response.value, &confirmed));
+        let Some(best) = &self.best else { return 0.0 };
+        self.missed = self.model.correct(&best.design, &best.response.value, &confirmed);
         self.missed
     }
 
@@ -332,7 +319,8 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     pub(super) fn is_confirmed(&self, design: &DesignTask) -> bool {
-        let does_enough = |values: &Vec<f64>| !self.model.does_too_little(values);
+        let Some(best) = &self.best else { return false };
+        let does_enough = |values: &Vec<f64>| !self.model.does_too_little(&best.design, values);
         self.confirmed_values().filter(does_enough).is_some_and(|values| design.target.misfit(&values).max <= 1.0)
     }
 }

@@ -1,12 +1,10 @@
 //! Where the target must hold beside what is designed for: further speeds and humidities, and further sliding directions.
 
-use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_material::{Condition, Material};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Load, Simulation};
 
 use crate::DesignError;
-use crate::discrepancy_correction::factors;
 use crate::task::DesignTask;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
@@ -88,20 +86,4 @@ pub fn further(design: &DesignTask, material: &Material) -> Result<Vec<Further>,
         }
     }
     Ok(all)
-}
-
-/// What values are multiplied by before they are compared with the target: at each of `loads` of the condition designed for,
-/// then at those of each of `further`, with the discrepancy of its humidity.
-#[must_use]
-pub fn all_factors(
-    design: &DesignTask,
-    material: &MaterialUncertainty,
-    loads: &[Load],
-    further: &[Further],
-) -> Vec<f64> {
-    let at = |further: &Further| {
-        let humidity = further.at.condition.map(|condition| condition.humidity);
-        factors(design, material, humidity, &further.loads)
-    };
-    factors(design, material, design.humidity(), loads).into_iter().chain(further.iter().flat_map(at)).collect()
 }

@@ -241,11 +241,10 @@ impl DesignReport {
             let peak = fixed(self.predicted.get(row).map(|load| load.peak_pressure_mpa), 2);
             table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
         }
-        let aims = self.discrepancy.as_ref().is_some_and(|found| found.used);
         text += &format!(
             "  {}{} (predicted: steady cell{}; confirmed: {})\n{table}",
             self.target.quantity,
-            if aims { ", aimed with the discrepancy of patterned samples" } else { "" },
+            if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
             self.confirmation()
         );
@@ -293,11 +292,6 @@ impl DesignReport {
         }
         for conflict in self.conditions.iter().filter_map(|conditions| conditions.conflict.as_ref()) {
             text += &format!("  why: {}\n", conflict.words);
-        }
-        let restriction =
-            self.discrepancy.as_ref().filter(|_| self.status != "met").and_then(DiscrepancyReport::restriction);
-        if let Some(reason) = restriction {
-            text += &format!("  why: {reason}\n");
         }
         for reason in self.explanation.iter().flat_map(ExplanationReport::lines) {
             text += &format!("  why: {reason}\n");

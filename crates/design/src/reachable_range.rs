@@ -1,14 +1,13 @@
 //! What designs within bounds and limits reach.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::uncertainty::Slopes;
+use slipgrid_calibrate::uncertainty::{InputUncertainty, Slopes};
 use slipgrid_optimize::{Quantity, ReachableRange, Status};
 use slipgrid_pattern::Pattern;
 
 use crate::DesignError;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
-use crate::uncertainty_budget::knowledge;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_units::{PRESSURE_MPA, tidy};
@@ -40,15 +39,18 @@ pub(super) fn of_search(
     bar: &Stage<'_>,
 ) -> Result<Vec<ReachableReport>, DesignError> {
     let is_open = found.status != Status::Met;
-    let knowledge = knowledge(design, material, &found.scene, design.condition.as_ref())?;
+    let known = material.at_loads(found.scene.area_law.as_ref(), &found.scene.loads, design.condition.as_ref())?;
     let std = |place: usize, pattern: &Pattern, value: f64| {
         if bar.cancelled() {
             return None;
         }
-        let slopes = Slopes::new(&found.model.scene(pattern), &knowledge);
-        // A value is a ratio times what the target's quantity takes it by.
-        let (scale, factor) = (found.model.scale(place), found.model.factor(place));
-        let of = slopes.deviations(place, value / scale, scale / factor, &knowledge)?;
+        let slopes = Slopes::new(&found.model.scene(pattern), &known);
+        let lacking = found.model.learned().map(|learned| learned.each(pattern)).transpose().ok()?;
+        // A value is a ratio times what the target's quantity and the discrepancy take it by.
+        let factor = lacking.as_ref().map_or(1.0, |all| all[place].factor);
+        let scale = found.model.scale(place);
+        let knowledge = InputUncertainty { discrepancy: lacking, ..known.clone() };
+        let of = slopes.deviations(place, value / (scale * factor), scale, &knowledge)?;
         Some(match design.target.quantity() {
             Quantity::Ratio => of.ratio,
             Quantity::DynamicFriction => of.mu,

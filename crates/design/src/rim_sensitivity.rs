@@ -112,13 +112,13 @@ pub fn report(
         Err(ModelFailure::Cancelled) => return Ok(None),
         Err(failure) => return Err(DesignError::Failed(failure.to_string())),
     };
-    let rows = asked.pressures.min(slopes.len());
+    let (rows, scales) = (asked.pressures.min(slopes.len()), asked.model.scales(asked.design));
     // A metre's slope times 1e-6 is a micrometre's.
     let slope = |(load, [per_m, error_per_m]): (usize, &[f64; 2])| {
         // A model that keeps one load of several keeps the lowest pressure.
         let pressure_pa = model.asked().loads[load].pressure_pa;
         let place = asked.model.asked().loads[..asked.pressures].iter().position(|own| own.pressure_pa == pressure_pa);
-        let scale = asked.model.scale(place.unwrap_or(load));
+        let scale = scales[place.unwrap_or(load)];
         RimSlopeReport {
             pressure_mpa: PRESSURE_MPA.from_si(pressure_pa),
             per_um: tidy(scale * per_m * 1e-6),

@@ -1,7 +1,6 @@
 //! What tolerances of manufacture and errors of the calibration make of a design's friction.
 
-use slipgrid_calibrate::Discrepancy;
-use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, log_covariance, moved, with_scale};
+use slipgrid_calibrate::uncertainty::{Covariance, ScaleShift, moved, with_scale};
 use slipgrid_material::MaterialError;
 use slipgrid_optimize::{
     Linearization, ModelFailure, Propagation, Quantity, SearchError, Spread, Target, UncertainModel, Uncertainty,
@@ -14,8 +13,8 @@ use crate::DesignError;
 use crate::chance::RIM_HEIGHT;
 use crate::robust_search::RobustChoice;
 use crate::robustness_report::{
-    CorrectedReport, InputReport, MEANING, ON_PATTERNED, OptimumReport, PressureParts, PressureReport,
-    RobustnessReport, ScatterReport, SpreadReport, distribution,
+    InputReport, MEANING, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport, SpreadReport,
+    distribution,
 };
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -51,16 +50,12 @@ struct Request<'a> {
     target: &'a Target,
     /// Target values are ratios to the flat surface.
     is_ratio: bool,
-    /// Values are those that the discrepancy corrects.
-    aims: bool,
     /// How samples scatter.
     tolerances: &'a SampleScatter,
     /// How well the material is known.
     material: &'a MaterialUncertainty,
     /// Relative covariance of the loads' coefficients; `None` where it is not known.
     friction_covariance: Option<Vec<Vec<f64>>>,
-    /// Measured over modelled ratio on patterned samples.
-    discrepancy: Option<Discrepancy>,
     /// Seed of the draws.
     seed: u64,
 }
@@ -94,11 +89,9 @@ impl<'a> Request<'a> {
             about,
             target: &design.target,
             is_ratio: design.target.quantity() == Quantity::Ratio,
-            aims: design.discrepancy,
             tolerances,
             material,
             friction_covariance: material.friction_covariance(&design.pressures_pa(), design.condition.as_ref()),
-            discrepancy: material.discrepancy_at(design.humidity()),
             seed: design.seed,
         }
     }
@@ -119,9 +112,8 @@ struct AboutDesign<'a> {
     flat_mu: Vec<f64>,
     parameters: Parameters,
     scale_is_fitted: bool,
-    discrepancy: Option<Discrepancy>,
-    /// Values are the corrected ones alone.
-    aims: bool,
+    /// What ratios are multiplied by: the discrepancy's median where designs aim with it.
+    factor: Vec<f64>,
 }
 
 /// Places of the parameters among the deviations; absent where one is not uncertain.
@@ -133,7 +125,7 @@ struct Parameters {
     modulus: Option<usize>,
     /// The area law's factors, in standard errors.
     law: Option<usize>,
-    /// First of the logarithmic errors of the discrepancy, one per load.
+    /// First of the logarithmic errors of the discrepancy, one per load; Young's modulus is in them.
     discrepancy: Option<usize>,
     count: usize,
 }
@@ -154,25 +146,12 @@ fn report(request: &Request<'_>) -> Result<Option<RobustnessReport>, DesignError
     let is_known = about.parameters.count > 0;
     let samples = drawn(&made)?;
     let all = if is_known { Some(drawn(&uncertainty)?) } else { None };
-    let count = about.scene.loads.len();
     Ok(Some(RobustnessReport {
         meaning: MEANING.into(),
         method: if is_linear { "linearized" } else { "sampled" }.into(),
         inputs: inputs(request, &about, &uncertainty),
         samples: scatter(request, &about, &samples),
         with_material: all.as_ref().map(|all| scatter(request, &about, all)),
-        with_discrepancy: about.discrepancy.as_ref().filter(|_| !about.aims).zip(all.as_ref()).map(|(found, all)| {
-            let spreads = all.spreads();
-            let within = all.probability(|values| is_met(request, &values[2 * count..]));
-            CorrectedReport {
-                factor: about.scene.loads.iter().map(|load| tidy(found.factor(load.pressure_pa))).collect(),
-                probability: is_asked(request).then(|| tidy(within.share)),
-                probability_stderr: is_asked(request).then(|| tidy(within.stderr)),
-                by_pressure: (0..count)
-                    .map(|load| pair(&spreads[2 * count..], request.is_ratio, load, count))
-                    .collect(),
-            }
-        }),
         parts: parts(&about, &uncertainty, &first_order),
         optimum: request.about.choice.map(|choice| {
             // In space a draw costs a tenth of a second.
@@ -223,12 +202,26 @@ impl<'a> AboutDesign<'a> {
             modulus = friction.map(|first| first + count);
         } else {
             friction = request.friction_covariance.clone().and_then(&mut add);
-            modulus = material.modulus_std(model.area_law()).and_then(|std| add(vec![vec![std * std]]));
+            let own = material.modulus_std(model.area_law()).filter(|_| model.learned().is_none());
+            modulus = own.and_then(|std| add(vec![vec![std * std]]));
         }
         let has_errors = model.area_law().and_then(|law| law.factor_std()).is_some();
         let law = has_errors.then(|| add(vec![vec![1.0]])).flatten();
-        let discrepancy = request.discrepancy.clone();
-        let errors = discrepancy.as_ref().and_then(|found| add(log_covariance(found, loads)));
+        let prediction = match model.learned() {
+            Some(learned) => {
+                let slopes = learned.modulus_sensitivity(request.about.pattern)?;
+                Some(learned.prediction(request.about.pattern, &slopes))
+            }
+            None => None,
+        };
+        // A normal distribution of the mixture's covariance about its median.
+        let errors = prediction.as_ref().and_then(|prediction| {
+            let (_, all) = prediction.mixed();
+            let row = |row: usize| all[row * prediction.loads()..][..count].to_vec();
+            add((0..count).map(row).collect())
+        });
+        let factor =
+            prediction.map_or_else(|| vec![1.0; count], |found| found.medians().iter().map(|d| d.exp()).collect());
         let mut covariance = vec![vec![0.0; parameters.count]; parameters.count];
         let mut first = 0;
         for block in &blocks {
@@ -248,8 +241,7 @@ impl<'a> AboutDesign<'a> {
             scene,
             parameters,
             scale_is_fitted: material.scale_covariance.is_some(),
-            discrepancy,
-            aims: request.aims,
+            factor,
         };
         Ok(Some((about, covariance)))
     }
@@ -282,25 +274,11 @@ impl UncertainModel for AboutDesign<'_> {
         let scale = ScaleShift { log: log_modulus, is_fitted: self.scale_is_fitted };
         let moved = moved(&self.scene, &flat, scale, at(self.parameters.law, 0)).map_err(trial)?;
         let steady = self.model.ratios_of(&moved, design, &self.designed)?;
-        let ratio: Vec<f64> = steady.iter().zip(&self.offset).map(|(steady, offset)| steady + offset).collect();
-        let mut values = self.ordered(&ratio, &flat);
-        if let Some(found) = &self.discrepancy {
-            let corrected: Vec<f64> = (0..count)
-                .map(|load| {
-                    let pressure_pa = self.scene.loads[load].pressure_pa;
-                    // A stiffer surface would have left the fit less to correct.
-                    let of_fit = found.modulus_sensitivity_at(pressure_pa);
-                    let log = at(self.parameters.discrepancy, load) - of_fit * log_modulus;
-                    ratio[load] * found.factor(pressure_pa) * log.exp()
-                })
-                .collect();
-            let corrected = self.ordered(&corrected, &flat);
-            if self.aims {
-                return Ok(corrected);
-            }
-            values.extend(corrected);
-        }
-        Ok(values)
+        // r F exp(d): F the discrepancy's median, d its own error
+        let off = |load: usize| self.factor[load] * at(self.parameters.discrepancy, load).exp();
+        let ratio = steady.iter().zip(&self.offset).enumerate();
+        let ratio: Vec<f64> = ratio.map(|(load, (steady, offset))| (steady + offset) * off(load)).collect();
+        Ok(self.ordered(&ratio, &flat))
     }
 }
 
@@ -355,7 +333,7 @@ fn parts(about: &AboutDesign<'_>, uncertainty: &Uncertainty, first_order: &Linea
         ("flat friction", parameter(about.parameters.friction, count)),
         (about.scale_name(), parameter(about.parameters.modulus, 1)),
         ("area law", parameter(about.parameters.law, 1)),
-        ("discrepancy", parameter(about.parameters.discrepancy.filter(|_| about.aims), count)),
+        ("discrepancy", parameter(about.parameters.discrepancy, count)),
     ];
     let known: Vec<(&str, Vec<f64>)> = groups
         .into_iter()
@@ -436,16 +414,12 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             basis: "windows of the altitude map, all factors off to the same side".to_owned(),
         });
     }
-    if let (Some(first), Some(found)) = (about.parameters.discrepancy, &request.discrepancy) {
+    if let Some(first) = about.parameters.discrepancy {
         inputs.push(InputReport {
-            name: format!("{}, at each load", if about.aims { "discrepancy" } else { ON_PATTERNED }),
+            name: "discrepancy, at each load".to_owned(),
             std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%".into(),
-            basis: format!(
-                "{} degrees of freedom; {}",
-                found.degrees_of_freedom,
-                if about.aims { "the design aims with it" } else { "only in the numbers corrected by it" }
-            ),
+            basis: "what trials leave open of what the model lacks, with Young's modulus".to_owned(),
         });
     }
     inputs

@@ -15,9 +15,6 @@ use slipgrid_units::tidy;
 pub const MEANING: &str = "Standard deviations of the dimensions are those of a sample's mean: samples differ by so much, \
                            and how the cavities of one sample scatter about its mean is averaged away by friction";
 
-/// How the input begins that corrected numbers alone have.
-pub const ON_PATTERNED: &str = "model on patterned samples";
-
 /// What samples made after a design do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobustnessReport {
@@ -32,8 +29,6 @@ pub struct RobustnessReport {
     /// What is not known of the material as well, which all samples share: how far the prediction holds. Null where
     /// nothing is known of the material's errors.
     pub with_material: Option<ScatterReport>,
-    /// The same, were the model as far off as on the calibration's patterned samples; null where there are none.
-    pub with_discrepancy: Option<CorrectedReport>,
     /// Parts of the scatter to first order, one per pressure.
     pub parts: Vec<PressureParts>,
     /// How the design was chosen, where it was searched for being robust.
@@ -114,19 +109,6 @@ pub struct Distribution {
     pub band_95: [f64; 2],
 }
 
-/// Numbers times measured over modelled ratio of patterned samples.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CorrectedReport {
-    /// Measured over modelled ratio, by pressure.
-    pub factor: Vec<f64>,
-    /// Share of samples of what is accepted at all pressures; null where the target has a goal alone.
-    pub probability: Option<f64>,
-    /// Its binomial standard error.
-    pub probability_stderr: Option<f64>,
-    /// One per pressure.
-    pub by_pressure: Vec<SpreadReport>,
-}
-
 /// The robust optimum beside the nominal one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptimumReport {
@@ -174,7 +156,6 @@ impl RobustnessReport {
         }
         let names = |is_length: bool| {
             let named = self.inputs.iter().filter(|input| (input.unit == "um") == is_length);
-            let named = named.filter(|input| !input.name.starts_with(ON_PATTERNED));
             named.map(InputReport::words).collect::<Vec<_>>().join(", ")
         };
         let mut text = format!("  ratio of samples made with {}\n", names(true));
@@ -187,13 +168,6 @@ impl RobustnessReport {
                 "  with what is not known of the material ({}), numerical error aside: {}\n",
                 names(false),
                 material.words("", "")
-            );
-        }
-        if let Some(corrected) = &self.with_discrepancy {
-            text += &format!(
-                "  were the model as far off as on the calibration's patterned samples (ratios times {}): {}\n",
-                list(&corrected.factor),
-                percent(corrected.probability, corrected.probability_stderr),
             );
         }
         if let Some(optimum) = &self.optimum {
@@ -253,8 +227,4 @@ impl OptimumReport {
             fixed(self.nominal_expected_rms, 2),
         )
     }
-}
-
-fn list(values: &[f64]) -> String {
-    values.iter().map(|value| fixed(Some(*value), 3)).collect::<Vec<_>>().join(", ")
 }

@@ -3,15 +3,17 @@
 use slipgrid_calibrate::uncertainty::{
     Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
 };
+use slipgrid_discrepancy::Features;
 use slipgrid_material::{Condition, MaterialError};
 use slipgrid_results::errors::{
     BEHIND, BLOCKS, DRAWS, ErrorReport, LAYOUT, NO_SLOPES, PartsReport, PressureErrors, STATIC, TIME_AND_DRAWS,
     TIME_AVERAGE,
 };
 use slipgrid_results::{CorrectedAt, CorrectedReport, ErrorsReport};
-use slipgrid_springblock::{Extent, Fidelity, LoadOutcome, Scene, Simulation, SurfaceOutcome};
+use slipgrid_springblock::{Extent, Fidelity, Load, LoadOutcome, Scene, Simulation, SurfaceOutcome};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
+use crate::learned::usual_humidity;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 
 /// Name of the one error of a flat surface.
@@ -141,7 +143,7 @@ impl Solved<'_> {
     }
 }
 
-/// Errors of `scene`, solved, and its numbers with the discrepancy where its material has one.
+/// Errors of `scene`, solved, and its numbers times what trials say that the model lacks, where its material has trials.
 ///
 /// # Errors
 /// [`MaterialError`] for an area law that cannot be moved by its errors.
@@ -156,33 +158,30 @@ pub fn of_scene(
     let solved = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes };
     let rows = solved.errors();
     let errors = ErrorsReport::new(rows.clone(), solved.unknown(uncertainty, &rows), false);
-    let found = uncertainty.discrepancy_at(condition.map(|condition| condition.humidity));
-    let Some((found, pattern)) = found.zip(scene.pattern.as_ref()) else {
-        return Ok((errors, None));
+    let learned = uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty());
+    let Some((learned, pattern)) = learned.zip(scene.pattern.as_ref()) else { return Ok((errors, None)) };
+    let humidity = condition.map_or_else(|| usual_humidity(learned), |condition| condition.humidity);
+    let at = |load: &Load| slipgrid_discrepancy::Load {
+        pressure_pa: load.pressure_pa,
+        speed_m_s: scene.speed_m_s,
+        humidity,
     };
-    let factors = DiscrepancyAt::each(&found, &scene.loads);
+    let places: Vec<slipgrid_discrepancy::Load> = scene.loads.iter().map(at).collect();
+    let ratios: Vec<f64> = simulation.loads.iter().map(|load| load.ratio.unwrap_or(1.0)).collect();
+    let sensitivity = slopes.modulus_sensitivity(&ratios, &knowledge);
+    let factors = DiscrepancyAt::each(&learned.at(&places).predict(&Features::from(pattern), &sensitivity));
     let aimed = InputUncertainty { discrepancy: Some(factors.clone()), ..knowledge.clone() };
     let corrected = Solved { knowledge: &aimed, ..solved }.errors();
-    let samples = uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-    let planform = pattern.planform().name();
     let by_pressure = corrected
         .into_iter()
         .zip(&factors)
-        .zip(&scene.loads)
-        .map(|((row, factor), load)| CorrectedAt {
-            pressure_mpa: PRESSURE_MPA.from_si(load.pressure_pa),
+        .map(|(row, factor)| CorrectedAt {
+            pressure_mpa: row.pressure_mpa,
             factor: tidy(factor.factor),
-            factor_relative_std: tidy(factor.relative_std()),
-            outside_measured_range: found.is_outside_measured_range(load.pressure_pa),
+            factor_relative_std: tidy(factor.log_std),
             ratio: row.ratio,
             mu: row.mu,
         })
         .collect();
-    let report = CorrectedReport {
-        other_planform: (!samples.starts_with(planform)).then(|| planform.into()),
-        pattern: samples,
-        degrees_of_freedom: found.degrees_of_freedom,
-        by_pressure,
-    };
-    Ok((errors, Some(report)))
+    Ok((errors, Some(CorrectedReport { trials: learned.trials().len(), by_pressure })))
 }

@@ -6,8 +6,8 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 use slipgrid_export::laser_time_s;
 use slipgrid_optimize::{
-    Candidate, Choice, CommonDraws, Linearization, Merits, ModelFailure, Probability, SearchError, SearchOutcome,
-    Selection, SelectionOptions, Status, select, select_multi_fidelity,
+    Candidate, Choice, CommonDraws, Merits, ModelFailure, Probability, SearchError, SearchOutcome, Selection,
+    SelectionOptions, Status, select, select_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 
@@ -107,20 +107,14 @@ impl Merits for ByChance<'_> {
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let values = &candidate.response.value;
         let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
-        let about = About { design: &candidate.design, values, numerical: &numerical, corrected: false };
+        let about = About { design: &candidate.design, values, numerical: &numerical };
         let linear = self.chances.linearize(&about)?;
         let all = self.chances.share(&self.draws, &linear, &|_| true);
         if candidate.misfit.max <= self.safe_misfit {
             return Ok((all, 1.0));
         }
         // How the ratio changes with the blocks, the confirming run has in common with the steady model.
-        let places = self.chances.numerical();
-        let mut slopes = vec![vec![0.0; values.len()]; places.end];
-        for (load, std) in self.numerical.iter().enumerate() {
-            slopes[places.start + load][load] = *std;
-        }
-        let run = Linearization::of_slopes(candidate.design, values.clone(), slopes);
-        Ok((all, self.chances.share(&self.draws, &run, &|place| places.contains(&place)).share))
+        Ok((all, self.chances.share_of_run(&self.draws, &candidate.design, values, &self.numerical).share))
     }
 
     fn effort(&self, design: &Pattern) -> Result<f64, ModelFailure> {

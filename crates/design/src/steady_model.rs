@@ -1,5 +1,7 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
+use std::sync::Arc;
+
 use slipgrid_export::ExportError;
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Part, Unwatched};
@@ -13,6 +15,7 @@ use slipgrid_springblock::{
 use crate::confirmation::trusted;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{Answer, Evaluations};
+use crate::learned::LearnedDiscrepancy;
 use crate::operating_conditions::turned;
 use crate::specimen::{SpecimenError, density_share, on_face, onto};
 use crate::task::DesignTask;
@@ -42,10 +45,9 @@ pub struct SteadyModel<'a> {
     /// Dynamic friction of the flat sample at each load of each condition, where the target is dynamic friction itself:
     /// the ratio hardly depends on time, friction itself lies above steady sliding.
     flat_mu: Option<Vec<f64>>,
-    /// What values are multiplied by at each load of each condition before they are compared with the target: 1, or the
-    /// discrepancy's factor.
-    aim: Vec<f64>,
-    /// Added to the model's value at each load of each condition: dynamic minus steady at a confirmed design.
+    /// What trials say that the model lacks, where designs aim with it.
+    learned: Option<Arc<LearnedDiscrepancy<'a>>>,
+    /// Added to the model's value by the physics at each load of each condition: dynamic minus steady at a confirmed design.
     correction: Vec<f64>,
     limited: Limited,
     evaluations: Evaluations<'a>,
@@ -151,7 +153,7 @@ impl<'a> SteadyModel<'a> {
             directions_deg: directions_deg.to_vec(),
             guide,
             flat_mu,
-            aim: vec![1.0; count],
+            learned: None,
             correction: vec![0.0; count],
             scene,
             asked,
@@ -194,9 +196,15 @@ impl<'a> SteadyModel<'a> {
         &self.asked
     }
 
-    /// Values are multiplied by `factor`, one per load of each condition, from here on: those of the model and those of confirming runs.
-    pub fn aim_with(&mut self, factor: Vec<f64>) {
-        self.aim = factor;
+    /// Values are multiplied by the medians of `learned` from here on: those of the model and those of confirming runs.
+    pub fn aim_with(&mut self, learned: LearnedDiscrepancy<'a>) {
+        self.learned = Some(Arc::new(learned));
+    }
+
+    /// What designs aim with beside the physics.
+    #[must_use]
+    pub const fn learned(&self) -> Option<&Arc<LearnedDiscrepancy<'a>>> {
+        self.learned.as_ref()
     }
 
     /// Takes over the quantities that limits hold, and what has been answered so far.
@@ -204,10 +212,12 @@ impl<'a> SteadyModel<'a> {
         (self.limited, self.evaluations) = (limited, evaluations);
     }
 
-    /// Whether by the physics behind `values`, as they are compared with the target, a pattern does less than limits demand.
+    /// Whether by the physics behind the `values` of `design`, as they are compared with the target, it does less than limits
+    /// demand.
     #[must_use]
-    pub fn does_too_little(&self, values: &[f64]) -> bool {
-        self.limited.does_too_little(values)
+    pub fn does_too_little(&self, design: &Pattern, values: &[f64]) -> bool {
+        let physics: Vec<f64> = values.iter().zip(self.factors(design)).map(|(value, factor)| value / factor).collect();
+        self.limited.does_too_little(&physics)
     }
 
     /// Whether designs slide in more than one direction.
@@ -310,7 +320,7 @@ impl<'a> SteadyModel<'a> {
             directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: self.flat_mu.clone(),
-            aim: self.aim.clone(),
+            learned: self.learned.clone(),
             correction: vec![0.0; asked.loads.len()],
             limited: Limited::default(),
             evaluations: Evaluations::default(),
@@ -338,7 +348,7 @@ impl<'a> SteadyModel<'a> {
             directions_deg: self.directions_deg.clone(),
             guide: None,
             flat_mu: None,
-            aim: vec![1.0; count],
+            learned: None,
             correction: vec![0.0; count],
             limited: Limited::default(),
             evaluations: Evaluations::default(),
@@ -349,17 +359,34 @@ impl<'a> SteadyModel<'a> {
         })
     }
 
-    /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the flat sample's dynamic friction
-    /// where that is wanted, and the discrepancy's factor where designs aim with it.
+    /// What a ratio is multiplied by at `load`, of all conditions one after the other, before it is compared with the target: the
+    /// flat sample's dynamic friction where that is wanted. Beside it stands the discrepancy's factor.
     #[must_use]
     pub fn scale(&self, load: usize) -> f64 {
-        self.aim[load] * self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
+        self.flat_mu.as_ref().map_or(1.0, |flat_mu| flat_mu[load])
     }
 
-    /// What values are multiplied by at `load`, of all conditions one after the other: 1, or the discrepancy's factor.
+    /// What values of `design` are multiplied by at every load of every condition: the discrepancy's median where designs aim with
+    /// it and the model has an answer, 1 otherwise.
     #[must_use]
-    pub fn factor(&self, load: usize) -> f64 {
-        self.aim[load]
+    pub fn factors(&self, design: &Pattern) -> Vec<f64> {
+        self.known_factors(design).unwrap_or_else(|_| vec![1.0; self.asked.loads.len()])
+    }
+
+    fn known_factors(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.factors_of(design, &self.kept(&self.asked, &self.solver, design)?))
+    }
+
+    /// What ratios of `design` are multiplied by before they are compared with the target: scales times factors.
+    #[must_use]
+    pub fn scales(&self, design: &Pattern) -> Vec<f64> {
+        self.factors(design).iter().enumerate().map(|(load, factor)| factor * self.scale(load)).collect()
+    }
+
+    /// The discrepancy's medians at `design`, of which the model says `answer`; 1 where designs do not aim with it.
+    fn factors_of(&self, design: &Pattern, answer: &Answer) -> Vec<f64> {
+        let ones = || vec![1.0; self.asked.loads.len()];
+        self.learned.as_ref().map_or_else(ones, |learned| learned.factors(design, &answer.modulus_sensitivity))
     }
 
     /// The area law that designs are solved with.
@@ -369,40 +396,48 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Takes the difference between `confirmed` and what the search took for `predicted` as the model's error at every
-    /// design, and returns the largest change of it. Values, one per load of each condition, that either has not keep their
-    /// correction.
-    pub fn correct(&mut self, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
+    /// design, and returns the largest change of it at the confirmed `design`. Values, one per load of each condition, that either
+    /// has not keep their correction.
+    pub fn correct(&mut self, design: &Pattern, predicted: &[f64], confirmed: &[Option<f64>]) -> f64 {
         let mut largest = 0.0_f64;
-        for (correction, (predicted, confirmed)) in self.correction.iter_mut().zip(predicted.iter().zip(confirmed)) {
+        let (factors, each) = (self.factors(design), predicted.iter().zip(confirmed));
+        for ((correction, factor), (predicted, confirmed)) in self.correction.iter_mut().zip(factors).zip(each) {
             if let Some(confirmed) = confirmed {
                 largest = largest.max((confirmed - predicted).abs());
-                *correction += confirmed - predicted;
+                *correction += (confirmed - predicted) / factor;
             }
         }
         largest
     }
 
-    /// The target's quantity by a confirming run at the condition of place `condition` as it is compared with the target,
-    /// absent where it gave none that can be trusted.
+    /// The target's quantity by a confirming run of `design` at the condition of place `condition` as it is compared with the
+    /// target, absent where it gave none that can be trusted.
     #[must_use]
-    pub fn confirmed(&self, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
+    pub fn confirmed(&self, design: &Pattern, condition: usize, simulation: &Simulation) -> Vec<Option<f64>> {
         let value = |load: &LoadOutcome| {
             let value = if self.flat_mu.is_some() { load.surface.mu_dynamic } else { load.ratio };
             value.filter(|_| trusted(load))
         };
-        let aim = &self.aim[condition * self.scene.loads.len()..];
-        simulation.loads.iter().zip(aim).map(|(load, factor)| Some(value(load)? * factor)).collect()
+        let factors = self.factors(design);
+        let own = &factors[condition * self.scene.loads.len()..];
+        simulation.loads.iter().zip(own).map(|(load, factor)| Some(value(load)? * factor)).collect()
     }
 
-    /// What the steady model makes of the confirmed values `first` at the condition designed for at that of place
+    /// What the steady model makes of the values `first` of `design` confirmed at the condition designed for at that of place
     /// `condition`, which the search took for `predicted`: its ratio is off by as much as there.
     #[must_use]
-    pub fn about(&self, condition: usize, predicted: &[f64], first: &[Option<f64>]) -> Vec<Option<f64>> {
-        let count = self.scene.loads.len();
+    pub fn about(
+        &self,
+        design: &Pattern,
+        condition: usize,
+        predicted: &[f64],
+        first: &[Option<f64>],
+    ) -> Vec<Option<f64>> {
+        let (count, scales) = (self.scene.loads.len(), self.scales(design));
         let at = |(place, confirmed): (usize, &Option<f64>)| {
             let own = condition * count + place;
             // v + s dr, dr = (v_1 - predicted v_1) / s_1
-            Some(predicted[own] + ((*confirmed)? - predicted[place]) * self.scale(own) / self.scale(place))
+            Some(predicted[own] + ((*confirmed)? - predicted[place]) * scales[own] / scales[place])
         };
         first.iter().enumerate().map(at).collect()
     }
@@ -425,22 +460,29 @@ impl<'a> SteadyModel<'a> {
             return Err(ModelFailure::Cancelled);
         }
         self.limited.check(design)?;
-        let solve = || self.answer(scene, solver, design);
-        // What is kept goes by the lengths alone: samples whose rims are of another height are not.
-        let has_own_rims = design.texture().rim() == self.texture.rim();
-        let answer = if has_own_rims {
-            self.evaluations.answer(scene.layer.block_m, design, solve)?
-        } else {
-            self.answer(scene, solver, design)?
-        };
-        let answer = self.laid(design, answer)?;
+        let answer = self.laid(design, self.kept(scene, solver, design)?)?;
         if answer.clearance_m().is_some_and(|clearance_m| clearance_m <= 0.0) && !self.limited.judges_clearance() {
             return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
         }
         let corrected = |(load, ratio): (usize, &f64)| ratio * self.scale(load) + self.correction[load];
-        let value: Vec<f64> = answer.ratio.iter().enumerate().map(corrected).collect();
-        let limited = self.limited.values(design, &answer, &value)?;
+        let physics: Vec<f64> = answer.ratio.iter().enumerate().map(corrected).collect();
+        let limited = self.limited.values(design, &answer, &physics)?;
+        let value =
+            physics.iter().zip(self.factors_of(design, &answer)).map(|(value, factor)| value * factor).collect();
         Ok(Response { value, limited })
+    }
+
+    /// What `solver`, made of `scene`, says of `design`, kept for the next who asks; with slopes along the modulus where designs aim
+    /// with the discrepancy.
+    fn kept(&self, scene: &Scene, solver: &Solver, design: &Pattern) -> Result<Answer, ModelFailure> {
+        let solve = || {
+            let answer = self.answer(scene, solver, design)?;
+            let Some(learned) = &self.learned else { return Ok(answer) };
+            Ok(Answer { modulus_sensitivity: learned.modulus_sensitivity(design)?, ..answer })
+        };
+        // What is kept goes by the lengths alone: samples whose rims are of another height are not.
+        let has_own_rims = design.texture().rim() == self.texture.rim();
+        if has_own_rims { self.evaluations.answer(scene.layer.block_m, design, solve) } else { solve() }
     }
 
     /// What `solver`, made of `scene`, says of `design`.
@@ -463,7 +505,7 @@ impl<'a> SteadyModel<'a> {
             clearance_m = [clearance_m, surface.clearance_m].into_iter().flatten().reduce(f64::min);
         }
         let (peak_pressure_mpa, clearance_um) = (peak_pressure_pa / 1e6, clearance_m.map(|least_m| least_m * 1e6));
-        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um })
+        Ok(Answer { ratio, peak_pressure_mpa, least_pressure, clearance_um, modulus_sensitivity: Vec::new() })
     }
 }
 

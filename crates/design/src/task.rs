@@ -4,7 +4,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_export::{Laser, Specimen};
 use slipgrid_material::{Condition, ConditionRange, Friction, Material, MaterialError};
 use slipgrid_optimize::{Constraints, DesignSpace, Target, Tolerances};
-use slipgrid_springblock::{Layer, Load, SceneError};
+use slipgrid_springblock::{Layer, Load, RunOptions, Scene, SceneError};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 use crate::constraint_quantities::ConstraintQuantity;
@@ -30,7 +30,7 @@ pub struct DesignTask {
     pub target: Target,
     /// Texture and bounds of the patterns that may be tried.
     pub space: DesignSpace,
-    /// The search aims with the material's discrepancy.
+    /// The search aims with what trials say that the model lacks.
     pub discrepancy: bool,
     /// What a pattern must respect beside its bounds.
     pub constraints: Constraints,
@@ -286,43 +286,29 @@ impl DesignTask {
         self.target.points().iter().map(|point| point.pressure_pa).collect()
     }
 
-    /// Whether the task goes with `known`: its conditions, its pressures, and the discrepancy where that is aimed with.
+    /// Whether the task goes with `known`: its conditions and its pressures.
     ///
     /// # Errors
     /// [`Refusal`] of the first part that does not.
     pub fn check(&mut self, known: &KnownMaterial) -> Result<(), Refusal> {
         check_pressures(&self.pressures_pa(), &known.material)?;
         self.resolve(&known.material.friction)?;
-        self.loads(&known.material)?;
-        self.check_discrepancy(&known.uncertainty)
+        self.loads(&known.material).map(|_| ())
     }
 
-    /// Whether the discrepancy of `uncertainty` can be aimed with, where that is wished.
-    ///
-    /// # Errors
-    /// [`Refusal`] of the wish.
-    fn check_discrepancy(&self, uncertainty: &MaterialUncertainty) -> Result<(), Refusal> {
-        if !self.discrepancy {
-            return Ok(());
-        }
-        if uncertainty.discrepancy_at(self.humidity()).is_none() {
-            return Err(Self::refuse_discrepancy("needs a material with a table [discrepancy], which this one lacks"));
-        }
-        if uncertainty.discrepancy_domain.is_none() {
-            let reason = "needs to know near which patterns it holds: [[discrepancy.trials]] with planform, areal_density and \
-                          depth_um of each, which this material lacks";
-            return Err(Self::refuse_discrepancy(reason));
-        }
-        Ok(())
-    }
-
-    /// The refusal to aim with the discrepancy.
+    /// The flat scene of this task, of `material` at `loads`.
     #[must_use]
-    pub fn refuse_discrepancy(reason: &str) -> Refusal {
-        Refusal::new(TaskPart::Discrepancy, reason).expected(
-            "a calibration whose [measurements] or [traces] have patterned samples with a [pattern], or the material file \
-             that `slipgrid calibrate` writes of it",
-        )
+    pub fn flat_scene(&self, material: &Material, loads: Vec<Load>, run: RunOptions) -> Scene {
+        Scene {
+            elastic: material.elastic,
+            area_law: material.area_law.clone(),
+            pattern: None,
+            relief: None,
+            layer: self.layer,
+            loads,
+            speed_m_s: self.speed_m_s,
+            run,
+        }
     }
 
     /// The refusal of blocks, for what they make of confirming runs.

@@ -1,6 +1,7 @@
 //! What can be had for what: the designs of which none is better than another by every goal of `[trade_offs]`.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{
@@ -14,6 +15,7 @@ use crate::chance_report::percent;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::Answer;
 use crate::job::Compared;
+use crate::learned::LearnedDiscrepancy;
 use crate::selection::{Chosen, Effort};
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
@@ -82,6 +84,8 @@ struct Plane<'a> {
     lowering: Vec<f64>,
     /// Added to values after that.
     offset: Vec<f64>,
+    /// What designs aim with beside the physics, and slopes along the modulus at the chosen design, taken for those of all.
+    learned: Option<(Arc<LearnedDiscrepancy<'a>>, Vec<f64>)>,
 }
 
 impl<'a> Plane<'a> {
@@ -89,10 +93,15 @@ impl<'a> Plane<'a> {
         let cell = model.in_plane();
         let scale = (0..value.len()).map(|load| model.scale(load)).collect();
         let is_spatial = model.is_spatial();
-        let mut plane =
-            Self { cell, is_spatial, lowering: vec![1.0; value.len()], offset: vec![0.0; value.len()], scale };
+        let learned = match model.learned() {
+            Some(learned) => Some((Arc::clone(learned), learned.modulus_sensitivity(chosen)?)),
+            None => None,
+        };
+        let (lowering, offset) = (vec![1.0; value.len()], vec![0.0; value.len()]);
+        let mut plane = Self { cell, is_spatial, lowering, offset, scale, learned };
         let (own, _) = plane.answer(chosen)?;
-        for (load, (value, own)) in value.iter().zip(&own).enumerate() {
+        let physics = value.iter().zip(plane.factors(chosen)).map(|(value, factor)| value / factor);
+        for (load, (value, own)) in physics.zip(&own).enumerate() {
             let scale = plane.scale[load];
             // In space 1 - ratio is corrected by a factor: no cavities, no lowering.
             let factor = (1.0 - value / scale) / (1.0 - own / scale);
@@ -105,7 +114,19 @@ impl<'a> Plane<'a> {
         Ok(plane)
     }
 
-    /// The target's quantity at each load, and what it was made of.
+    /// The discrepancy's medians at `design`, one a load: 1 where designs do not aim with it.
+    fn factors(&self, design: &Pattern) -> Vec<f64> {
+        let ones = || vec![1.0; self.scale.len()];
+        self.learned.as_ref().map_or_else(ones, |(learned, slopes)| learned.factors(design, slopes))
+    }
+
+    /// The target's quantity at each load, as it is compared with the target.
+    fn value(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        let (physics, _) = self.answer(design)?;
+        Ok(physics.iter().zip(self.factors(design)).map(|(value, factor)| value * factor).collect())
+    }
+
+    /// The target's quantity at each load by the physics alone, and what it was made of.
     fn answer(&self, design: &Pattern) -> Result<(Vec<f64>, Answer), ModelFailure> {
         let answer = self.cell.steady(&design.as_groove())?;
         let value: Vec<f64> = answer
@@ -285,8 +306,9 @@ impl By<'_> {
     /// What a design does by each goal.
     fn goals(&self, at: &Pattern) -> Result<Vec<f64>, ModelFailure> {
         let trial = |reason: &str| ModelFailure::Trial { reason: reason.to_owned() };
-        let (value, answer) = self.plane.answer(at)?;
-        let limited = self.limited.values(at, &answer, &value)?;
+        let (physics, answer) = self.plane.answer(at)?;
+        let limited = self.limited.values(at, &answer, &physics)?;
+        let value = physics.iter().zip(self.plane.factors(at)).map(|(value, factor)| value * factor).collect();
         let response = Response { value, limited };
         // Those of the pool respect every limit by the search's own model.
         let broken = self.design.constraints.violations(at, &response);
@@ -317,7 +339,7 @@ impl By<'_> {
 
 /// Root mean square over pressures of the standard deviation over samples, to first order, in tolerances.
 fn spread(target: &Target, plane: &Plane, uncertainty: &Uncertainty, at: &Pattern) -> Result<f64, ModelFailure> {
-    let model = |made: &Pattern, _: &[f64]| plane.answer(made).map(|(value, _)| value);
+    let model = |made: &Pattern, _: &[f64]| plane.value(made);
     let std = Linearization::new(&model, at, uncertainty)?.std(uncertainty);
     let mean_square = std.iter().map(|std| (std / target.tolerance()).powi(2)).sum::<f64>() / std.len() as f64;
     Ok(mean_square.sqrt())

@@ -12,34 +12,31 @@ use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
 
-/// Errors of a design's values, in both readings.
+/// Errors of a design's values.
 pub struct DesignErrors {
     /// Of values as they are compared with the target.
     pub report: ErrorsReport,
-    /// By the physics alone, one per pressure.
-    pub physics: Vec<PressureErrors>,
-    /// Times the discrepancy, where patterned samples are known.
-    pub corrected: Option<Vec<PressureErrors>>,
+    /// By the physics alone, one per pressure, where designs aim with the discrepancy.
+    pub physics: Option<Vec<PressureErrors>>,
 }
 
 /// Errors of the values of `confirmed`, which came of `scene`: `predicted` is the target's quantity as the search took it.
-/// The design's dimensions are taken as exact; `rim_std` is what the height of its rims leaves open of the ratio at each load.
+/// The design's dimensions are taken as exact; `rim_std` is what the height of its rims leaves open of the ratio at each load, and
+/// `lacking` what designs aim with beside the physics.
 ///
 /// # Errors
 /// [`DesignError::Material`] for an area law that cannot be moved.
 pub fn of_design(
     design: &DesignTask,
     material: &MaterialUncertainty,
-    scene: &Scene,
-    confirmed: &Simulation,
+    (scene, confirmed): (&Scene, &Simulation),
     predicted: &[f64],
     rim_std: Option<&[f64]>,
+    lacking: Option<&[DiscrepancyAt]>,
 ) -> Result<DesignErrors, DesignError> {
     let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, design.condition.as_ref())?;
     let slopes = Slopes::new(scene, &known);
-    let found = material.discrepancy_at(design.humidity());
-    let discrepancy = found.map(|found| DiscrepancyAt::each(&found, &scene.loads));
-    let factor = |place: usize| discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
+    let factor = |place: usize| lacking.map_or(1.0, |all| all[place].factor);
     let rows = |knowledge: &InputUncertainty| {
         let solved = Solved { scene, simulation: confirmed, knowledge, slopes: &slopes };
         let mut rows = solved.errors();
@@ -48,24 +45,25 @@ pub fn of_design(
                 Quantity::Ratio => of.ratio,
                 Quantity::DynamicFriction => of.mu,
             });
-            let physics = if design.discrepancy { value / factor(place) } else { *value };
-            let value = if knowledge.discrepancy.is_some() { physics * factor(place) } else { physics };
-            row.predicted = Some(ErrorReport::new(Some(value), Vec::new(), of.as_ref()));
+            let factor = if knowledge.discrepancy.is_some() { 1.0 } else { factor(place) };
+            row.predicted = Some(ErrorReport::new(Some(value / factor), Vec::new(), of.as_ref()));
             if let Some(std) = rim_std.and_then(|all| all.get(place)) {
-                let factor = if knowledge.discrepancy.is_some() { factor(place) } else { 1.0 };
+                let times = knowledge.discrepancy.as_ref().map_or(1.0, |all| all[place].factor);
                 let flat_mu = confirmed.loads[place].flat.as_ref().and_then(|flat| flat.mu_dynamic);
-                with_rim(row, factor * std, flat_mu, design.target.quantity() == Quantity::Ratio);
+                with_rim(row, times * std, flat_mu, design.target.quantity() == Quantity::Ratio);
             }
         }
         rows
     };
     let physics = rows(&known);
-    let aimed = InputUncertainty { discrepancy: discrepancy.clone(), ..known.clone() };
-    let corrected = discrepancy.is_some().then(|| rows(&aimed));
+    let aimed = lacking.map(|all| rows(&InputUncertainty { discrepancy: Some(all.to_vec()), ..known.clone() }));
     let solved = Solved { scene, simulation: confirmed, knowledge: &known, slopes: &slopes };
-    let compared = corrected.as_ref().filter(|_| design.discrepancy).unwrap_or(&physics).clone();
+    let (compared, physics) = match aimed {
+        Some(aimed) => (aimed, Some(physics)),
+        None => (physics, None),
+    };
     let unknown = solved.unknown(material, &compared);
-    Ok(DesignErrors { report: ErrorsReport::new(compared, unknown, design.discrepancy), physics, corrected })
+    Ok(DesignErrors { report: ErrorsReport::new(compared, unknown, design.discrepancy), physics })
 }
 
 /// Adds the part of the rims' height, of which the ratio has `std`, to everything that is patterned in `row`.
@@ -80,22 +78,6 @@ fn with_rim(row: &mut PressureErrors, std: f64, flat_mu: Option<f64>, is_ratio: 
     }
 }
 
-/// What is known of `material` at the loads of `scene` under `condition`, with its discrepancy where `design` aims with it.
-///
-/// # Errors
-/// [`DesignError::Material`] for an area law that cannot be moved.
-pub(super) fn knowledge(
-    design: &DesignTask,
-    material: &MaterialUncertainty,
-    scene: &Scene,
-    condition: Option<&Condition>,
-) -> Result<InputUncertainty, DesignError> {
-    let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, condition)?;
-    let humidity = condition.map(|condition| condition.humidity);
-    let found = material.discrepancy_at(humidity).filter(|_| design.discrepancy);
-    Ok(InputUncertainty { discrepancy: found.map(|found| DiscrepancyAt::each(&found, &scene.loads)), ..known })
-}
-
 /// Standard deviations at one pressure of a further condition; absent where nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FurtherErrors {
@@ -107,20 +89,21 @@ pub struct FurtherErrors {
     pub mu_flat: Option<f64>,
 }
 
-/// Errors at the loads of `scene` under `condition`: of `run` where it was run in time; else of the steady model's
+/// Errors at the loads of `scene` under `condition`, where designs aim with `lacking` beside the physics: of `run` where it was run in time; else of the steady model's
 /// `ratios` and the flat sample's `mu_flat`, about the run that `first` has the errors of.
 ///
 /// # Errors
 /// [`DesignError::Material`] for an area law that cannot be moved.
 pub fn of_condition(
-    design: &DesignTask,
     material: &MaterialUncertainty,
+    lacking: Option<Vec<DiscrepancyAt>>,
     (scene, condition): (&Scene, Option<&Condition>),
     run: Option<&Simulation>,
     (ratios, mu_flat): (&[f64], &[f64]),
     first: &ErrorsReport,
 ) -> Result<Vec<FurtherErrors>, DesignError> {
-    let knowledge = knowledge(design, material, scene, condition)?;
+    let known = material.at_loads(scene.area_law.as_ref(), &scene.loads, condition)?;
+    let knowledge = InputUncertainty { discrepancy: lacking, ..known };
     let slopes = Slopes::new(scene, &knowledge);
     if let Some(simulation) = run {
         let rows = Solved { scene, simulation, knowledge: &knowledge, slopes: &slopes }.errors();

@@ -131,8 +131,6 @@ fn conditional(
             weight: member.prior,
             mean: columns.iter().map(|column| dot(column, &y)).collect(),
             covariance: (0..m * m).map(entry).collect(),
-            modulus: [0.0; 2],
-            with_modulus: vec![0.0; m],
         });
     }
     let most = evidences.iter().copied().fold(f64::NEG_INFINITY, f64::max);

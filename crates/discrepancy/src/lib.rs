@@ -4,17 +4,19 @@
 //! of patterned to flat friction. For a texture x, the pressure P, the speed v and the humidity H it is
 //!
 //! ```text
-//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H)] + eps g(x, P) + w(x) c(x) + t + f + e
+//! ln r - ln R(x, P) = h(x) [alpha + beta u + gamma q + kappa s + eta(H) + c(x, P)] + eps g(x, P) + t + f + e
 //! u = (P - P0) / P0,     q = P1 / P - 1/2,     s = ln(v / v0)
 //! ```
 //!
 //! h is the *form*: how the discrepancy grows with what was cut away. It is 1 at the reference texture and 0 without
-//! cavities. eps is how far the logarithm of Young's modulus is off, g = d ln R / d ln E; c a smooth function of the
-//! dimensions, for what no form has, and w the areal density over the reference's, at most 1; t is one sample's own, f the flat
-//! sample's error, which all ratios of one condition share, and e the patterned measurement's.
+//! cavities. c, the *residual*, is a smooth function of the dimensions and of the pressure, for what no form has. eps is how far
+//! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, f the flat sample's error, which all
+//! ratios of one condition share, and e the patterned measurement's.
 //!
-//! Nobody knows the form. Every one of [`Hyperparameters::forms`] makes an exact Gaussian regression, and its weight is its prior
-//! times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the prior.
+//! Nobody knows the form, how large the coefficients are or how far a form is from what it stands for. Every one of
+//! [`Hyperparameters::forms`] with each of the scales and of the sizes of the residual makes an exact Gaussian regression, and its
+//! weight is its prior times its evidence: a finite mixture, exact and the same on every machine. Without any trial it is the
+//! prior.
 //!
 //! | item | role |
 //! |---|---|
@@ -61,7 +63,7 @@ pub use hyperparameters::{Conditions, Hyperparameters};
 pub use leave_out::{LeftOut, Surprise, leave_out};
 pub use mixture::{Discrepancy, FormWeight};
 pub use next_trial::{Candidate, Chosen, Score, Wanted, choose, information, rank};
-pub use prediction::{Component, Load, Prediction, Predictor};
+pub use prediction::{Component, Load, Prediction, Predictor, Sampler};
 pub use scenarios::Scenarios;
 pub use trial::{Measured, Trial};
 

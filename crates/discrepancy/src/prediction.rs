@@ -69,10 +69,13 @@ pub struct Component {
     pub mean: Vec<f64>,
     /// Covariance, loads x loads.
     pub covariance: Vec<f64>,
-    /// Mean and variance of eps, the logarithm of Young's modulus over what the model takes.
-    pub modulus: [f64; 2],
-    /// Its covariance with what is predicted at each load.
-    pub with_modulus: Vec<f64>,
+}
+
+/// Draws from a prediction: all loads at once.
+#[derive(Clone, Debug)]
+pub struct Sampler {
+    /// Of each form: the weights up to it, its mean and the factor L of its covariance L L^T.
+    forms: Vec<(f64, Vec<f64>, Vec<f64>)>,
 }
 
 impl Predictor {
@@ -161,11 +164,21 @@ impl Predictor {
                 weight: member.member.weight,
                 mean: (0..n).map(mean).collect(),
                 covariance,
-                modulus: [member.mean_of_modulus, member.ee],
-                with_modulus: (0..n).map(|l| h * member.be[l] + g[l] * member.ee + re[l]).collect(),
             }
         };
         Prediction { components: self.members.iter().map(component).collect() }
+    }
+}
+
+impl Sampler {
+    /// The draw of the form that the normal deviate `which` picks, with normal deviates `z`, one a load.
+    #[must_use]
+    pub fn draw(&self, which: f64, z: &[f64]) -> Vec<f64> {
+        let share = normal_probability(which);
+        let picked = self.forms.iter().find(|(reached, ..)| share <= *reached).or(self.forms.last());
+        let Some((_, mean, factor)) = picked else { return Vec::new() };
+        let n = mean.len();
+        (0..n).map(|load| mean[load] + dot(&factor[load * n..][..=load], z)).collect()
     }
 }
 
@@ -237,6 +250,35 @@ impl Prediction {
             if self.probability_below(load, middle) < p { low = middle } else { high = middle }
         }
         f64::midpoint(low, high)
+    }
+
+    /// The value below which half lies at each load.
+    #[must_use]
+    pub fn medians(&self) -> Vec<f64> {
+        (0..self.loads()).map(|load| self.median(load)).collect()
+    }
+
+    fn median(&self, load: usize) -> f64 {
+        // It lies between the least and the greatest of the forms' own.
+        let own = || self.components.iter().map(|of| of.mean[load]);
+        let (mut low, mut high) = (own().fold(f64::INFINITY, f64::min), own().fold(f64::NEG_INFINITY, f64::max));
+        while high - low > 1e-12 {
+            let middle = f64::midpoint(low, high);
+            if self.probability_below(load, middle) < 0.5 { low = middle } else { high = middle }
+        }
+        f64::midpoint(low, high)
+    }
+
+    /// Draws from this prediction.
+    #[must_use]
+    pub fn sampler(&self) -> Sampler {
+        let n = self.loads();
+        let mut reached = 0.0;
+        let form = |of: &Component| {
+            reached += of.weight;
+            (reached, of.mean.clone(), cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]))
+        };
+        Sampler { forms: self.components.iter().map(form).collect() }
     }
 
     /// Probability that all loads lie between `lower` and `upper`.

@@ -1,16 +1,15 @@
 //! Calibration files: what `calibrate` takes.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use serde::Deserialize;
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, DiscrepancyForm, MapSurface, Measurement, Selection, Surface as LawSource,
-    TrialsTask, flat_friction_law,
+    CalibrationTask, Coefficients, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
+    flat_friction_law,
 };
 use slipgrid_export::Outline;
 use slipgrid_material::{AreaLaw, Elastic, Extrapolation, THRESHOLD_PRESSURE_PA};
-use slipgrid_pattern::{Pattern, ReliefMap};
+use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
@@ -86,7 +85,6 @@ struct MeasurementsFile {
 #[serde(deny_unknown_fields)]
 struct FitFile {
     coefficients: Option<Spanned<String>>,
-    discrepancy: Option<Spanned<String>>,
     area_law_scale_mpa: Option<NumberList>,
     relative_std: Option<Number>,
 }
@@ -118,10 +116,6 @@ pub struct Calibration {
     pub traces: Vec<ConditionTraces>,
     /// Pattern of the patterned samples, where the file names it.
     pub pattern: Option<Pattern>,
-    /// Measured heights of the patterned samples over one period, where the file names them.
-    pub relief: Option<Arc<ReliefMap>>,
-    /// How the model's error on patterned samples is estimated; `None` where it is not wanted.
-    pub discrepancy: Option<DiscrepancyForm>,
     /// Samples that were cut and measured, that of `pattern` first, and what is believed before.
     pub trials: TrialsTask,
     /// Bounds of the area law's scale E* h'rms, in pascals, where no surface is given and it is fitted.
@@ -193,10 +187,8 @@ impl Calibration {
             Some((table, pattern)) => read_relief(document, table, pattern)?,
             None => None,
         };
-        let first = pattern.zip(Some(&patterned).filter(|rows| !rows.is_empty()));
-        let first = first.map(|(pattern, rows)| {
-            trials::of_tables(pattern, relief.clone(), rows.iter().map(|row| row.measurement).collect())
-        });
+        let first = pattern.filter(|_| !patterned.is_empty());
+        let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
         let own = (&file.trial[..], file.trial_prior.as_ref());
         let trials = trials::read_trials(document, own, (&outline, &specimens), first, &mut told)?;
         let area_law_scale_pa = read_scale(document, &file)?;
@@ -220,17 +212,9 @@ impl Calibration {
             patterned: patterned.iter().map(|row| row.measurement).collect(),
             traces,
             pattern,
-            relief,
             trials,
             area_law_scale_pa,
             measured_law,
-            discrepancy: fit.and_then(|fit| fit.discrepancy.as_ref()).map_or(
-                Ok(Some(DiscrepancyForm::Constant)),
-                |name| {
-                    let forms = [Some(DiscrepancyForm::Constant), Some(DiscrepancyForm::Linear), None];
-                    document.choice(name, &forms, |form| form.map_or("none", DiscrepancyForm::name))
-                },
-            )?,
             coefficients,
             relative_std: document
                 .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
@@ -263,10 +247,6 @@ impl Calibration {
             threshold_pa: self.threshold_pa,
             specimen_area_m2: self.specimen_area_m2,
             flat: self.flat.clone(),
-            patterned: self.patterned.clone(),
-            pattern: self.pattern,
-            relief: self.relief.clone(),
-            discrepancy: self.discrepancy,
             trials: self.trials.clone(),
             coefficients: self.coefficients,
             relative_std: self.relative_std,

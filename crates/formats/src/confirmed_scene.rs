@@ -6,15 +6,18 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Layer, Load, RunOptions};
 use toml::Spanned;
 
-use crate::discrepancy::{DiscrepancyFile, EstimateFile, TrialFile};
-use crate::material::{AreaLawFile, FrictionFile, MaterialFile};
+use crate::material::{AreaLawFile, ConditionFile, FrictionFile, MaterialFile};
 use crate::run::RunFile;
 use crate::scene::{LoadFile, SampleFile, SceneFile};
+use crate::trials::LearnedFile;
 use crate::values::{Numbers, PathOr, number, number_list};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_discrepancy::Discrepancy;
 use slipgrid_export::Specimen;
 use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy};
+use slipgrid_units::{
+    DENSITY_G_CM3, HUMIDITY_PCT, LENGTH_MM, LENGTH_UM, MODULUS_GPA, PRESSURE_MPA, Quantity, SPEED_MM_S, tidy,
+};
 
 /// A design that cannot be written as a scene.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +65,13 @@ impl DesignScene<'_> {
         let file = SceneFile {
             name: Some(self.name.to_owned()),
             schema: Some(unplaced(SCHEMA)),
-            condition: None,
+            // What trials say depends on it.
+            condition: self.condition.filter(|_| self.learned().is_some()).map(|condition| {
+                unplaced(ConditionFile {
+                    speed_mm_s: number(SPEED_MM_S.from_si(condition.speed_m_s)),
+                    humidity_pct: number(HUMIDITY_PCT.from_si(condition.humidity)),
+                })
+            }),
             material: unplaced(PathOr::Table(Box::new(self.material(&knowledge)))),
             pattern: Some(unplaced(self.pattern.into())),
             specimen: Some(unplaced(self.specimen.into())),
@@ -113,8 +122,8 @@ impl DesignScene<'_> {
             density_g_cm3: number(DENSITY_G_CM3.from_si(self.material.elastic.density_kg_m3())),
             yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
-            discrepancy: self.discrepancy(),
-            learned: None,
+            discrepancy: None,
+            learned: self.learned().map(|learned| unplaced(LearnedFile::new(learned))),
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {
                     origin: match (self.uncertainty.law_is_fitted, self.uncertainty.law_is_measured) {
@@ -135,13 +144,9 @@ impl DesignScene<'_> {
         }
     }
 
-    /// The discrepancy that holds for the condition.
-    fn discrepancy(&self) -> Option<Spanned<DiscrepancyFile>> {
-        let found = self.uncertainty.discrepancy_at(self.condition.map(|condition| condition.humidity))?;
-        let pattern = self.uncertainty.discrepancy_pattern.clone().unwrap_or_default();
-        let domain = self.uncertainty.discrepancy_domain.as_ref();
-        let trials = domain.iter().flat_map(|domain| domain.trials()).map(TrialFile::from).collect();
-        Some(unplaced(DiscrepancyFile { pattern, all: EstimateFile::new(&found), humidity: Vec::new(), trials }))
+    /// What trials say, where there are any.
+    fn learned(&self) -> Option<&Discrepancy> {
+        self.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())
     }
 
     /// One pair where all loads share it, otherwise one per pressure, with their standard errors.

@@ -103,7 +103,6 @@ struct Places {
     condition: Range<usize>,
     also_at: Range<usize>,
     pressures: Spanned<Numbers>,
-    discrepancy: Range<usize>,
     /// Absent where the default holds.
     block: Option<Range<usize>>,
 }
@@ -186,7 +185,6 @@ impl Design {
             has_tolerances: file.tolerances.is_some(),
         };
         let trade_offs = file.trade_offs.as_ref().map(|table| read_trade_offs(&document, table, &given)).transpose()?;
-        let discrepancy = file.target.get_ref().discrepancy.as_ref();
         let named = match file.material.get_ref() {
             PathOr::Path(path) => Some(document.resolve(path)),
             PathOr::Table(_) => None,
@@ -197,7 +195,7 @@ impl Design {
             material: known,
             ranges,
             directions,
-            discrepancy: discrepancy.is_some_and(|wanted| *wanted.get_ref()),
+            discrepancy: file.target.get_ref().discrepancy.unwrap_or(false),
             constraints: Constraints { limits, quantities },
             quantities: measures,
             laser,
@@ -217,7 +215,6 @@ impl Design {
             condition: file.condition.as_ref().map_or(file.material.span(), Spanned::span),
             also_at: file.also_at.as_ref().map_or(0..0, Spanned::span),
             pressures: file.target.get_ref().pressure_mpa.clone(),
-            discrepancy: discrepancy.map_or(0..0, Spanned::span),
             block: file.sample.get_ref().block_um.as_ref().map(Spanned::span),
         };
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
@@ -248,7 +245,6 @@ impl Design {
             TaskPart::Condition => at(&self.places.condition),
             TaskPart::FurtherConditions => at(&self.places.also_at),
             TaskPart::Pressure(place) => at(&number_span(&self.places.pressures, place)),
-            TaskPart::Discrepancy => at(&self.places.discrepancy),
             TaskPart::BlockSize => match &self.places.block {
                 Some(place) => at(place),
                 None => Diagnostic {

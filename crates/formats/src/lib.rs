@@ -11,7 +11,7 @@
 //! | [`calibration`], [`measurements`], [`measured`], [`surface`] | what was measured |
 //! | [`altitude_map`] | an altitude map, ready for computation |
 //! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
-//! | [`material`], [`material_uncertainty`], [`discrepancy`] | a material and how well it is known |
+//! | [`material`], [`material_uncertainty`] | a material and how well it is known |
 //! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`stored_pattern`] | the design of a result |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
@@ -23,7 +23,6 @@ pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;
 pub mod diagnostic;
-pub mod discrepancy;
 pub mod document;
 pub mod file_kind;
 pub mod laser;

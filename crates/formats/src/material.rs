@@ -7,7 +7,6 @@ use slipgrid_material::{
 };
 use toml::Spanned;
 
-use super::discrepancy::{DiscrepancyFile, read_discrepancies};
 use super::document::Document;
 use super::trials::LearnedFile;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
@@ -63,9 +62,9 @@ pub struct MaterialFile {
     /// Area law; absent for Amontons-Coulomb.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_law: Option<Spanned<AreaLawFile>>,
-    /// The model's error on patterned samples, apart from the physics.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub discrepancy: Option<Spanned<DiscrepancyFile>>,
+    /// One factor for every texture, as earlier versions wrote it: read over.
+    #[serde(default, skip_serializing)]
+    pub discrepancy: Option<toml::Table>,
     /// What trials say of any texture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learned: Option<Spanned<LearnedFile>>,
@@ -238,8 +237,9 @@ pub fn read_material(
     // A measured law may rise: it is none of contact area.
     let is_measured = file.area_law.as_ref().is_some_and(|law| law.get_ref().origin.as_deref() == Some("measured"));
     warnings.extend(area_law.iter().filter(|_| !is_measured).flat_map(table_warnings).filter(|warning| !told(warning)));
-    if let Some(discrepancy) = &file.discrepancy {
-        read_discrepancies(document, discrepancy)?;
+    let mut notes = file.notes.clone();
+    if file.discrepancy.is_some() {
+        notes.push(OUTDATED_DISCREPANCY.to_owned());
     }
     Ok(Material {
         elastic,
@@ -249,11 +249,15 @@ pub fn read_material(
             name: file.name.clone().unwrap_or_default(),
             source: file.source.clone().unwrap_or_default(),
             synthetic_surface: file.synthetic_surface.unwrap_or(false),
-            notes: file.notes.clone(),
+            notes,
             warnings,
         },
     })
 }
+
+/// What is said of a table of earlier versions.
+const OUTDATED_DISCREPANCY: &str = "[discrepancy] of the material file is not used: it is one factor whatever the texture, as earlier \
+                                    versions wrote it; `slipgrid calibrate` writes [learned], what trials say of every texture";
 
 fn at(document: &Document, place: &std::ops::Range<usize>, error: &MaterialError) -> Diagnostic {
     document.refuse(place.clone(), error.to_string())

@@ -4,7 +4,6 @@ use slipgrid_calibrate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
 use slipgrid_material::{Condition, Material};
 use toml::Spanned;
 
-use super::discrepancy::{read_discrepancies, read_trials};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::material::{ConditionTable, FrictionFile, MaterialFile, existing, read_material};
@@ -49,7 +48,6 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
     let modulus_pa = document.number(&file.youngs_modulus_gpa, MODULUS_GPA)?;
     let modulus_std_pa = document.optional(file.youngs_modulus_std_gpa.as_ref(), MODULUS_STD_GPA)?;
     let origin = file.area_law.as_ref().and_then(|law| law.get_ref().origin.as_deref());
-    let discrepancies = file.discrepancy.as_ref().map(|table| read_discrepancies(document, table)).transpose()?;
     Ok(MaterialUncertainty {
         friction: friction_errors(document, file.friction.get_ref(), Column::Dynamic)?,
         static_friction: friction_errors(document, file.friction.get_ref(), Column::Static)?,
@@ -63,14 +61,7 @@ fn read_uncertainty(document: &Document, file: &MaterialFile) -> Result<Material
         law_is_fitted: origin == Some("fit"),
         law_is_measured: origin == Some("measured"),
         scale_covariance: scale_covariance(document, file.friction.get_ref())?,
-        discrepancies,
         learned: file.learned.as_ref().map(|table| LearnedFile::read(document, table)).transpose()?,
-        discrepancy_domain: file
-            .discrepancy
-            .as_ref()
-            .and_then(|table| read_trials(document, table.get_ref()).transpose())
-            .transpose()?,
-        discrepancy_pattern: file.discrepancy.as_ref().map(|table| table.get_ref().pattern.clone()),
     })
 }
 
@@ -178,7 +169,7 @@ mod tests {
         let covariance = known.friction_covariance(&[1e6, 2e6], None).unwrap();
         assert!(covariance.iter().flatten().all(|entry| (entry - 4e-4).abs() < 1e-15), "{covariance:?}");
         assert_eq!((known.modulus_relative_std, known.law_is_fitted), (Some(0.25), false));
-        assert_eq!(known.discrepancy_at(Some(0.15)), None);
+        assert_eq!(known.discrepancy().unwrap().trials(), []);
         let silent = read("static_mean = 0.3\ndynamic_mean = 0.25", "");
         assert_eq!(silent.friction_covariance(&[1e6], None), None);
     }

@@ -23,7 +23,7 @@ pub struct TargetFile {
     goal: Option<Spanned<String>>,
     weights: Option<Spanned<Numbers>>,
     /// Modelled values count times what patterned samples of the calibration were found to have over modelled ones.
-    pub discrepancy: Option<Spanned<bool>>,
+    pub discrepancy: Option<bool>,
 }
 
 /// Share of a one-sided limit that is aimed at beyond it where no tolerance says otherwise.

@@ -1,7 +1,7 @@
 //! Trials in files: `[[trial]]` and `[trial_prior]` of a calibration, and what a material file keeps of them.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::{CutSample, Measurement, TrialsTask};
+use slipgrid_calibrate::{CutSample, TrialsTask};
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
 use slipgrid_export::Outline;
 use toml::Spanned;
@@ -156,7 +156,7 @@ pub fn read_trials(
 pub fn of_tables(
     pattern: slipgrid_pattern::Pattern,
     relief: Option<std::sync::Arc<slipgrid_pattern::ReliefMap>>,
-    measured: Vec<Measurement>,
+    measured: &[Placed],
 ) -> CutSample {
     CutSample {
         name: "patterned samples".to_owned(),
@@ -166,7 +166,7 @@ pub fn of_tables(
         relief,
         dimensions_std_m: [0.0; 3],
         sample_std: None,
-        measured,
+        measured: measured.iter().map(|row| row.measurement).collect(),
     }
 }
 

@@ -1,13 +1,11 @@
 //! The material file that a calibration writes.
 
 use slipgrid_calibrate::{
-    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, Discrepancy, FittedPair, FittedRow as Row,
-    PatternedSamples, Trial,
+    AreaLawOrigin, CalibrationOutcome, CalibrationTask, Coefficients, FittedPair, FittedRow as Row,
 };
 use slipgrid_material::Condition;
 use toml::Spanned;
 
-use crate::discrepancy::{DiscrepancyFile, EstimateFile, HumidityFile, TrialFile};
 use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
 use crate::trials::LearnedFile;
 use crate::values::{Numbers, number, number_list};
@@ -62,10 +60,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
                 area_fraction: areas.map(number_list),
             })
         }),
-        discrepancy: outcome
-            .patterned
-            .as_ref()
-            .map(|found| discrepancy(found, outcome.uncertainty.discrepancy_pattern.clone().unwrap_or_default())),
+        discrepancy: None,
         learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
     };
     let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
@@ -131,28 +126,13 @@ fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
 
-/// The discrepancy as a table of the material file; `pattern` are the samples in words.
-fn discrepancy(found: &PatternedSamples, pattern: String) -> Spanned<DiscrepancyFile> {
-    let at = |(humidity, found): &(f64, Discrepancy)| HumidityFile {
-        humidity_pct: number(HUMIDITY_PCT.from_si(*humidity)),
-        estimate: EstimateFile::new(found),
-    };
-    let file = DiscrepancyFile {
-        pattern,
-        all: EstimateFile::new(&found.discrepancies.all),
-        humidity: found.discrepancies.by_humidity.iter().map(at).collect(),
-        trials: vec![TrialFile::from(&Trial::from(&found.pattern))],
-    };
-    Spanned::new(0..0, file)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Document;
     use crate::material_uncertainty::read_known;
     use crate::scene::DEFAULT_LAYER;
-    use slipgrid_calibrate::{DiscrepancyForm, Measurement, Selection, Surface};
+    use slipgrid_calibrate::{CutSample, Measurement, Selection, Surface, TrialsTask};
     use slipgrid_material::{Elastic, Friction};
     use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::{Pattern, Planform};
@@ -166,6 +146,16 @@ mod tests {
         let flat = vec![measurement(200.0, 0.15, 0.28), measurement(50.0, 0.8, 0.22), measurement(50.0, 0.15, 0.25)];
         let patterned: Vec<Measurement> =
             flat.iter().map(|flat| Measurement { mu_dynamic: flat.mu_dynamic * 0.9, ..*flat }).collect();
+        let sample = CutSample {
+            name: "squares".into(),
+            date: String::new(),
+            notes: String::new(),
+            pattern: Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap(),
+            relief: None,
+            dimensions_std_m: [1e-6, 0.0, 0.2e-6],
+            sample_std: None,
+            measured: patterned,
+        };
         CalibrationTask {
             name: "test".into(),
             source: "nowhere".into(),
@@ -176,11 +166,7 @@ mod tests {
             threshold_pa: slipgrid_material::THRESHOLD_PRESSURE_PA,
             specimen_area_m2: std::f64::consts::PI * 25e-6,
             flat,
-            patterned,
-            pattern: Some(Pattern::new(Planform::Square, 130e-6, 370e-6, 5.2e-6).unwrap()),
-            relief: None,
-            discrepancy: Some(DiscrepancyForm::Constant),
-            trials: slipgrid_calibrate::TrialsTask::default(),
+            trials: TrialsTask { samples: vec![sample], ..TrialsTask::default() },
             coefficients,
             relative_std: 0.05,
             static_over_dynamic: 0.30 / 0.27,
@@ -217,7 +203,10 @@ mod tests {
             assert!((found - each.fit.pairs[place].dynamic_mean).abs() < 1e-11 && !outside);
         }
         assert!(own(40.0, 0.15).1);
-        assert!(each.material.area_law.is_some() && each.uncertainty.discrepancies.is_some());
+        assert!(
+            each.material.area_law.is_some()
+                && each.uncertainty.learned.as_ref().unwrap().trials()[0].measured.len() == 3
+        );
         assert!(each.uncertainty.has_marginal_errors);
 
         let single = read_back(Coefficients::Single, Surface::None);

@@ -45,6 +45,17 @@ impl CommonDraws {
         of: &dyn Fn(usize) -> bool,
         judge: impl Fn(&[f64]) -> bool,
     ) -> Probability {
+        self.probability_by(about, of, |values, _| judge(values))
+    }
+
+    /// The same where `judge` is also told the deviations of all inputs: of some it may make more than slopes can.
+    #[must_use]
+    pub fn probability_by(
+        &self,
+        about: &Linearization,
+        of: &dyn Fn(usize) -> bool,
+        judge: impl Fn(&[f64], &[f64]) -> bool,
+    ) -> Probability {
         // What moves nothing need not be added up.
         let moving: Vec<usize> = (0..self.inputs)
             .filter(|&input| of(input) && about.slopes()[input].iter().any(|slope| *slope != 0.0))
@@ -61,7 +72,7 @@ impl CommonDraws {
                     *value += off(input, deviations[input]) * slope;
                 }
             }
-            held += usize::from(judge(&values));
+            held += usize::from(judge(&values, deviations));
         }
         Probability::of(held, self.draws)
     }

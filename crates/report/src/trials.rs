@@ -327,7 +327,11 @@ impl TrialsReport {
         Ok(outputs)
     }
 
-    fn picture(&self) -> Result<String, ReportError> {
+    /// Predicted beside measured ratios, and these against density, edge length and pressure, as SVG.
+    ///
+    /// # Errors
+    /// [`ReportError`] where it cannot be drawn.
+    pub fn picture(&self) -> Result<String, ReportError> {
         let rows =
             || self.trials.iter().enumerate().flat_map(|(place, of)| of.measured.iter().map(move |at| (place, at)));
         let predictions: Vec<Prediction> = rows()

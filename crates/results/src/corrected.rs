@@ -1,21 +1,15 @@
-//! Errors of a simulated scene, and its numbers times the discrepancy of patterned samples.
-
-use std::borrow::Cow;
+//! A simulated scene's numbers times what trials say that the model lacks.
 
 use serde::{Deserialize, Serialize};
 
 use super::errors::ErrorReport;
 use super::table::{Table, fixed};
 
-/// Ratio and friction times measured over modelled ratio of patterned samples.
+/// Ratio and friction times what trials say that the model lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CorrectedReport {
-    /// The patterned samples behind it.
-    pub pattern: String,
-    /// The scene's planform, where that of the patterned samples was another.
-    pub other_planform: Option<Cow<'static, str>>,
-    /// Measured ratios less coefficients.
-    pub degrees_of_freedom: usize,
+    /// Trials behind it.
+    pub trials: usize,
     /// One per pressure.
     pub by_pressure: Vec<CorrectedAt>,
 }
@@ -25,12 +19,10 @@ pub struct CorrectedReport {
 pub struct CorrectedAt {
     /// Nominal pressure.
     pub pressure_mpa: f64,
-    /// Measured over modelled ratio.
+    /// Median of a sample's true ratio over the modelled one.
     pub factor: f64,
-    /// Its standard deviation over itself, widened for few measurements; without the modulus.
+    /// Standard deviation of its logarithm; Young's modulus is in it.
     pub factor_relative_std: f64,
-    /// The patterned samples were measured at lower or higher pressures only.
-    pub outside_measured_range: bool,
     /// The ratio times the factor.
     pub ratio: Option<ErrorReport>,
     /// Dynamic friction times the factor.
@@ -49,24 +41,7 @@ impl CorrectedReport {
             let cells = cells.into_iter().map(|cell| fixed(cell, 4));
             table.row([row.pressure_mpa.to_string()].into_iter().chain(factor).chain(cells));
         }
-        let outside: Vec<String> = self
-            .by_pressure
-            .iter()
-            .filter(|row| row.outside_measured_range)
-            .map(|row| row.pressure_mpa.to_string())
-            .collect();
-        format!(
-            "\n  were the model as far off as on patterned samples ({}; degrees of freedom: {}){}{}\n{table}",
-            self.pattern,
-            self.degrees_of_freedom,
-            self.other_planform
-                .as_ref()
-                .map_or_else(String::new, |own| format!(", which {own}s are not: take it as a guess")),
-            if outside.is_empty() {
-                String::new()
-            } else {
-                format!("; {} MPa lies outside the pressures measured", outside.join(", "))
-            },
-        )
+        let trials = if self.trials == 1 { "one trial says".to_owned() } else { format!("{} trials say", self.trials) };
+        format!("\n  with what {trials} that the model lacks\n{table}")
     }
 }

@@ -3,8 +3,6 @@
 use slipgrid_material::{AreaLaw, MaterialError};
 use slipgrid_springblock::Load;
 
-use crate::Discrepancy;
-
 /// Row by row.
 pub type Covariance = Vec<Vec<f64>>;
 
@@ -25,32 +23,9 @@ pub fn with_scale(known: &[[f64; 2]; 2], law: &AreaLaw, loads: &[Load]) -> Resul
     Ok(rows.iter().map(|left| rows.iter().map(|right| entry(left, right)).collect()).collect())
 }
 
-/// Covariance of the logarithmic errors of corrected ratios at `loads`, at a given Young's modulus: of the fitted
-/// coefficients and of the scatter between conditions, widened for the few of them as Student's t is.
-#[must_use]
-pub fn log_covariance(found: &Discrepancy, loads: &[Load]) -> Covariance {
-    let rows: Vec<Vec<f64>> = loads.iter().map(|load| found.row(load.pressure_pa)).collect();
-    // The interval's reach over the normal one's.
-    let interval = found.correct(found.reference_pressure_pa, 1.0, 0.0);
-    let widened = (interval.interval[1] / interval.ratio).ln() / (1.959_964 * interval.log_std);
-    let widened = if widened.is_finite() { widened * widened } else { 1.0 };
-    let shared = |left: &[f64], right: &[f64]| {
-        let of_fit: f64 = found
-            .covariance
-            .iter()
-            .zip(left)
-            .map(|(line, l)| l * line.iter().zip(right).map(|(entry, r)| entry * r).sum::<f64>())
-            .sum();
-        widened * of_fit
-    };
-    let own = |i: usize, j: usize| if i == j { widened * found.scatter * found.scatter } else { 0.0 };
-    (0..rows.len()).map(|i| (0..rows.len()).map(|j| shared(&rows[i], &rows[j]) + own(i, j)).collect()).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{DiscrepancyForm, RatioPoint, estimate_discrepancy};
     use slipgrid_material::LocalFriction;
 
     fn loads(pressures_mpa: &[f64]) -> Vec<Load> {
@@ -81,35 +56,6 @@ mod tests {
                 // Below its first pressure a law goes on as its first chord: its slope is off by half a hundredth.
                 assert!((covariance[i][j] - expected).abs() < 4e-6, "{i} {j}: {} {expected}", covariance[i][j]);
             }
-        }
-    }
-
-    #[test]
-    fn the_discrepancy_reaches_as_far_as_its_own_interval() {
-        let points: Vec<RatioPoint> = [0.6e6, 1.2e6, 1.8e6, 2.4e6, 3.0e6]
-            .into_iter()
-            .zip([0.84, 0.80, 0.86, 0.79, 0.83])
-            .map(|(pressure_pa, measured)| RatioPoint {
-                pressure_pa,
-                measured,
-                measured_std: 0.01,
-                modelled: 0.95,
-                modulus_sensitivity: 0.0,
-            })
-            .collect();
-        for form in [DiscrepancyForm::Constant, DiscrepancyForm::Linear] {
-            let found = estimate_discrepancy(&points, form, 0.0).unwrap();
-            assert!(found.scatter > 0.0);
-            let loads = loads(&[0.6, 1.5, 2.9]);
-            let covariance = log_covariance(&found, &loads);
-            for (place, load) in loads.iter().enumerate() {
-                let own = found.correct(load.pressure_pa, 0.9, 0.0);
-                let reach = 1.959_964 * covariance[place][place].sqrt();
-                assert!((reach / (own.interval[1] / own.ratio).ln() - 1.0).abs() < 1e-9);
-            }
-            // What the fit is off is shared between loads, what conditions scatter is not.
-            assert!(covariance[0][1] > 0.0 && covariance[0][1] < covariance[0][0].min(covariance[1][1]));
-            assert!((covariance[0][2] - covariance[2][0]).abs() < 1e-15);
         }
     }
 }

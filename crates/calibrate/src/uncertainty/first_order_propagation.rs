@@ -6,7 +6,7 @@ use slipgrid_material::{AreaLaw, LocalFriction, MaterialError};
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, RunOptions, Scene, SteadyCell};
 
-use super::{DiscrepancyAt, InputUncertainty, Source};
+use super::{InputUncertainty, Source};
 
 /// Slopes of the steady ratio at one load; zero along what nothing is known of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -118,6 +118,14 @@ impl Slopes {
         Self { by_load: (0..count).map(slope).collect(), has_law_errors, bends }
     }
 
+    /// g = d ln r / d ln E of modelled `ratios`, one a load: 0 where nothing is known of the modulus, or it moves nothing.
+    #[must_use]
+    pub fn modulus_sensitivity(&self, ratios: &[f64], knowledge: &InputUncertainty) -> Vec<f64> {
+        let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
+        let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |slope| slope.scale));
+        slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
+    }
+
     /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
     /// `mu_flat`; `None` where the slopes are not known. With a discrepancy in `knowledge`, those of ratio and friction
     /// times its factor.
@@ -134,23 +142,26 @@ impl Slopes {
         let friction = known(&knowledge.flat_friction);
         let discrepancy = knowledge.discrepancy.as_ref().and_then(|all| all.get(load));
         let factor = discrepancy.map_or(1.0, |found| found.factor);
-        let falls = discrepancy.map_or(0.0, |found| found.modulus_sensitivity);
-        // c = r F exp(d - g m): F the factor, d its own error, m that of ln E
+        // What is not known of the modulus is in the discrepancy.
+        let scale = knowledge.scale.as_ref().filter(|scale| scale.is_fitted || discrepancy.is_none());
+        // c = r F exp(d): F the factor, d its own error
         let ratio_slope = [
             factor * slope.friction,
-            factor * (slope.scale - ratio * falls),
+            factor * slope.scale,
             factor * slope.law,
             if discrepancy.is_some() { factor * ratio } else { 0.0 },
         ];
         // mu = c mu_flat (1 + x), x the relative error of flat friction
         let [x, m, a, d] = ratio_slope;
         let mu_slope = [mu_flat * (x + factor * ratio), mu_flat * m, mu_flat * a, mu_flat * d];
-        // Changes of c where the modulus is off by REACHES: r' F exp(d - g m) - r F
-        let bent = self.bends.get(load).zip(knowledge.scale.as_ref()).map(|(bend, scale)| {
-            let log = |reach: f64| log_modulus(scale.variance.sqrt(), reach);
-            let at = |place: usize| factor * ((ratio + bend[place]) * (-falls * log(REACHES[place])).exp() - ratio);
-            [at(0), at(1), at(2), at(3)]
-        });
+        // Changes of c where the discrepancy lies at the ends of its intervals, or where the modulus is off by REACHES.
+        let bent = match discrepancy {
+            Some(found) => {
+                let ([low, high], [lowest, highest]) = (found.log_reach_68, found.log_reach_95);
+                Some([-lowest, -low, high, highest].map(|log| factor * ratio * log.exp_m1()))
+            }
+            None => self.bends.get(load).copied(),
+        };
         let deviation = |[x, m, a, d]: [f64; 4], times: f64| {
             let mut variance = 0.0;
             let mut parts = Vec::new();
@@ -161,22 +172,25 @@ impl Slopes {
             if let Some(friction) = friction {
                 add(Source::FlatFriction, x * x * friction);
             }
-            if let Some(scale) = &knowledge.scale {
+            if let Some(scale) = scale {
                 add(if scale.is_fitted { Source::FittedScale } else { Source::Modulus }, m * m * scale.variance);
             }
             if self.has_law_errors {
                 add(Source::AreaLaw, a * a);
             }
             if let Some(found) = discrepancy {
-                add(Source::Discrepancy, d * d * found.log_variance);
+                add(Source::Discrepancy, (d * found.log_std).powi(2));
             }
-            let shared = knowledge.scale.as_ref().filter(|_| friction.is_some());
+            let shared = scale.filter(|_| friction.is_some());
             let shared = shared.and_then(|scale| scale.with_friction.get(load)).copied().unwrap_or(0.0);
             let variance = (variance + 2.0 * x * m * shared).max(0.0);
-            let of_modulus = knowledge.scale.as_ref().map_or(0.0, |scale| m * m * scale.variance);
+            let of_bent = match discrepancy {
+                Some(found) => (d * found.log_std).powi(2),
+                None => scale.map_or(0.0, |scale| m * m * scale.variance),
+            };
             let reach = |bent: Option<[f64; 2]>, normal: f64| {
                 let Some(bent) = bent else { return [normal * variance.sqrt(); 2] };
-                let others = normal * normal * (variance - of_modulus).max(0.0);
+                let others = normal * normal * (variance - of_bent).max(0.0);
                 let side = |sign: f64| bent.iter().map(|change| sign * times * change).fold(0.0, f64::max);
                 [-1.0, 1.0].map(|sign| side(sign).powi(2)).map(|square| (square + others).sqrt())
             };
@@ -270,14 +284,6 @@ fn ratios(
     law: f64,
 ) -> Result<Vec<Option<f64>>, MaterialError> {
     Ok(SteadyCell::new(&moved(cell, friction, scale, law)?).ratios(pattern))
-}
-
-impl DiscrepancyAt {
-    /// Standard deviation of the factor over itself.
-    #[must_use]
-    pub fn relative_std(&self) -> f64 {
-        self.log_variance.sqrt()
-    }
 }
 
 #[cfg(test)]

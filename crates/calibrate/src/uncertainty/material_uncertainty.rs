@@ -5,7 +5,7 @@ use slipgrid_material::{AreaLaw, Condition, MaterialError, between};
 use slipgrid_springblock::Load;
 
 use super::{Covariance, InputUncertainty, ScaleError, with_scale};
-use crate::{Discrepancy, DiscrepancyByHumidity, TrialDomain};
+use slipgrid_discrepancy::{Conditions, Discrepancy, DiscrepancyError, Hyperparameters};
 
 /// Errors of a material's numbers, as far as its file has them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,14 +26,8 @@ pub struct MaterialUncertainty {
     pub law_is_measured: bool,
     /// Covariance of the one relative error of mu_d and of the logarithm of that scale, where both are known.
     pub scale_covariance: Option<[[f64; 2]; 2]>,
-    /// Measured over modelled ratio on patterned samples, at every humidity.
-    pub discrepancies: Option<DiscrepancyByHumidity>,
     /// What trials say of any texture, the prior where there are none; `None` where the file says nothing of it.
-    pub learned: Option<slipgrid_discrepancy::Discrepancy>,
-    /// The patterned samples behind `discrepancies`, in words.
-    pub discrepancy_pattern: Option<String>,
-    /// The patterns that it is used for, where the file says what the samples were.
-    pub discrepancy_domain: Option<TrialDomain>,
+    pub learned: Option<Discrepancy>,
 }
 
 /// A number of a material at one pressure and condition, with its standard error.
@@ -50,11 +44,18 @@ pub struct CoefficientEstimate {
 }
 
 impl MaterialUncertainty {
-    /// Measured over modelled ratio on patterned samples at a humidity, from 0 to 1: its own where one was estimated, what
-    /// lies between those of two about it, that of all conditions otherwise.
-    #[must_use]
-    pub fn discrepancy_at(&self, humidity: Option<f64>) -> Option<Discrepancy> {
-        self.discrepancies.as_ref().map(|found| found.at(humidity))
+    /// What trials say that the model lacks: what is believed before any, where the file says nothing of them.
+    ///
+    /// # Errors
+    /// [`DiscrepancyError`] for an error of Young's modulus that means nothing.
+    pub fn discrepancy(&self) -> Result<Discrepancy, DiscrepancyError> {
+        match &self.learned {
+            Some(learned) => Ok(learned.clone()),
+            None => {
+                let modulus_std = self.modulus_relative_std.unwrap_or(0.0);
+                Discrepancy::new(Hyperparameters::default(), Conditions::default(), modulus_std, Vec::new())
+            }
+        }
     }
 
     /// Covariance of the relative errors of mu_d at `pressures_pa`: fitted coefficients are independent of one another,

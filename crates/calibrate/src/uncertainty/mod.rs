@@ -15,14 +15,12 @@ mod first_order_propagation;
 mod material_uncertainty;
 mod sampling_scatter;
 
-pub use covariances::{Covariance, log_covariance, with_scale};
+pub use covariances::{Covariance, with_scale};
 pub use first_order_propagation::{Deviation, Deviations, ScaleShift, Slopes, moved};
 pub use material_uncertainty::{CoefficientEstimate, MaterialUncertainty};
 pub use sampling_scatter::{SamplingScatter, sampling_scatter};
 
-use slipgrid_springblock::Load;
-
-use crate::Discrepancy;
+use slipgrid_discrepancy::Prediction;
 
 /// How well a material is known at the loads of a scene; the area law carries its own errors.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,7 +31,7 @@ pub struct InputUncertainty {
     pub static_friction: Option<Vec<f64>>,
     /// What moves the area law along the pressure; `None` where nothing does or it is not known.
     pub scale: Option<ScaleError>,
-    /// Of values that the discrepancy corrects, one per load; `None` where values are the model's own.
+    /// Of values that the discrepancy corrects, one a load; `None` where values are the model's own.
     pub discrepancy: Option<Vec<DiscrepancyAt>>,
 }
 
@@ -57,28 +55,33 @@ impl ScaleError {
     }
 }
 
-/// The discrepancy at one load.
+/// What trials say that the model lacks at one load. What Young's modulus leaves open of the ratio is in it: trials were modelled
+/// with the same one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DiscrepancyAt {
-    /// Measured over modelled ratio.
+    /// Median of a sample's true ratio over the modelled one.
     pub factor: f64,
-    /// Variance of its logarithm at a given Young's modulus, widened for few measurements.
-    pub log_variance: f64,
-    /// How its logarithm falls with that of Young's modulus.
-    pub modulus_sensitivity: f64,
+    /// Standard deviation of its logarithm.
+    pub log_std: f64,
+    /// How far the 68 % interval of its logarithm reaches below and above the median.
+    pub log_reach_68: [f64; 2],
+    /// The same of the 95 % interval.
+    pub log_reach_95: [f64; 2],
 }
 
 impl DiscrepancyAt {
-    /// The discrepancy `found` at each of `loads`.
+    /// What `prediction` says at each load.
     #[must_use]
-    pub fn each(found: &Discrepancy, loads: &[Load]) -> Vec<Self> {
-        let covariance = log_covariance(found, loads);
-        let at = |(place, load): (usize, &Load)| Self {
-            factor: found.factor(load.pressure_pa),
-            log_variance: covariance[place][place],
-            modulus_sensitivity: found.modulus_sensitivity_at(load.pressure_pa),
+    pub fn each(prediction: &Prediction) -> Vec<Self> {
+        let at = |(load, median): (usize, f64)| {
+            let reach = |outside: f64| {
+                [median - prediction.quantile(load, outside), prediction.quantile(load, 1.0 - outside) - median]
+            };
+            let (_, log_std) = prediction.moments(load);
+            // The shares beyond one and beyond 1.96 standard deviations of a normal one.
+            Self { factor: median.exp(), log_std, log_reach_68: reach(0.158_655_254), log_reach_95: reach(0.025) }
         };
-        loads.iter().enumerate().map(at).collect()
+        prediction.medians().into_iter().enumerate().map(at).collect()
     }
 }
 
@@ -93,7 +96,7 @@ pub enum Source {
     FittedScale,
     /// The area law's own factors, all off to the same side.
     AreaLaw,
-    /// The model's error on patterned samples.
+    /// What the model lacks on patterned samples, Young's modulus among it.
     Discrepancy,
 }
 

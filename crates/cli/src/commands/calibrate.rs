@@ -23,7 +23,7 @@ use slipgrid_report::calibration;
 pub const DEFAULT_SEED: u64 = 1;
 
 /// What is written into the folder of a report, beside what there is of traces.
-const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "discrepancy.*"];
+const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "trials.*"];
 
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

@@ -2,7 +2,6 @@
 
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_formats::Diagnostic;
-use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::Design;
 use slipgrid_pattern::Pattern;
 use slipgrid_report::{DrawingInput, LaserFile, Outputs, draw};
@@ -21,6 +20,9 @@ const FILES: [&str; 2] = ["pattern.*", "process.toml"];
 /// Chooses, writes and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let mut design = Design::read(&disk(), &args.design)?;
+    for told in &design.told {
+        console.note(&format!("warning: {told}"));
+    }
     let folders: Vec<_> =
         args.output.iter().flat_map(|folder| (1..=args.count).map(|n| folder.join(format!("next-{n}")))).collect();
     for folder in &folders {
@@ -30,12 +32,8 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         check_folder(Place::output(folder), &["result.json", "timings.json"], &design.inputs)?;
     }
     let own = args.candidate.iter().map(|text| candidate(text, &design)).collect::<Result<_, _>>()?;
-    complete(&mut design, console)?;
-    let pending = match &design.calibration {
-        Some(path) => Calibration::read(&disk(), path)?.trials.samples,
-        None => Vec::new(),
-    };
-    let pending = pending.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
+    let samples = complete(&mut design, console)?.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+    let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
     let options = NextOptions { count: args.count.into(), pending, own };
     let found =
         next_trials(&design.task, &options, &Job::new(console)).map_err(|error| refused(error, &design, None))?;

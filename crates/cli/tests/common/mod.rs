@@ -38,6 +38,16 @@ seed = 1
 sliding_um = 2.0
 "#;
 
+/// Flat friction at three forces.
+pub const THREE_FORCES: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.25,0.002\n\
+    75,2,15,0.25,0.002\n100,2,15,0.26,0.002\n";
+
+/// A calibration with flat.csv, of [`THREE_FORCES`], and patterned.csv, measured on samples of this `[pattern]`.
+pub fn patterned_calibration(pattern: &str) -> String {
+    let text = CALIBRATION.replace("flat = \"flat.csv\"\n", "flat = \"flat.csv\"\npatterned = \"patterned.csv\"\n");
+    format!("{text}[pattern]\n{pattern}")
+}
+
 /// A design with an inline material.
 pub const DESIGN: &str = r#"name = "test design"
 [material]
@@ -128,6 +138,14 @@ impl Place {
 
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
+    }
+
+    /// ln(measured / modelled) of the first patterned measurement of the calibration NAME.toml.
+    pub fn log_excess(&self, name: &str) -> f64 {
+        self.succeed(&["calibrate", &format!("{name}.toml"), "-o", &format!("{name}-m.toml")]);
+        let table: toml::Table = fs::read_to_string(self.path(&format!("{name}-m.toml"))).unwrap().parse().unwrap();
+        let ratio = |key: &str| table["learned"]["trial"][0][key][0].as_float().unwrap();
+        (ratio("measured_ratio") / ratio("modelled_ratio")).ln()
     }
 
     /// Names of everything in the folder, hidden files too.

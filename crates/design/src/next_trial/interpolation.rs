@@ -1,22 +1,19 @@
 //! The steady model on a lattice of designs, and between its nodes.
 
 use rayon::prelude::*;
-use slipgrid_calibrate::uncertainty::{ScaleShift, moved};
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
-use slipgrid_springblock::Scene;
 
+use crate::DesignError;
+use crate::learned::ModulusSlopes;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
-use crate::{DesignError, Refusal, TaskPart};
 
 /// Most nodes of the lattice along width, spacing and depth: in the plane, where a node takes some milliseconds, and in space.
 const PLANE_NODES: [usize; 3] = [13, 13, 9];
 const SPACE_NODES: [usize; 3] = [6, 6, 4];
-/// Logarithm of Young's modulus by which it is moved for the slope along it.
-const LOG_MODULUS_STEP: f64 = 0.05;
-
 /// Modelled ratio and its slope along the logarithm of Young's modulus, at every load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modelled {
@@ -26,25 +23,19 @@ pub struct Modelled {
     pub sensitivity: Vec<f64>,
 }
 
-/// The model with a stiffer and a softer body beside it.
+/// The model with its slopes along Young's modulus.
 pub struct Models<'a> {
     own: &'a SteadyModel<'a>,
-    stiffer: SteadyModel<'a>,
-    softer: SteadyModel<'a>,
+    slopes: ModulusSlopes<'a>,
 }
 
 impl<'a> Models<'a> {
-    /// Those about `own`.
+    /// Those about `own`, whose material is known as `material` says.
     ///
     /// # Errors
     /// [`DesignError`] where the area law cannot be moved.
-    pub fn new(own: &'a SteadyModel<'a>) -> Result<Self, DesignError> {
-        let still = vec![0.0; own.asked().loads.len()];
-        let at = |log: f64| {
-            own.beside(|scene: &Scene| moved(scene, &still, ScaleShift { log, is_fitted: false }, 0.0))
-                .map_err(|error| Refusal::new(TaskPart::Whole, error.to_string()))
-        };
-        Ok(Self { own, stiffer: at(LOG_MODULUS_STEP)?, softer: at(-LOG_MODULUS_STEP)? })
+    pub fn new(own: &'a SteadyModel<'a>, material: &MaterialUncertainty) -> Result<Self, DesignError> {
+        Ok(Self { own, slopes: ModulusSlopes::new(own, material)? })
     }
 
     /// What they say of `design`.
@@ -52,11 +43,9 @@ impl<'a> Models<'a> {
     /// # Errors
     /// [`ModelFailure`] where it cannot be computed.
     pub fn at(&self, design: &Pattern) -> Result<Modelled, ModelFailure> {
-        let (stiffer, softer) = (self.stiffer.steady(design)?.ratio, self.softer.steady(design)?.ratio);
-        let slope = |(above, below): (&f64, &f64)| (above / below).ln() / (2.0 * LOG_MODULUS_STEP);
         Ok(Modelled {
             log_ratio: self.own.ratios_made(design, design)?.iter().map(|ratio| ratio.ln()).collect(),
-            sensitivity: stiffer.iter().zip(&softer).map(slope).collect(),
+            sensitivity: self.slopes.at(design)?,
         })
     }
 }

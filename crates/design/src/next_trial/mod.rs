@@ -5,6 +5,7 @@ mod interpolation;
 mod report;
 
 use rayon::prelude::*;
+use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
@@ -12,15 +13,17 @@ use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::{ModelFailure, Quantity};
 use slipgrid_pattern::Pattern;
-use slipgrid_results::MaterialReport;
-use slipgrid_springblock::{Fidelity, RunOptions, Scene};
+use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_springblock::{Fidelity, RunOptions};
+use slipgrid_units::tidy;
 
 use crate::lattice_table::lattice;
+use crate::learned::loads_of;
 use crate::operating_conditions::{Further, further};
 use crate::selection::Effort;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
-use crate::{DesignError, KnownMaterial, TaskPart};
+use crate::{DesignError, TaskPart};
 use interpolation::{Interpolation, Modelled, Models};
 
 pub use advice::AdviceReport;
@@ -30,12 +33,12 @@ pub use report::{NextReport, PredictedRatio, TrialCandidateReport};
 const DESIGNS: usize = 20_000;
 /// Of these the best by it, which the model itself judges.
 const JUDGED: usize = 48;
+/// Designs that a report lists.
+const LISTED: usize = 10;
 /// Truths in which several samples are judged together.
 const SCENARIOS: usize = 2000;
 /// Relative error of a measurement, for what a trial would teach.
 const MEASURED_STD: f64 = 0.01;
-/// Relative humidity where neither design nor trials name one.
-const USUAL_HUMIDITY: f64 = 0.4;
 /// Advice: a chance above this is worth a series.
 const SERIES: f64 = 0.5;
 /// Lengths that differ by less are the same, relative.
@@ -125,22 +128,14 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     task.check(&known)?;
     let (loads, _) = task.loads(&known.material)?;
     let further = further(&task, &known.material)?;
-    let scene = Scene {
-        elastic: known.material.elastic,
-        area_law: known.material.area_law.clone(),
-        pattern: None,
-        relief: None,
-        layer: task.layer,
-        loads,
-        speed_m_s: task.speed_m_s,
-        run: RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() },
-    };
+    let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() };
+    let scene = task.flat_scene(&known.material, loads, run);
     let elsewhere: Vec<&[slipgrid_springblock::Load]> = further.iter().map(|at| &at.loads[..]).collect();
     let directions_deg = &task.directions.different_deg;
     let model =
         SteadyModel::new(&scene, &elsewhere, directions_deg, &task.space, None).watched_by(monitor).on(task.specimen);
-    let asked = asked(&task, &known, &scene, &further, &model)?;
-    let models = Models::new(&model)?;
+    let asked = asked(&task, &known.uncertainty, &further, &model)?;
+    let models = Models::new(&model, &known.uncertainty)?;
 
     let stage = Stage::new(monitor, "model", None);
     let interpolation = Interpolation::new(&task, &models, &stage);
@@ -157,47 +152,27 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
 
 fn asked(
     task: &DesignTask,
-    known: &KnownMaterial,
-    scene: &Scene,
+    material: &MaterialUncertainty,
     further: &[Further],
     model: &SteadyModel<'_>,
 ) -> Result<Asked, DesignError> {
-    let learned = match &known.uncertainty.learned {
-        Some(learned) => learned.clone(),
-        // A material that says nothing of trials has none: the prior.
-        None => Discrepancy::new(
-            slipgrid_discrepancy::Hyperparameters::default(),
-            slipgrid_discrepancy::Conditions::default(),
-            known.uncertainty.modulus_relative_std.unwrap_or(0.0),
-            Vec::new(),
-        )
-        .map_err(|error| DesignError::Failed(error.to_string()))?,
-    };
-    let measured = learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity));
-    let humidities: Vec<f64> = measured.collect();
-    let usual =
-        if humidities.is_empty() { USUAL_HUMIDITY } else { humidities.iter().sum::<f64>() / humidities.len() as f64 };
+    let learned = material.discrepancy().map_err(|error| DesignError::Failed(error.to_string()))?;
+    let loads = loads_of(task, &learned, further, model);
     let count = task.target.points().len();
-    let conditions: Vec<_> =
-        std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition)).collect();
+    let conditions = std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition));
     let pressures_pa = task.pressures_pa();
-    let (mut loads, mut lower, mut upper) = (Vec::new(), Vec::new(), Vec::new());
-    for (place, condition) in conditions.iter().enumerate() {
-        let excess = known.uncertainty.excess(&pressures_pa, condition.as_ref());
+    let (mut lower, mut upper) = (Vec::new(), Vec::new());
+    for (place, condition) in conditions.enumerate() {
+        let excess = material.excess(&pressures_pa, condition.as_ref());
         for (row, demand) in task.target.points().iter().enumerate() {
             let at = &model.asked().loads[place * count + row];
-            loads.push(Load {
-                pressure_pa: at.pressure_pa,
-                speed_m_s: condition.map_or(scene.speed_m_s, |condition| condition.speed_m_s),
-                humidity: condition.map_or(usual, |condition| condition.humidity),
-            });
             // Of friction itself: over that of the flat sample, mu_d f(P) times dynamic over steady friction.
             let law = |law: &AreaLaw| law.factor(at.pressure_pa);
             let flat = match task.target.quantity() {
                 Quantity::Ratio => 1.0,
                 Quantity::DynamicFriction => {
                     at.friction.dynamic_mean()
-                        * scene.area_law.as_ref().map_or(1.0, law)
+                        * model.area_law().map_or(1.0, law)
                         * excess.as_ref().map_or(1.0, |excess| excess[row])
                 }
             };
@@ -216,27 +191,23 @@ fn asked(
 /// Designs of whole blocks and bursts within the bounds and the laser's limits, about [`DESIGNS`] of them.
 fn designs(task: &DesignTask) -> Vec<Pattern> {
     let (all, _) = lattice(task);
-    let step = all.len().div_ceil(DESIGNS).max(1);
-    // A stride that no axis divides spreads what is left out.
+    let [spacings, depths] = [Pattern::spacing_m, Pattern::depth_m].map(|of| {
+        let mut lengths: Vec<u64> = all.iter().map(|design| of(design).to_bits()).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        lengths.len()
+    });
+    // A stride that has no divisor with an axis in common spreads what is left out.
+    let shares = |step: usize, axis: usize| (2..=step).any(|by| step.is_multiple_of(by) && axis.is_multiple_of(by));
+    let least = all.len().div_ceil(DESIGNS).max(1);
+    let step = (least..).find(|step| !shares(*step, spacings) && !shares(*step, depths)).unwrap_or(least);
     all.into_iter().step_by(step).collect()
 }
 
-fn is_like(a: &Pattern, b: &Pattern) -> bool {
-    let lengths = |of: &Pattern| [of.width_m(), of.spacing_m(), of.depth_m()];
-    let close = lengths(a).into_iter().zip(lengths(b)).all(|(a, b)| (a - b).abs() <= SAME_LENGTH * a.max(b));
-    a.planform() == b.planform() && close
-}
-
-/// Whether `design` is one of the trials, which know their features alone.
-fn is_cut(learned: &Discrepancy, design: &Pattern) -> bool {
-    let of = Features::from(design);
-    let same = |a: f64, b: f64| (a - b).abs() <= SAME_LENGTH * a.max(b);
-    learned.trials().iter().map(|trial| trial.features).any(|cut| {
-        same(cut.width_m, of.width_m)
-            && same(cut.pitch_m, of.pitch_m)
-            && same(cut.depth_m, of.depth_m)
-            && same(cut.areal_density, of.areal_density)
-    })
+/// Whether two textures are one: trials know their features alone.
+fn is_same(a: &Features, b: &Features) -> bool {
+    let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
+    same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
 }
 
 fn choose(
@@ -253,8 +224,11 @@ fn choose(
         let modelled = interpolation.at(lengths(pattern))?;
         Some(Design::new(*pattern, modelled, interpolation.covariance(lengths(pattern), std_m)?))
     };
+    let measured = asked.learned.trials().iter().map(|trial| trial.features);
+    let cut: Vec<Features> = measured.chain(options.pending.iter().map(Features::from)).collect();
     let is_open = |pattern: &Pattern| {
-        !is_cut(&asked.learned, pattern) && !options.pending.iter().any(|pending| is_like(pending, pattern))
+        let own = Features::from(pattern);
+        !cut.iter().any(|cut| is_same(cut, &own))
     };
     let patterns: Vec<Pattern> = designs(task).into_iter().filter(is_open).collect();
     let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
@@ -284,14 +258,21 @@ fn choose(
     let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| exactly(pattern).ok()).collect();
     let (chosen, together) = several(&pool, &pending, options.count.max(1), asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
-    let next = NextReport::new(
-        task,
-        asked,
-        compared,
-        chosen.iter().map(|judged| report(judged)).collect(),
-        (together, pool.iter().map(report).collect(), own.iter().map(report).collect()),
-        options.pending.len(),
-    );
+    let greatest = pool.iter().map(|judged| judged.score.chance).fold(0.0, f64::max);
+    let next = NextReport {
+        program: "slipgrid".to_owned(),
+        version: VERSION.to_owned(),
+        schema: SCHEMA,
+        name: task.name.clone(),
+        trials: asked.learned.trials().len(),
+        pending: options.pending.len(),
+        designs: compared,
+        advice: if greatest > SERIES { "series" } else { "trial" }.to_owned(),
+        next: chosen.iter().map(|judged| report(judged)).collect(),
+        one_on_target: tidy(together),
+        best: pool.iter().take(LISTED).map(report).collect(),
+        own: own.iter().map(report).collect(),
+    };
     Ok((next, chosen.iter().map(|judged| judged.design.pattern).collect()))
 }
 

@@ -1,15 +1,12 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_results::{PatternReport, SCHEMA, Table, VERSION, fixed};
+use slipgrid_results::{PatternReport, Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use super::{Asked, Judged, SERIES, information_bits, laser_s};
+use super::{Asked, Judged, information_bits, laser_s};
 use crate::chance_report::percent;
 use crate::task::DesignTask;
-
-/// Designs of the table.
-const LISTED: usize = 10;
 
 /// The samples to cut next.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -133,32 +130,6 @@ impl TrialCandidateReport {
 }
 
 impl NextReport {
-    pub(super) fn new(
-        task: &DesignTask,
-        asked: &Asked,
-        designs: usize,
-        next: Vec<TrialCandidateReport>,
-        (one_on_target, mut best, own): (f64, Vec<TrialCandidateReport>, Vec<TrialCandidateReport>),
-        pending: usize,
-    ) -> Self {
-        best.truncate(LISTED);
-        let greatest = best.iter().map(|of| of.chance).fold(0.0, f64::max);
-        Self {
-            program: "slipgrid".to_owned(),
-            version: VERSION.to_owned(),
-            schema: SCHEMA,
-            name: task.name.clone(),
-            trials: asked.learned.trials().len(),
-            pending,
-            designs,
-            advice: if greatest > SERIES { "series" } else { "trial" }.to_owned(),
-            next,
-            one_on_target: tidy(one_on_target),
-            best,
-            own,
-        }
-    }
-
     /// The samples in words.
     #[must_use]
     pub fn text(&self) -> String {

@@ -22,18 +22,14 @@ fn task(planform: Planform) -> DesignTask {
     DesignTask::new(material, target, space, specimen, layer)
 }
 
+fn known() -> MaterialUncertainty {
+    MaterialUncertainty { modulus_relative_std: Some(0.2), ..MaterialUncertainty::default() }
+}
+
 fn model(task: &DesignTask) -> SteadyModel<'static> {
     let known = task.material.clone().unwrap();
-    let scene = Scene {
-        elastic: known.material.elastic,
-        area_law: known.material.area_law.clone(),
-        pattern: None,
-        relief: None,
-        layer: task.layer,
-        loads: task.loads(&known.material).unwrap().0,
-        speed_m_s: task.speed_m_s,
-        run: RunOptions::default(),
-    };
+    let loads = task.loads(&known.material).unwrap().0;
+    let scene = task.flat_scene(&known.material, loads, RunOptions::default());
     SteadyModel::new(&scene, &[], &[], &task.space, None)
 }
 
@@ -42,7 +38,7 @@ fn model(task: &DesignTask) -> SteadyModel<'static> {
 fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let task = task(Planform::Groove);
     let model = model(&task);
-    let models = Models::new(&model).unwrap();
+    let models = Models::new(&model, &known()).unwrap();
     let stage = Stage::new(&Unwatched, "model", None);
     let found = Interpolation::new(&task, &models, &stage).unwrap();
     let mut worst = [0.0_f64; 2];
@@ -79,7 +75,7 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     assert_eq!((found.report.trials, found.report.advice.as_str()), (0, "trial"));
     assert_eq!(found.patterns.len(), 4);
     for (place, pattern) in found.patterns.iter().enumerate() {
-        assert!(!found.patterns[..place].iter().any(|other| is_like(other, pattern)));
+        assert!(!found.patterns[..place].iter().any(|other| is_same(&Features::from(other), &Features::from(pattern))));
     }
     let first = &found.report.next[0];
     assert!(first.chance > 0.0 && first.chance < 0.3, "{}", first.chance);

@@ -1,13 +1,13 @@
 //! What a calibration found: text, tables, pictures.
 
 mod fit_details;
-mod patterned;
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_results::{Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
+use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError};
 
 /// The calibration for people.
@@ -51,18 +51,15 @@ pub fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &Cali
         ]);
     }
     text += &format!("\n{table}{}", fit_details::table(fit));
-    if let Some(patterned) = &outcome.patterned {
-        text += &format!(
-            "\nratios patterned / flat: measured, by the model, and predicted without the row itself\n{}",
-            patterned::table(patterned)
-        );
+    if let Some(ledger) = ledger(calibration, outcome) {
+        text += &format!("\n{}", ledger.text());
     } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
-        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would give the model's discrepancy\n";
+        text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would make a trial of them\n";
     }
     text
 }
 
-/// Everything that was found, as files: the fit, its profiles and residuals, patterned samples, and traces where there are.
+/// Everything that was found, as files: the fit, its profiles and residuals, trials, and traces where there are.
 ///
 /// # Errors
 /// [`ReportError`] where a picture cannot be drawn or a record has no JSON form.
@@ -72,8 +69,15 @@ pub fn files(calibration: &Calibration, outcome: &CalibrationOutcome) -> Result<
     outputs.add("fit.json", fit_details::json(&outcome.fit)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
     outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
-    if let Some(patterned) = &outcome.patterned {
-        outputs.add("discrepancy.csv", patterned::csv(patterned));
+    if let Some(ledger) = ledger(calibration, outcome) {
+        outputs.add("trials.csv", ledger.csv());
+        outputs.add("trials.svg", ledger.picture()?);
     }
     Ok(outputs)
+}
+
+/// What trials say, where any was measured.
+fn ledger(calibration: &Calibration, outcome: &CalibrationOutcome) -> Option<TrialsReport> {
+    let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())?;
+    Some(TrialsReport::new(&calibration.name, &calibration.trials.samples, learned))
 }

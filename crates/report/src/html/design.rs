@@ -123,12 +123,6 @@ fn chance_parts(page: &mut Page, chance: &ChanceReport) {
             chance.not_known.join(", ")
         ));
     }
-    if chance.with_discrepancy.is_some() {
-        page.paragraph(&format!(
-            "Were the model as far off as on the calibration's patterned samples, it would be {} %.",
-            percent(chance.with_discrepancy, 1)
-        ));
-    }
     page.records(
         "What limits the chance: what it would be in % were one of these known, or made, exactly.",
         &chance.parts,
@@ -203,13 +197,12 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
     let header = "P in MPa,target,predicted,to vanishing blocks,confirmed,mu,mu flat,mu static,peak in MPa,status";
     let (header, rows, status) = told(&header.split(',').collect::<Vec<_>>(), &rows);
     let quantity = if report.is_ratio() { "ratio patterned over flat" } else { "dynamic friction coefficient" };
-    let aims = report.discrepancy.as_ref().is_some_and(|found| found.used);
     page.table(
         &format!(
             "Target (or the band accepted), predicted and confirmed: {quantity}, dimensionless{}. After ±: of the target its \
              tolerance; else {}. To vanishing blocks: estimated change of the ratio. Peak \
              pressure grows as blocks shrink.{status}",
-            if aims { ", times the discrepancy of patterned samples" } else { "" },
+            if report.discrepancy.is_some() { ", times what trials say that the model lacks" } else { "" },
             report.errors.meaning.trim_start_matches("+-: "),
         ),
         &header,

@@ -1,11 +1,11 @@
 //! A design's report with all its parts, for tests of its page.
 
 use slipgrid_design::records::{
-    ChanceReport, ConditionReport, ConditionValue, ConditionsReport, ConflictReport, CorrectedReport, Dimensions,
-    DiscrepancyReport, Distribution, DomainReport, ExplanationReport, FactorReport, GoalReport, ImprovementReport,
-    InputReport, ListedDesign, MisfitReading, NearestReport, NodeReport, OptimumReport, PartReport, PressureParts,
-    PressureReport, ReachableReport, Reading, ReliefReport, RobustnessReport, ScatterReport, SelectionReport,
-    SensitivityReport, SlopesReport, SpreadReport, TableReport, TargetReport, Tolerance, TradeOffsReport,
+    ChanceReport, ConditionReport, ConditionValue, ConditionsReport, ConflictReport, Dimensions, DiscrepancyReport,
+    Distribution, ExplanationReport, FactorReport, GoalReport, ImprovementReport, InputReport, ListedDesign,
+    NearestReport, NodeReport, OptimumReport, PartReport, PressureParts, PressureReport, ReachableReport, Reading,
+    ReliefReport, RobustnessReport, ScatterReport, SelectionReport, SensitivityReport, SlopesReport, SpreadReport,
+    TableReport, TargetReport, Tolerance, TradeOffsReport,
 };
 use slipgrid_design::{DesignReport, MisfitReport};
 use slipgrid_export::{Ablation, Exposure, Laser};
@@ -188,7 +188,6 @@ fn chance() -> ChanceReport {
         not_known: vec!["the model".into()],
         limited_by: None,
         parts: vec![width],
-        with_discrepancy: Some(0.05),
         draws: 1000,
     }
 }
@@ -226,31 +225,20 @@ fn errors() -> ErrorsReport {
 }
 
 fn discrepancy() -> DiscrepancyReport {
-    let none = Reading { physics: None, physics_std: None, with_discrepancy: None, with_discrepancy_std: None };
+    let of = |physics| Reading { physics: Some(physics), std: None };
     DiscrepancyReport {
-        used: false,
         quantity: "ratio".into(),
-        pattern: "squares".into(),
-        other_planform: Some("groove".into()),
-        domain: Some(DomainReport {
-            planforms: vec!["square".into()],
-            areal_density: [0.03, 0.15],
-            trials_areal_density: [0.06, 0.07],
-            depth_um: [5.0, 20.0],
-            trials_depth_um: [10.0, 10.0],
-            far: vec!["planform".into(), "areal density".into()],
-        }),
-        degrees_of_freedom: 5,
+        trials: 1,
         by_pressure: vec![FactorReport {
             pressure_mpa: 2.6,
             factor: 0.829,
             relative_std: 0.05,
-            outside_measured_range: true,
-            predicted: none,
-            confirmed: Reading { physics: Some(0.8355), with_discrepancy: Some(0.6926), ..none },
-            mu: none,
+            interval_95: [0.75, 0.91],
+            predicted: of(0.84),
+            confirmed: of(0.8355),
+            mu: of(0.21),
         }],
-        misfit: MisfitReading { physics: Some(0.8), with_discrepancy: Some(17.1) },
+        physics_misfit: Some(0.8),
     }
 }
 
@@ -310,12 +298,6 @@ fn robustness(design: &PatternReport) -> RobustnessReport {
         inputs: vec![InputReport { name: "width".into(), std: vec![8.0], unit: "um".into(), basis: "b".into() }],
         with_material: Some(ScatterReport { probability: Some(0.5), ..samples.clone() }),
         samples,
-        with_discrepancy: Some(CorrectedReport {
-            factor: vec![0.85],
-            probability: Some(0.1),
-            probability_stderr: Some(0.01),
-            by_pressure: Vec::new(),
-        }),
         parts: vec![PressureParts {
             pressure_mpa: 0.65,
             std: 0.02,

@@ -1,7 +1,7 @@
 //! How far a design's numbers are known, how they move with its dimensions, and what could be had for what.
 
 use slipgrid_design::records::{
-    Dimensions, DiscrepancyReport, DomainReport, PressureParts, Reading, RimSlopeReport, RobustnessReport,
+    Dimensions, DiscrepancyReport, FactorReport, PressureParts, Reading, RimSlopeReport, RobustnessReport,
     SensitivityReport, SpreadReport, TradeOffsReport,
 };
 use slipgrid_results::ErrorsReport;
@@ -90,68 +90,29 @@ pub(super) fn errors(page: &mut Page, found: &ErrorsReport) {
     );
 }
 
-/// Which patterns count as near those of the samples, and whether this one does.
-fn near(domain: &DomainReport) -> String {
-    format!(
-        "; near them are areal densities of {} % and depths of {} µm{}",
-        ends(Some(domain.areal_density.map(|share| 100.0 * share)), 1),
-        ends(Some(domain.depth_um), 1),
-        if domain.far.is_empty() {
-            String::new()
-        } else {
-            format!(", and this pattern is far from them in {}", domain.far.join(" and "))
-        },
-    )
-}
-
-/// Values by the physics alone and with the discrepancy, where patterned samples are known.
+/// Values by the physics alone, where the search aimed with what trials say beside it.
 pub(super) fn discrepancy(page: &mut Page, found: &DiscrepancyReport) {
     page.paragraph(&format!(
-        "{} The factor is the measured over the modelled ratio of patterned samples ({}; degrees of freedom: {}) and holds for patterns \
-         like theirs{}{}. Largest distance of the confirmed values from the target in tolerances: {} by the physics alone, {} with \
-         the discrepancy.",
-        if found.used {
-            "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor."
-        } else {
-            "The search aimed with the physics alone; this is what the discrepancy would make of it."
-        },
-        found.pattern,
-        found.degrees_of_freedom,
-        if found.other_planform.is_some() { ", which this one is not: take it as a guess" } else { "" },
-        found.domain.as_ref().map_or_else(String::new, near),
-        number(found.misfit.physics, 2),
-        number(found.misfit.with_discrepancy, 2),
+        "The search aimed with the discrepancy: what is compared with the target is the model's value times the factor. {}. By the \
+         physics alone confirmed values lie {} tolerances from the target.",
+        found.meaning(),
+        number(found.physics_misfit, 2),
     ));
-    // The other reading stands in the table of the target.
-    let other = |of: &Reading| {
-        if found.used {
-            with_error(of.physics, of.physics_std, 4)
-        } else {
-            with_error(of.with_discrepancy, of.with_discrepancy_std, 4)
-        }
+    let cell = |of: &Reading| with_error(of.physics, of.std, 4);
+    let row = |row: &FactorReport| {
+        vec![
+            plain(row.pressure_mpa),
+            with_error(row.factor, row.factor * row.relative_std, 3),
+            ends(Some(row.interval_95), 3),
+            cell(&row.predicted),
+            cell(&row.confirmed),
+            cell(&row.mu),
+        ]
     };
-    let rows: Vec<Vec<String>> = found
-        .by_pressure
-        .iter()
-        .map(|row| {
-            let factor = with_error(row.factor, row.factor * row.relative_std, 3);
-            let mark = if row.outside_measured_range { " (outside the pressures measured)" } else { "" };
-            vec![
-                plain(row.pressure_mpa),
-                format!("{factor}{mark}"),
-                other(&row.predicted),
-                other(&row.confirmed),
-                other(&row.mu),
-            ]
-        })
-        .collect();
+    let rows: Vec<Vec<String>> = found.by_pressure.iter().map(row).collect();
     page.table(
-        &format!(
-            "The same values {}: {}.",
-            if found.used { "by the physics alone" } else { "times the factor" },
-            found.quantity
-        ),
-        &["P in MPa", "factor", "predicted", "confirmed", "mu"],
+        &format!("The same values by the physics alone: {}.", found.quantity),
+        &["P in MPa", "factor", "95 % of samples", "predicted", "confirmed", "mu"],
         &rows,
     );
 }
@@ -182,12 +143,6 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
             within(material.probability, material.probability_stderr)
         ));
     }
-    if let Some(corrected) = &found.with_discrepancy {
-        page.paragraph(&format!(
-            "{} if the model is also as far off as on the calibration's patterned samples, which holds for patterns like theirs.",
-            within(corrected.probability, corrected.probability_stderr),
-        ));
-    }
     let shown = found.with_material.as_ref().unwrap_or(samples);
     let ratio = |spread: Option<&SpreadReport>| ends(spread.map(|spread| spread.ratio.band_95), 4);
     let rows: Vec<Vec<String>> = samples
@@ -200,7 +155,6 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
                 plain(at.pressure_mpa),
                 ratio(Some(&at.spread)),
                 ratio(all),
-                ratio(found.with_discrepancy.as_ref().and_then(|corrected| corrected.by_pressure.get(row))),
                 number(all.map(|spread| spread.mu.mean), 4),
                 ends(all.map(|spread| spread.mu.band_95), 4),
             ]
@@ -208,7 +162,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
         .collect();
     page.table(
         "Bands hold 95 % of samples.",
-        &["P in MPa", "ratio: samples", "with material", "and model", "mu", "mu: with material"],
+        &["P in MPa", "ratio: samples", "with material", "mu", "mu: with material"],
         &rows,
     );
     parts(page, &found.parts);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::uncertainty::DiscrepancyAt;
 use crate::uncertainty::{ScaleError, with_scale};
 use slipgrid_material::Elastic;
 use slipgrid_pattern::{Planform, Rim, RimProfile};
@@ -91,7 +92,7 @@ fn first_order_is_what_samples_scatter() {
     // Coefficient and scale off together, as a fit leaves them.
     let known = [[4e-4, 9e-4], [9e-4, 4e-3]];
     let joint = with_scale(&known, &area_law, &scene.loads).unwrap();
-    let discrepancy = DiscrepancyAt { factor: 0.9, log_variance: 1e-4, modulus_sensitivity: 0.02 };
+    let discrepancy = DiscrepancyAt { factor: 0.9, log_std: 0.01, log_reach_68: [0.01; 2], log_reach_95: [0.0196; 2] };
     let knowledge = InputUncertainty {
         flat_friction: Some((0..3).map(|load| joint[load][load]).collect()),
         scale: Some(ScaleError {
@@ -122,7 +123,7 @@ fn first_order_is_what_samples_scatter() {
         let coefficient = known[0][0].sqrt() * z;
         let share = known[0][1] / known[0][0].sqrt();
         let log_scale = share * z + (known[1][1] - share * share).sqrt() * w;
-        let [law_off, own] = [normal(), discrepancy.log_variance.sqrt() * normal()];
+        let [law_off, own] = [normal(), discrepancy.log_std * normal()];
         let moved = area_law.at_modulus(log_scale.exp()).unwrap();
         // Flat friction goes with both.
         let friction: Vec<f64> = scene
@@ -134,8 +135,7 @@ fn first_order_is_what_samples_scatter() {
             ratios(&cell, &scene.pattern.unwrap(), &friction, ScaleShift { log: log_scale, is_fitted: false }, law_off)
                 .unwrap();
         for load in 0..3 {
-            let factor = discrepancy.factor * (own - discrepancy.modulus_sensitivity * log_scale).exp();
-            let ratio = found[load].unwrap() * factor;
+            let ratio = found[load].unwrap() * discrepancy.factor * own.exp();
             drawn[load].push([ratio, ratio * nominal[load][1] * (1.0 + friction[load])]);
         }
     }

@@ -1,0 +1,50 @@
+//! Flags of what learns from samples.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+/// `next`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid next designs/ldpe-lower-friction.toml\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n\n\
+    Compares about 20,000 designs within the bounds by the chance that a cut sample is on target: by the steady model\n\
+    and by what the trials of the calibration say that it lacks. Several samples complement each other, and those\n\
+    that are pending. A [[trial]] without measurements is pending.")]
+pub struct NextArgs {
+    /// Design file
+    pub design: PathBuf,
+    /// Samples to cut at once
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
+    pub count: u8,
+    /// A candidate of your own, width, spacing and depth in um; may be given several times
+    #[arg(long, value_name = "W,S,D")]
+    pub candidate: Vec<String>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for result.json, and next-1, next-2, ... with what a laser needs
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// `trials`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid trials calibration/ldpe-cast-iron/calibration.toml\n  \
+    slipgrid trials calibration.toml -o out/trials\n\n\
+    Every [[trial]] of the calibration is compared with what the model and the trials before it said of it. The\n\
+    table of forms says how the discrepancy, ln(measured / modelled), grows with the texture as far as trials\n\
+    tell. Nothing is fitted to flat samples but where the area law is.")]
+pub struct TrialsArgs {
+    /// Calibration file
+    pub calibration: PathBuf,
+    /// Print one JSON object instead of tables
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for trials.csv, trials.svg and result.json
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
