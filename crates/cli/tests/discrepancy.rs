@@ -98,6 +98,11 @@ fn values_count_times_what_trials_say_and_the_chance_has_all_of_it() {
     // Its distribution drawn, and integrated exactly: but for flat friction, blocks and time the same chance.
     let [drawn, exact] = [&aimed["chance"]["value"], &aimed["advice"]["chance"]].map(number);
     assert!((drawn - exact).abs() < 0.05 && (0.05..0.9).contains(&exact), "{drawn} {exact}");
+    // What is listed beside a trial is likelier than it.
+    let plain = &plain["advice"];
+    let rather = plain["rather"].as_array().unwrap();
+    assert!(plain["advice"] == "trial" && !rather.is_empty(), "{plain}");
+    assert!(rather.iter().all(|of| number(&of["chance"]) > number(&plain["chance"])), "{plain}");
     let names: Vec<&str> =
         aimed["chance"]["parts"].as_array().unwrap().iter().map(|part| part["input"].as_str().unwrap()).collect();
     assert!(names.contains(&"discrepancy") && !names.contains(&"Young's modulus"), "{names:?}");

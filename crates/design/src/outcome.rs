@@ -213,7 +213,7 @@ impl DesignReport {
             text.insert_str(text.len() - 1, &format!("  {line}\n"));
         }
         if let Some(advice) = &self.advice {
-            text.insert_str(text.len() - 1, &format!("  {}\n", advice.words));
+            text.insert_str(text.len() - 1, &advice.text());
         }
         let mut table = Table::new([
             "P MPa",

@@ -4,13 +4,19 @@ use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_optimize::ModelFailure;
 
-use super::interpolation::{Modelled, Models};
-use super::{Design, PredictedRatio, SERIES, asked};
+use super::interpolation::{Interpolation, Modelled, Models};
+use super::{Asked, Design, NextOptions, PredictedRatio, SERIES, Scope, TrialCandidateReport, asked, choose};
 use crate::DesignError;
 use crate::chance_report::percent;
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
+use slipgrid_results::Table;
 use slipgrid_units::tidy;
+
+/// By how much the chance of another texture must be greater to be worth a word.
+const CLEARLY: f64 = 0.005;
+/// Samples to cut rather that are listed.
+const RATHER: usize = 4;
 
 /// The chance of the design that was found, with what trials say that the model lacks; before any trial with what is believed of
 /// that.
@@ -26,6 +32,26 @@ pub struct AdviceReport {
     pub words: String,
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
+    /// Samples to cut rather, the likeliest first, where this is a trial; empty in space, where `slipgrid next` looks for them.
+    #[serde(default)]
+    pub rather: Vec<TrialCandidateReport>,
+}
+
+impl AdviceReport {
+    /// In words, with the samples to cut rather.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let table = if self.rather.is_empty() { String::new() } else { format!("\n{}", self.table()) };
+        format!("  {}\n{table}", self.words)
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new(TrialCandidateReport::COLUMNS);
+        self.rather.iter().enumerate().for_each(|(place, of)| {
+            table.row(of.row(if place == 0 { "next" } else { "also" }));
+        });
+        table
+    }
 }
 
 impl MultiFidelityLoop<'_> {
@@ -45,7 +71,8 @@ impl MultiFidelityLoop<'_> {
             return Ok(None);
         }
         let asked = asked(task, material, &self.further, &self.model)?;
-        let found = Models::new(&self.model, material)?.at(&best.design).and_then(|modelled| {
+        let models = Models::new(&self.model, material)?;
+        let found = models.at(&best.design).and_then(|modelled| {
             let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
             Ok((modelled, chances.covariance_of_made(&best.design, &ratio)?))
         });
@@ -73,6 +100,37 @@ impl MultiFidelityLoop<'_> {
         };
         let words = format!("cut it as a {advice}: chance {}, {known_of}", percent(chance));
         let predicted = PredictedRatio::of(&asked, &judged);
-        Ok(Some(AdviceReport { advice: advice.to_owned(), chance: tidy(chance), trials, words, predicted }))
+        let rather = if chance > SERIES { None } else { self.rather(task, &asked, &models, chance) };
+        let words = match &rather {
+            Some(rather) if rather.is_empty() => format!("{words}; no other texture within the bounds has more"),
+            Some(_) => format!("{words}; others are likelier on target"),
+            None => words,
+        };
+        let rather = rather.unwrap_or_default();
+        let advice = advice.to_owned();
+        Ok(Some(AdviceReport { advice, chance: tidy(chance), trials, words, predicted, rather }))
+    }
+
+    /// Samples that are clearly likelier on target than with `chance`, the likeliest first; `None` in space, and where time is spent.
+    fn rather(
+        &self,
+        task: &DesignTask,
+        asked: &Asked,
+        models: &Models<'_>,
+        chance: f64,
+    ) -> Option<Vec<TrialCandidateReport>> {
+        if self.model.is_spatial() {
+            return None;
+        }
+        let stage = self.stage("samples to cut rather");
+        let scope = Scope::BESIDE;
+        let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
+        let options = NextOptions::default();
+        let found = interpolation.and_then(|nodes| choose(task, &options, asked, models, &nodes, &scope).ok());
+        stage.finish();
+        let mut best = found?.0.best;
+        best.retain(|of| of.chance > chance + CLEARLY);
+        best.truncate(RATHER);
+        Some(best)
     }
 }

@@ -11,9 +11,6 @@ use crate::learned::ModulusSlopes;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 
-/// Most nodes of the lattice along width, spacing and depth: in the plane, where a node takes some milliseconds, and in space.
-const PLANE_NODES: [usize; 3] = [13, 13, 9];
-const SPACE_NODES: [usize; 3] = [6, 6, 4];
 /// Modelled ratio and its slope along the logarithm of Young's modulus, at every load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modelled {
@@ -59,9 +56,9 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
-    /// Asks `models` at the nodes of a lattice over the space of `task`; `None` where `stage` ends before that.
-    pub fn new(task: &DesignTask, models: &Models<'_>, stage: &Stage<'_>) -> Option<Self> {
-        let most = if models.own.is_spatial() { SPACE_NODES } else { PLANE_NODES };
+    /// Asks `models` at the nodes of a lattice over the space of `task`, at most `most` along each length; `None` where `stage` ends
+    /// before that.
+    pub fn new(task: &DesignTask, models: &Models<'_>, most: [usize; 3], stage: &Stage<'_>) -> Option<Self> {
         let space = &task.space;
         let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
         let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {

@@ -29,10 +29,24 @@ use interpolation::{Interpolation, Modelled, Models};
 pub use advice::AdviceReport;
 pub use report::{NextReport, PredictedRatio, TrialCandidateReport};
 
-/// Designs that are compared by the interpolated model.
-const DESIGNS: usize = 20_000;
-/// Of these the best by it, which the model itself judges.
-const JUDGED: usize = 48;
+/// How much is looked at.
+struct Scope {
+    /// Most nodes of the interpolated model's lattice along width, spacing and depth.
+    nodes: [usize; 3],
+    /// Designs that are compared by it, about.
+    designs: usize,
+    /// Of these the best by it, which the model itself judges.
+    judged: usize,
+}
+
+impl Scope {
+    /// In the plane, where a node takes some milliseconds.
+    const PLANE: Self = Self { nodes: [13, 13, 9], designs: 20_000, judged: 48 };
+    const SPACE: Self = Self { nodes: [6, 6, 4], ..Self::PLANE };
+    /// Beside a design that was searched.
+    const BESIDE: Self = Self { nodes: [9, 9, 5], designs: 5000, judged: 16 };
+}
+
 /// Designs that a report lists.
 const LISTED: usize = 10;
 /// Truths in which several samples are judged together.
@@ -138,12 +152,13 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let models = Models::new(&model, &known.uncertainty)?;
 
     let stage = Stage::new(monitor, "model", None);
-    let interpolation = Interpolation::new(&task, &models, &stage);
+    let scope = if model.is_spatial() { Scope::SPACE } else { Scope::PLANE };
+    let interpolation = Interpolation::new(&task, &models, scope.nodes, &stage);
     stage.finish();
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
-    let found = choose(&task, options, &asked, &models, &interpolation);
+    let found = choose(&task, options, &asked, &models, &interpolation, &scope);
     stage.finish();
     monitor.heed()?;
     let (report, patterns) = found?;
@@ -188,8 +203,8 @@ fn asked(
     Ok(Asked { loads, wanted: Wanted { lower, upper }, learned })
 }
 
-/// Designs of whole blocks and bursts within the bounds and the laser's limits, about [`DESIGNS`] of them.
-fn designs(task: &DesignTask) -> Vec<Pattern> {
+/// Designs of whole blocks and bursts within the bounds and the laser's limits, about `most` of them.
+fn designs(task: &DesignTask, most: usize) -> Vec<Pattern> {
     let (all, _) = lattice(task);
     let [spacings, depths] = [Pattern::spacing_m, Pattern::depth_m].map(|of| {
         let mut lengths: Vec<u64> = all.iter().map(|design| of(design).to_bits()).collect();
@@ -199,7 +214,7 @@ fn designs(task: &DesignTask) -> Vec<Pattern> {
     });
     // A stride that has no divisor with an axis in common spreads what is left out.
     let shares = |step: usize, axis: usize| (2..=step).any(|by| step.is_multiple_of(by) && axis.is_multiple_of(by));
-    let least = all.len().div_ceil(DESIGNS).max(1);
+    let least = all.len().div_ceil(most).max(1);
     let step = (least..).find(|step| !shares(*step, spacings) && !shares(*step, depths)).unwrap_or(least);
     all.into_iter().step_by(step).collect()
 }
@@ -216,6 +231,7 @@ fn choose(
     asked: &Asked,
     models: &Models<'_>,
     interpolation: &Interpolation,
+    scope: &Scope,
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
     let predictor = asked.learned.at(&asked.loads);
     let std_m = task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
@@ -230,7 +246,7 @@ fn choose(
         let own = Features::from(pattern);
         !cut.iter().any(|cut| is_same(cut, &own))
     };
-    let patterns: Vec<Pattern> = designs(task).into_iter().filter(is_open).collect();
+    let patterns: Vec<Pattern> = designs(task, scope.designs).into_iter().filter(is_open).collect();
     let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
     let mut left: Vec<Design> = drafts.into_iter().flatten().collect();
     let compared = left.len();
@@ -239,7 +255,7 @@ fn choose(
         let covariance = interpolation.covariance(lengths(pattern), std_m).unwrap_or_default();
         Ok(Design::new(*pattern, models.at(pattern)?, covariance).judged(&predictor, &asked.wanted))
     };
-    let ranked = slipgrid_discrepancy::rank(&predictor, &asked.wanted, JUDGED, left.len(), &|place| {
+    let ranked = slipgrid_discrepancy::rank(&predictor, &asked.wanted, scope.judged, left.len(), &|place| {
         Some(left[place].candidate())
     });
     let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();

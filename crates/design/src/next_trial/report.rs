@@ -108,7 +108,19 @@ impl TrialCandidateReport {
         }
     }
 
-    fn row(&self, name: &str) -> [String; 8] {
+    /// What [`Self::row`] has.
+    pub(super) const COLUMNS: [&str; 8] = [
+        "",
+        "width / spacing / depth um",
+        "planform",
+        "chance",
+        "form, bits",
+        "laser min",
+        "ratio at the first load (95 %)",
+        "at the last",
+    ];
+
+    pub(super) fn row(&self, name: &str) -> [String; 8] {
         let design = &self.design;
         let at = |place: usize| self.predicted.get(place);
         let ratio = |at: Option<&PredictedRatio>| {
@@ -151,16 +163,7 @@ impl NextReport {
         if self.next.len() > 1 || self.pending > 0 {
             text += &format!("{} chance that one of those cut is on target\n", chance(self.one_on_target));
         }
-        let mut table = Table::new([
-            "",
-            "width / spacing / depth um",
-            "planform",
-            "chance",
-            "form, bits",
-            "laser min",
-            "ratio at the first load (95 %)",
-            "at the last",
-        ]);
+        let mut table = Table::new(TrialCandidateReport::COLUMNS);
         let numbered =
             |place: usize| if self.next.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
         for (place, of) in self.next.iter().enumerate() {

@@ -40,7 +40,7 @@ fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let model = model(&task);
     let models = Models::new(&model, &known()).unwrap();
     let stage = Stage::new(&Unwatched, "model", None);
-    let found = Interpolation::new(&task, &models, &stage).unwrap();
+    let found = Interpolation::new(&task, &models, Scope::PLANE.nodes, &stage).unwrap();
     let mut worst = [0.0_f64; 2];
     for width in [60.0, 85.0, 140.0, 222.0, 300.0] {
         for spacing in [100.0, 133.0, 270.0, 510.0, 700.0] {

@@ -1,13 +1,13 @@
 //! What `optimize` found.
 
 use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
-use slipgrid_design::{AdviceReport, DesignReport};
+use slipgrid_design::{AdviceReport, DesignReport, PredictedRatio};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
 use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
 
-use super::page::{Page, estimate, known, number, percent, plain, with_error};
+use super::page::{Page, ends, estimate, known, number, percent, plain, sentence, with_error};
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -100,13 +100,24 @@ fn chance(page: &mut Page, chance: &ChanceReport) {
 /// Whether to cut it as a series or as a trial.
 fn advised(page: &mut Page, advice: &AdviceReport) {
     page.paragraph(&sentence(&advice.words));
+    page.records(
+        "Likelier on target, by what trials say of their own texture. Ratios are medians, with what 95 % of samples lie between.",
+        &advice.rather,
+        &[
+            ("width in µm", |of| plain(of.design.width_um)),
+            ("spacing in µm", |of| plain(of.design.spacing_um)),
+            ("depth in µm", |of| plain(of.design.depth_um)),
+            ("chance in %", |of| percent(of.chance, 1)),
+            ("laser in min", |of| number(of.laser_s.map(|seconds| seconds / 60.0), 1)),
+            ("ratio at the first load", |of| predicted(of.predicted.first())),
+            ("at the last", |of| predicted(of.predicted.last())),
+        ],
+    );
 }
 
-/// Words as a sentence.
-fn sentence(words: &str) -> String {
-    let mut letters = words.chars();
-    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-    format!("{first}{}.", letters.as_str())
+/// What is predicted of a sample at a load.
+fn predicted(at: Option<&PredictedRatio>) -> String {
+    at.map_or_else(String::new, |at| format!("{} ({})", number(at.ratio, 3), ends(Some(at.interval_95), 3)))
 }
 
 /// What the chance rests on.

@@ -211,6 +211,13 @@ pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
 }
 
+/// Words as a sentence.
+pub fn sentence(words: &str) -> String {
+    let mut letters = words.chars();
+    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
+    format!("{first}{}.", letters.as_str())
+}
+
 /// A number with its decimals, or a dash.
 pub fn number(value: impl Into<Option<f64>>, digits: usize) -> String {
     fixed(value.into(), digits)

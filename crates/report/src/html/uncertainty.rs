@@ -7,7 +7,7 @@ use slipgrid_design::records::{
 use slipgrid_results::ErrorsReport;
 
 use super::design::{lengths, three_lengths};
-use super::page::{Page, ends, known, number, percent, plain, with_error};
+use super::page::{Page, ends, known, number, percent, plain, sentence, with_error};
 use crate::Outputs;
 
 /// A slope in units of 0.0001 per micrometre with its error, where both are known.
@@ -58,9 +58,7 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
         );
     }
     if let Some(rim) = &found.rim {
-        let mut letters = rim.words.chars();
-        let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
-        page.paragraph(&format!("{first}{}.", letters.as_str()));
+        page.paragraph(&sentence(&rim.words));
     }
 }
 
