@@ -2,6 +2,7 @@ use slipgrid_material::MaterialError;
 
 use crate::output::WriteError;
 use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibrated::Uncalibrated;
 
 /// Why a command ended without a result.
 #[derive(Debug, thiserror::Error)]
@@ -45,8 +46,17 @@ told!(
     slipgrid_report::ChartError,
     slipgrid_report::ReportError,
     slipgrid_formats::written_material::UnwritableMaterial,
-    slipgrid_formats::confirmed_scene::UnwritableScene,
 );
+
+impl From<Uncalibrated> for CliError {
+    fn from(error: Uncalibrated) -> Self {
+        match error {
+            Uncalibrated::Refused(refused) => Self::Input(refused),
+            Uncalibrated::Cancelled => Self::Interrupted,
+            Uncalibrated::Failed(reason) => Self::Other(reason),
+        }
+    }
+}
 
 impl From<slipgrid_studies::StudyError> for CliError {
     fn from(error: slipgrid_studies::StudyError) -> Self {

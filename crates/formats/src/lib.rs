@@ -18,6 +18,7 @@
 //! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
 
 pub mod altitude_map;
+pub mod calibrated;
 pub mod calibration;
 pub mod condition_ranges;
 pub mod confirmed_scene;

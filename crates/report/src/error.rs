@@ -1,5 +1,7 @@
 //! Why a report could not be made.
 
+use slipgrid_export::ExportError;
+use slipgrid_formats::confirmed_scene::UnwritableScene;
 use slipgrid_results::NoJsonForm;
 
 use crate::ChartError;
@@ -10,6 +12,12 @@ pub enum ReportError {
     /// A picture cannot be drawn.
     #[error(transparent)]
     Chart(#[from] ChartError),
+    /// The specimen cannot be drawn.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// The scene of a design cannot be written.
+    #[error(transparent)]
+    Scene(#[from] UnwritableScene),
     /// A record has no JSON form.
     #[error(transparent)]
     Json(#[from] NoJsonForm),

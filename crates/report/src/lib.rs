@@ -3,6 +3,7 @@
 //! | module | role |
 //! |---|---|
 //! | [`charts`] | pictures of numbers, as SVG |
+//! | [`files`] | everything that is kept of a design or a scene |
 //! | [`html`] | pages that stand alone: report.html |
 //! | [`pictures`], [`target`], [`trade_offs`], [`lattice`], [`csv`] | pictures and tables of one result |
 //! | [`calibration`], [`area_law`], [`surface`], [`traces`] | what calibrations, contact, maps and tribometer traces say |
@@ -16,6 +17,7 @@ pub mod calibration;
 pub mod charts;
 pub mod csv;
 mod error;
+pub mod files;
 pub mod html;
 pub mod laser_files;
 pub mod lattice;

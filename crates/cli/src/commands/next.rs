@@ -2,12 +2,13 @@
 
 use slipgrid_design::{NextOptions, next_trials};
 use slipgrid_formats::Diagnostic;
+use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::design::Design;
 use slipgrid_pattern::Pattern;
 use slipgrid_report::{DrawingInput, LaserFile, Outputs, draw};
 use slipgrid_results::VERSION;
 
-use super::optimize::{complete, refused};
+use super::optimize::refused;
 use crate::args::NextArgs;
 use crate::input::disk;
 use crate::output::{Place, check_folder};
@@ -32,7 +33,8 @@ pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
         check_folder(Place::output(folder), &["result.json", "timings.json"], &design.inputs)?;
     }
     let own = args.candidate.iter().map(|text| candidate(text, &design)).collect::<Result<_, _>>()?;
-    let samples = complete(&mut design, console)?.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+    let calibration = complete(&mut design, &disk(), &Job::new(console))?;
+    let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
     let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
     let options = NextOptions { count: args.count.into(), pending, own };
     let found =

@@ -14,9 +14,7 @@ use slipgrid_design::of_scene;
 use slipgrid_design::simulate_on;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
-use slipgrid_report::Outputs;
-use slipgrid_report::csv;
-use slipgrid_report::pictures;
+use slipgrid_report::files;
 use slipgrid_results::SimulationReport;
 
 /// What is written.
@@ -51,14 +49,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, console.threads);
     heed()?;
     if let Some(folder) = &args.output {
-        let mut outputs = Outputs::default();
-        outputs.add_record(&report)?;
-        outputs.add("interface.csv", csv::interface(&simulation));
-        if let Some(trace) = csv::friction_trace(&simulation) {
-            outputs.add("friction.csv", trace);
-        }
-        pictures::simulation(&input.scene, &simulation, &report.errors, &mut outputs)?;
-        console.keep(&outputs, folder)?;
+        console.keep(&files::of_scene(scene, &simulation, &report)?, folder)?;
     }
     console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)

@@ -162,7 +162,15 @@ fn way(
     }
     let mut found = Way { mechanism, trials: None, chances: Vec::new(), below: Vec::new() };
     for count in 1..=options.most_trials {
-        let known = Known { textures, covariances, cut: &cut, trials: &trials, target: &target, truths: &truths };
+        let known = Known {
+            textures,
+            covariances,
+            cut: &cut,
+            trials: &trials,
+            target: &target,
+            form: laboratory.form(),
+            truths: &truths,
+        };
         let place = policy.next(&known)?;
         let of = &textures[place];
         let made = laboratory.cut(of);

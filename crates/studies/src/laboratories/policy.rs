@@ -33,13 +33,15 @@ pub enum Policy {
     Process,
     /// The same process, by the expected improvement of the misfit.
     Improvement,
+    /// The mixture of the mechanism's own form alone, where that is one of the family: what cannot be had without knowing it.
+    Form,
     /// The truth is known but for each sample's own scatter: what no policy beats.
     Truth,
 }
 
 impl Policy {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Mixture,
         Self::Physics,
         Self::Constant,
@@ -47,6 +49,7 @@ impl Policy {
         Self::Last,
         Self::Process,
         Self::Improvement,
+        Self::Form,
         Self::Truth,
     ];
 
@@ -61,6 +64,7 @@ impl Policy {
             Self::Last => "last trial's factors",
             Self::Process => "Gaussian process",
             Self::Improvement => "expected improvement",
+            Self::Form => "the form known, not its size",
             Self::Truth => "the truth known",
         }
     }
@@ -100,6 +104,12 @@ pub fn process() -> Hyperparameters {
     }
 }
 
+/// Hyperparameters of one who knows the form to the letter.
+fn of_form(form: Form) -> Hyperparameters {
+    let one = vec![(1.0, 1.0)];
+    Hyperparameters { forms: vec![(form, 1.0)], scales: one, residuals: vec![(0.0, 1.0)], ..Hyperparameters::default() }
+}
+
 /// The candidate that a texture is, with `covariance` for its dimensions.
 pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
     Candidate { features: of.features, modelled: &of.ratio, modulus_sensitivity: &of.sensitivity, covariance }
@@ -117,6 +127,8 @@ pub struct Known<'a> {
     pub trials: &'a [Trial],
     /// The target.
     pub target: &'a [f64; LOADS],
+    /// The form of the mechanism, where it is one of the family, for [`Policy::Form`] alone.
+    pub form: Option<Form>,
     /// What each texture truly does, for [`Policy::Truth`] alone.
     pub truths: &'a [[f64; LOADS]],
 }
@@ -149,6 +161,7 @@ impl Policy {
         let found = match self {
             Self::Mixture => by_chance(&Hyperparameters::default())?,
             Self::Process => by_chance(&process())?,
+            Self::Form => by_chance(&known.form.map_or_else(Hyperparameters::default, of_form))?,
             Self::Improvement => improvement(known)?,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),

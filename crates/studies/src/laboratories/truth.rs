@@ -143,6 +143,16 @@ impl Laboratory {
         Self { mechanism, scale, log_modulus, amplitude, noise, flat, normals }
     }
 
+    /// The form of its mechanism, where that is one of the family.
+    pub fn form(&self) -> Option<Form> {
+        match self.mechanism {
+            Mechanism::Density => Some(Form::Density),
+            Mechanism::Edge => Some(Form::Edge),
+            Mechanism::Saturating | Mechanism::Depth => Some(self.scale),
+            _ => None,
+        }
+    }
+
     /// Logarithm of the true ratio of a texture, as it was designed.
     fn log_truth(&self, of: &Solved) -> [f64; LOADS] {
         let physics = of.log_ratio(self.log_modulus);

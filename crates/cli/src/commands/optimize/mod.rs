@@ -1,18 +1,14 @@
 //! `optimize`: the pattern that brings friction to a target, confirmed, and what a laser needs.
 
-mod material;
 mod places;
-
-pub use material::complete;
 
 use std::time::Instant;
 
-use slipgrid_design::{DesignError, DesignOutcome};
-use slipgrid_formats::confirmed_scene::DesignScene;
+use slipgrid_design::DesignError;
+use slipgrid_formats::calibrated::complete;
 use slipgrid_formats::design::Design;
 use slipgrid_optimize::Status;
-use slipgrid_report::{DrawingInput, LaserFile, Outputs, csv, draw, html, lattice, pictures, target, trade_offs};
-use slipgrid_results::VERSION;
+use slipgrid_report::{ReportError, files};
 
 use crate::args::OptimizeArgs;
 use crate::input::disk;
@@ -51,7 +47,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     goes_on_with(args.resuming());
 
     design.task.table |= args.table;
-    material::complete(&mut design, console)?;
+    complete(&mut design, &disk(), &Job::new(console))?;
     heed()?;
     let calibrated_s = started.elapsed().as_secs_f64();
     let mut task = design.task.clone();
@@ -62,15 +58,15 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     heed()?;
 
     let exporting = Instant::now();
-    let mut outputs = files(&design, &found)?;
+    let mut outputs = files::of_design(&found).map_err(|error| match error {
+        ReportError::Export(error) => design.refuse_whole(error.to_string()).into(),
+        error => CliError::from(error),
+    })?;
     found.report.timings_s.material = calibrated_s;
     found.report.timings_s.export = exporting.elapsed().as_secs_f64();
     found.report.wall_s = started.elapsed().as_secs_f64();
+    files::add_report(&found, &mut outputs)?;
     let report = &found.report;
-    outputs.add_record(report)?;
-    let law = found.material.material.area_law.as_ref();
-    let page = html::design(report, law, &found.loads, &outputs);
-    outputs.add("report.html", page);
     output::write(&outputs, &folder)?;
     console.report(args.json, report, || report.summary())?;
     console.kept(&outputs, &folder);
@@ -95,50 +91,4 @@ pub fn refused(error: DesignError, design: &Design, study: Option<&StudyFile>) -
         DesignError::OutOfTime(reason) => CliError::OutOfTime(reason),
         DesignError::Failed(reason) => CliError::Other(reason),
     }
-}
-
-/// Everything that is written of a design but the report itself.
-fn files(design: &Design, found: &DesignOutcome) -> Result<Outputs, CliError> {
-    let (task, report) = (&found.task, &found.report);
-    let mut outputs = Outputs::default();
-    if let Some(lattice) = &found.lattice {
-        outputs.add("table.csv", lattice::csv(task, lattice));
-    }
-    let scene = DesignScene {
-        name: &task.name,
-        material: &found.material.material,
-        uncertainty: &found.material.uncertainty,
-        condition: task.condition.as_ref(),
-        pattern: &found.pattern,
-        specimen: &task.specimen,
-        layer: &task.layer,
-        loads: &found.loads,
-        speed_m_s: task.speed_m_s,
-        run: &found.scene.run,
-    };
-    outputs.add("design.toml", scene.to_toml()?);
-    let drawing = DrawingInput {
-        name: &task.name,
-        version: VERSION,
-        seed: task.seed,
-        pattern: found.pattern,
-        outline: task.specimen,
-        laser: task.laser,
-        material: &report.material,
-    };
-    let undrawn = |error: slipgrid_export::ExportError| design.refuse_whole(error.to_string());
-    draw(&drawing, &LaserFile::ALWAYS, &mut outputs).map_err(undrawn)?;
-    outputs.add("interface.csv", csv::interface(&found.confirmed));
-    if let Some(trace) = csv::friction_trace(&found.confirmed) {
-        outputs.add("friction.csv", trace);
-    }
-    pictures::simulation(&found.scene, &found.confirmed, &report.errors, &mut outputs)?;
-    if let Some(compared) = &found.compared {
-        outputs.add("trade-offs.csv", trade_offs::csv(compared, &found.pattern));
-        if !compared.found.front.is_empty() {
-            outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
-        }
-    }
-    outputs.add("target.svg", target::target(report)?);
-    Ok(outputs)
 }

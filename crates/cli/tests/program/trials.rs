@@ -1,13 +1,9 @@
 //! A laboratory with a rim that nobody measured: it cuts what `next` says, measures, and is on target within three cuts.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fmt::Write as _;
 use std::fs;
 
-use common::{CALIBRATION, DESIGN, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, Place, SCENE};
 use serde_json::Value;
 
 /// Forces whose pressures on the disc are 0.64 to 2.55 MPa, with the flat sample's friction.
@@ -105,7 +101,7 @@ fn a_hidden_rim_is_on_target_within_three_cuts() {
     // The ledger: what was believed before the first cut, and how that changed.
     let ledger = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
     assert!(ledger.contains("cut-1") && ledger.contains("predicted by the trials before it"), "{ledger}");
-    let names = common::names(&place.path("ledger"));
+    let names = crate::common::names(&place.path("ledger"));
     assert_eq!(names, ["result.json", "timings.json", "trials.csv", "trials.svg"]);
     let read: Value = serde_json::from_str(&fs::read_to_string(place.path("ledger/result.json")).unwrap()).unwrap();
     let before = &read["trials"][0]["measured"][0]["before"];
@@ -125,7 +121,7 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert!(alone["next"].as_array().unwrap().len() == 3 && together > chances(&alone)[0] - 0.02, "{alone}");
     assert_eq!(lengths(&alone["own"][0]), [100.0, 300.0, 10.4]);
     for n in 1..=3 {
-        assert!(common::names(&place.path(&format!("out/next-{n}"))).contains(&"pattern.dxf".to_owned()));
+        assert!(crate::common::names(&place.path(&format!("out/next-{n}"))).contains(&"pattern.dxf".to_owned()));
     }
     // The first of them pending, another comes next, and together they are as good as two at once.
     let pending = format!("{CALIBRATION}{}", trial("first", lengths(&alone["next"][0]), ""));
@@ -139,7 +135,7 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
 /// The verdict is the model's; beside it stands what the model may lack.
 #[test]
 fn a_design_is_cut_as_a_trial_where_little_is_known() {
-    let place = Place::with(&[("design.toml", &common::small().replace("tolerance = 0.2", "tolerance = 0.05"))]);
+    let place = Place::with(&[("design.toml", &crate::common::small().replace("tolerance = 0.2", "tolerance = 0.05"))]);
     let output = place.run(&["optimize", "design.toml", "-o", "out", "--json"]);
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let advice = &report["advice"];

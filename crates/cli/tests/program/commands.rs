@@ -1,12 +1,8 @@
 //! Commands on good input: exit codes, what they print and what they write.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{CALIBRATION, FLAT, Place, SCENE, names};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, names};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {

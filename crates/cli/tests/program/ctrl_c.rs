@@ -1,14 +1,11 @@
 //! Ctrl-C ends every stage, says what was kept, and leaves no half-written file.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 #![cfg(unix)]
-
-mod common;
 
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
 /// A run ends in about a second; machines may be busy.
 const ENDED: Duration = Duration::from_secs(30);
@@ -48,7 +45,7 @@ fn told(place: &Place, output: &Output) -> String {
 
 #[test]
 fn every_command_ends_and_writes_nothing() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let fine = SCENE.replace("block_um = 10.0", "block_um = 2.5").replace("\"cell\"", "\"sample\"");
@@ -111,7 +108,7 @@ fn discs() -> String {
 
 #[test]
 fn every_stage_of_a_design_ends_and_names_what_goes_on() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let place = Place::with(&[("discs.toml", &discs())]);
@@ -130,7 +127,7 @@ fn every_stage_of_a_design_ends_and_names_what_goes_on() {
 
 #[test]
 fn the_command_that_is_named_goes_on() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let place = Place::with(&[("design.toml", DESIGN)]);
@@ -150,7 +147,7 @@ fn the_command_that_is_named_goes_on() {
 
 #[test]
 fn a_second_one_ends_at_once() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let place = Place::with(&[("scene.toml", &SCENE.replace("block_um = 10.0", "block_um = 1.0"))]);
@@ -166,7 +163,7 @@ fn a_second_one_ends_at_once() {
 
 #[test]
 fn files_are_whole_or_absent_whenever_it_is_pressed() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let result = r#"{"name": "x", "version": "0", "seed": 1, "design": {"width_um": 40.0, "spacing_um": 50.0,
@@ -178,7 +175,7 @@ fn files_are_whole_or_absent_whenever_it_is_pressed() {
     let started = Instant::now();
     place.succeed(&args);
     let whole_s = started.elapsed().as_secs_f64();
-    let files = common::names(&place.path("out"));
+    let files = crate::common::names(&place.path("out"));
     for moment in 1..6 {
         std::fs::remove_dir_all(place.path("out")).unwrap();
         if let Some(output) = interrupted(&place, &args, whole_s * f64::from(moment) / 6.0)
@@ -188,7 +185,7 @@ fn files_are_whole_or_absent_whenever_it_is_pressed() {
             assert!(message.contains("interrupted"), "{message}");
         }
         if place.path("out").exists() {
-            assert_eq!(common::names(&place.path("out")), files);
+            assert_eq!(crate::common::names(&place.path("out")), files);
         } else {
             std::fs::create_dir(place.path("out")).unwrap();
         }

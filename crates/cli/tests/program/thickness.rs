@@ -1,12 +1,8 @@
 //! How thick the specimen is that is modelled.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{DESIGN, Place, SCENE};
+use crate::common::{DESIGN, Place, SCENE};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {

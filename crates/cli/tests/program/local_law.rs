@@ -1,13 +1,9 @@
 //! Measured flat friction as the law of local pressure, beside the area law; maps before and after a test; errors of local
 //! coefficients and the excess of dynamic friction in material files.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{CALIBRATION, Place};
+use crate::common::{CALIBRATION, Place};
 use serde_json::Value;
 
 const FLAT: &str =
@@ -81,7 +77,7 @@ fn a_measured_law_is_refused_where_it_means_nothing() {
         ("stray.toml", &with_surface("persson_rms_slope = 0.0137\nextrapolation = \"constant\"\n")),
         ("one.toml", &with_surface(MEASURED).replace("flat.csv", "one.csv")),
         ("flat.csv", FLAT),
-        ("one.csv", common::FLAT),
+        ("one.csv", crate::common::FLAT),
     ]);
     for (file, key) in [
         ("open.toml", "logarithmic"),

@@ -1,12 +1,8 @@
 //! Programs of others read what is written, where they are installed: ezdxf, a headless browser.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::process::{Command, Stdio};
 
-use common::{Place, names};
+use crate::common::{Place, names};
 
 /// Runs `program`; `None` where it is not installed.
 fn try_run(program: &str, args: &[&str]) -> Option<std::process::Output> {

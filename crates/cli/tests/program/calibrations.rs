@@ -1,14 +1,10 @@
 //! Calibrations and traces: what cannot be used is refused at once and by name, what is odd is told once.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fmt::Write as _;
 use std::fs;
 use std::time::{Duration, Instant};
 
-use common::{CALIBRATION, FLAT, Place};
+use crate::common::{CALIBRATION, FLAT, Place};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 
@@ -220,8 +216,11 @@ fn what_is_merely_unusual_is_told() {
             .unwrap();
     assert_eq!(usual.told, [""; 0]);
     // A scene is told on stderr and solved.
-    fs::write(place.path("s.toml"), common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"))
-        .unwrap();
+    fs::write(
+        place.path("s.toml"),
+        crate::common::SCENE.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0"),
+    )
+    .unwrap();
     let output = place.run(&["simulate", "s.toml"]);
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(

@@ -1,13 +1,9 @@
 //! Nothing that slipgrid did not write is replaced, and what cannot be written is said before anything is computed.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::time::Instant;
 
-use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, names, small};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE, names, small};
 
 const MAP: [&str; 5] = ["synthesize", "--pixels", "32", "--waves", "2:8"];
 

@@ -1,12 +1,8 @@
 //! Designs that aim with the discrepancy of patterned samples, and one error beside every value.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{CALIBRATION, DESIGN, Place};
+use crate::common::{CALIBRATION, DESIGN, Place};
 use serde_json::Value;
 
 /// A short sample and one pressure.

@@ -1,12 +1,8 @@
 //! Designs whose target must hold in several sliding directions.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{Place, small};
+use crate::common::{Place, small};
 use serde_json::Value;
 
 fn result(place: &Place, folder: &str) -> Value {

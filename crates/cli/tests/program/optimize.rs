@@ -1,12 +1,8 @@
 //! `optimize` from a design file to the files of a laser, and `export` and `simulate` of its result.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{DESIGN, Place, names};
+use crate::common::{DESIGN, Place, names};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second, and a target at one pressure.

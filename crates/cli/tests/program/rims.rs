@@ -1,12 +1,8 @@
 //! Rims along the edges of cavities: in scenes, designs and calibrations, and in everything that is written of them.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{DESIGN, Place, SCENE, THREE_FORCES, patterned_calibration};
+use crate::common::{DESIGN, Place, SCENE, THREE_FORCES, patterned_calibration};
 use serde_json::Value;
 
 const RIMS: &str = "rim_height_um = 0.1\nrim_width_um = 20.0\nrim_profile = \"flat\"\n";

@@ -1,12 +1,8 @@
 //! `optimize` with tolerances, trade-offs and a robust search: what stands in its files.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{DESIGN, Place};
+use crate::common::{DESIGN, Place};
 use serde_json::Value;
 
 /// A short sample and one pressure; standard errors as a calibration writes them.

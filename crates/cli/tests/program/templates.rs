@@ -1,12 +1,8 @@
 //! Files to start from run as they are; completions and manual name every command.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{Place, names};
+use crate::common::{Place, names};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::Design;
@@ -103,7 +99,7 @@ fn the_calibration_template_explains_every_key() {
     let template = fs::read_to_string(place.path("calibration/calibration.toml")).unwrap();
     let text = format!(
         "{}\n{}",
-        common::CALIBRATION,
+        crate::common::CALIBRATION,
         "[traces]\n[[traces.condition]]\nforce_n = 1\nspeed_mm_s = 1\nhumidity_pct = 1\nfiles = []\n\
          [pattern]\nwidth_um = 1\nspacing_um = 1\ndepth_um = 1\n"
     );

@@ -1,12 +1,8 @@
 //! Designs that must hold at several speeds and humidities, named one by one or as ranges.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{CALIBRATION, DESIGN, Place};
+use crate::common::{CALIBRATION, DESIGN, Place};
 use serde_json::Value;
 
 /// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.

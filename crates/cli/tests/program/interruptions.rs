@@ -1,15 +1,12 @@
 //! Full disks, folders that cannot be written and killed runs leave no half-written file.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 #![cfg(unix)]
-
-mod common;
 
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{Place, SCENE, names};
+use crate::common::{Place, SCENE, names};
 
 /// A design whose files take a few megabytes.
 fn result() -> String {

@@ -1,11 +1,7 @@
 //! From the map of a cut sample to the friction of its face: the mean period of the map is the relief of a scene and of a
 //! calibration.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{Place, SCENE, THREE_FORCES, patterned_calibration};
+use crate::common::{Place, SCENE, THREE_FORCES, patterned_calibration};
 use serde_json::Value;
 
 /// Grooves 60/140/5.2 um with round rims 0.5 um high and 20 um wide, on pixels of 2 um.

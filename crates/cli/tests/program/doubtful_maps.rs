@@ -1,10 +1,6 @@
 //! Maps that numbers should not be computed from: what is said of them, wherever they end up, and what is refused.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{CALIBRATION, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {

@@ -1,14 +1,10 @@
 //! Spoiled input: ten thousand files give a clear error or are accepted, and none ends the program.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 use slipgrid_calibrate::trace::{TraceOptions, analyse};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;

@@ -1,16 +1,12 @@
 //! Studies that were damaged, are shared by two runs, or belong to a run that was killed.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use common::{DESIGN, Place, small};
+use crate::common::{DESIGN, Place, small};
 
 /// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
 struct Dice(u64);
@@ -134,13 +130,13 @@ fn of_two_runs_for_one_folder_the_second_is_refused_and_a_killed_one_blocks_nobo
     assert!(left.lines().count() > 0 && left.ends_with('\n'), "{left}");
     assert!(place.path("out/a.lock").exists() && !place.path("out/b.lock").exists());
     place.succeed(&["optimize", "small.toml", "-o", "out/a"]);
-    assert_eq!(common::names(&place.path("out")), ["a", "a.study.jsonl", "b", "b.study.jsonl"]);
+    assert_eq!(crate::common::names(&place.path("out")), ["a", "a.study.jsonl", "b", "b.study.jsonl"]);
 }
 
 #[test]
 #[cfg(unix)]
 fn a_run_ended_from_the_keyboard_takes_its_lock_along() {
-    if common::ignores_ctrl_c() {
+    if crate::common::ignores_ctrl_c() {
         return;
     }
     let place = Place::with(&[("d.toml", DESIGN)]);
@@ -164,5 +160,5 @@ fn many_runs_for_one_folder_leave_a_whole_study() {
         assert!(codes.iter().all(|code| matches!(code, Some(0 | 2))) && codes.contains(&Some(0)), "{codes:?}");
         place.succeed(&args);
     }
-    assert_eq!(common::names(&place.path("out")), ["a", "a.study.jsonl"]);
+    assert_eq!(crate::common::names(&place.path("out")), ["a", "a.study.jsonl"]);
 }

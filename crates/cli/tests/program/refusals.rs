@@ -1,10 +1,6 @@
 //! Input that must be refused: exit code 2, file, line and key in the message, nothing written.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
-use common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 
 /// A change to a file, and what the refusal must say after the file's name.
 struct Case {

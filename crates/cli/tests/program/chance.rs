@@ -1,12 +1,8 @@
 //! The chance that a cut sample is on target, which comes first, and targets that the flat surface answers.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{DESIGN, Place};
+use crate::common::{DESIGN, Place};
 use serde_json::Value;
 
 const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 6.0\nspacing_std_um = 1.0\ndepth_std_um = 0.2\ndraws = 100\n";

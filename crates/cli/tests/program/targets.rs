@@ -1,14 +1,10 @@
 //! Kinds of targets and limits, budgets in seconds, and studies that a killed run is resumed from.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use common::{DESIGN, Place, names, small};
+use crate::common::{DESIGN, Place, names, small};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second.

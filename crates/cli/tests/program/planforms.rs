@@ -1,13 +1,9 @@
 //! Polygons and crossing grooves from a file to a file for the laser.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::{Place, SCENE, small};
+use crate::common::{Place, SCENE, small};
 use serde_json::Value;
 
 fn shipped(name: &str) -> String {

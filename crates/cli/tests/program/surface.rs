@@ -1,12 +1,8 @@
 //! `surface` and `synthesize` with cavities: what they print and write, and what they refuse.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 
-use common::{Place, names};
+use crate::common::{Place, names};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {

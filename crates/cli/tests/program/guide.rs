@@ -2,14 +2,10 @@
 //!
 //! With `SLIPGRID_UPDATE_GUIDE` set the guide takes over what is printed now.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::Place;
+use crate::common::Place;
 
 const LEFT_OUT: &str = "[...]";
 /// Numbers may differ by this share, beyond one unit of their last digit: other processors round differently.

@@ -1,13 +1,9 @@
 //! What takes long is said before, counted afterwards, and ends in time.
 
-#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
-
-mod common;
-
 use std::fs;
 use std::time::Instant;
 
-use common::{DESIGN, Place, SCENE};
+use crate::common::{DESIGN, Place, SCENE};
 use serde_json::Value;
 
 fn result(place: &Place) -> Value {

@@ -1,0 +1,33 @@
+//! The program as a user meets it: every command run, its words and files read.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod calibrations;
+mod chance;
+mod commands;
+mod common;
+mod conditions;
+mod ctrl_c;
+mod directions;
+mod discrepancy;
+mod doubtful_maps;
+mod durations;
+mod guards;
+mod guide;
+mod interruptions;
+mod local_law;
+mod mutations;
+mod optimize;
+mod outside;
+mod planforms;
+mod refusals;
+mod relief;
+mod rims;
+mod studies;
+mod study_file;
+mod surface;
+mod targets;
+mod templates;
+mod thickness;
+mod tolerances;
+mod trials;

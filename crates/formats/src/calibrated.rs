@@ -1,0 +1,112 @@
+//! Calibrations that are made because a file asks for them: of itself, or as the material of a design.
+
+use std::path::Path;
+
+use slipgrid_calibrate::area_law::AreaLawError;
+use slipgrid_calibrate::{CalibrationError, CalibrationOutcome, CalibrationTask, Selection, measured_friction};
+use slipgrid_design::KnownMaterial;
+use slipgrid_discrepancy::Discrepancy;
+use slipgrid_material::{Material, Provenance};
+use slipgrid_monitor::Monitor;
+use slipgrid_springblock::Layer;
+
+use crate::altitude_map::law_warnings;
+use crate::calibration::Calibration;
+use crate::design::Design;
+use crate::diagnostic::Diagnostic;
+use crate::refused_calibration::refuse;
+use crate::source::Source;
+
+/// Why there is no material.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Uncalibrated {
+    /// A file was refused.
+    #[error(transparent)]
+    Refused(#[from] Diagnostic),
+    /// The monitor asked to stop.
+    #[error("stopped")]
+    Cancelled,
+    /// Anything else.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// Gives the task of `design` its material where that has to be calibrated first, and returns the calibration.
+///
+/// # Errors
+/// [`Uncalibrated`] for a calibration that is refused or fails.
+pub fn complete(
+    design: &mut Design,
+    files: &Source,
+    monitor: &dyn Monitor,
+) -> Result<Option<Calibration>, Uncalibrated> {
+    let Some(path) = design.calibration.clone() else { return Ok(None) };
+    let calibration = Calibration::read(files, &path)?;
+    // A pressure or condition that was not measured is refused before anything is computed.
+    let measured = as_measured(&calibration)?;
+    let checked = design.task.resolve(&measured.friction);
+    checked.map_err(|refused| design.refuse(&refused))?;
+    let task = &design.task;
+    task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
+    let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
+    let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
+    let (_, found) = calibrate(&calibration, &path, files, (task.layer, task.seed), selection, monitor)?;
+    design.task.material = Some(KnownMaterial { material: found.material, uncertainty: found.uncertainty });
+    Ok(Some(calibration))
+}
+
+/// The material as measured, before anything is fitted.
+fn as_measured(calibration: &Calibration) -> Result<Material, Uncalibrated> {
+    let Calibration { flat, specimen_area_m2, coefficients, relative_std, .. } = calibration;
+    let friction = measured_friction(flat, *specimen_area_m2, *coefficients, *relative_std)
+        .map_err(|error| Uncalibrated::Failed(error.to_string()))?;
+    Ok(Material { elastic: calibration.elastic, friction, area_law: None, provenance: Provenance::default() })
+}
+
+/// The `calibration` that stands at `path`, of a sample with this layer and seed, as far as `selection` needs it.
+///
+/// # Errors
+/// [`Uncalibrated`] where it is refused or fails.
+pub fn calibrate(
+    calibration: &Calibration,
+    path: &Path,
+    files: &Source,
+    sample: (Layer, u64),
+    selection: Selection,
+    monitor: &dyn Monitor,
+) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
+    let task = calibration.task(files, sample, selection)?;
+    let mut outcome = slipgrid_calibrate::run(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
+    // What can be done about a doubtful map is said as well.
+    let warnings = &mut outcome.material.provenance.warnings;
+    warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
+    Ok((task, outcome))
+}
+
+/// What the trials of the `calibration` that stands at `path` say, without a fit where none is needed.
+///
+/// # Errors
+/// [`Uncalibrated`] where it is refused or fails.
+pub fn learn(
+    calibration: &Calibration,
+    path: &Path,
+    files: &Source,
+    sample: (Layer, u64),
+    monitor: &dyn Monitor,
+) -> Result<(CalibrationTask, Discrepancy), Uncalibrated> {
+    let task = calibration.task(files, sample, Selection::default())?;
+    let learned = slipgrid_calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
+    Ok((task, learned))
+}
+
+/// Why a calibration ended without a material.
+fn failed(error: &CalibrationError, path: &Path, calibration: &Calibration) -> Uncalibrated {
+    match (refuse(error, path, calibration), error) {
+        (Some(refused), _) => refused.into(),
+        (None, CalibrationError::Cancelled | CalibrationError::AreaLaw(AreaLawError::Cancelled)) => {
+            Uncalibrated::Cancelled
+        }
+        (None, CalibrationError::Fit { error, .. }) => Uncalibrated::Failed(format!("calibration: {error}")),
+        (None, error) => Uncalibrated::Failed(error.to_string()),
+    }
+}

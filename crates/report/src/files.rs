@@ -1,0 +1,89 @@
+//! Everything that is kept of a result: the same files whoever asked for it.
+
+use slipgrid_design::DesignOutcome;
+use slipgrid_formats::confirmed_scene::DesignScene;
+use slipgrid_results::{SimulationReport, VERSION};
+use slipgrid_springblock::{Scene, Simulation};
+
+use crate::{DrawingInput, LaserFile, Outputs, ReportError, csv, draw, html, lattice, pictures, target, trade_offs};
+
+/// Everything that is kept of a design but its record and its page: the scene of its confirming run, drawings for the laser,
+/// tables and pictures.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be drawn or written.
+pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
+    let (task, report) = (&found.task, &found.report);
+    let mut outputs = Outputs::default();
+    if let Some(lattice) = &found.lattice {
+        outputs.add("table.csv", lattice::csv(task, lattice));
+    }
+    let scene = DesignScene {
+        name: &task.name,
+        material: &found.material.material,
+        uncertainty: &found.material.uncertainty,
+        condition: task.condition.as_ref(),
+        pattern: &found.pattern,
+        specimen: &task.specimen,
+        layer: &task.layer,
+        loads: &found.loads,
+        speed_m_s: task.speed_m_s,
+        run: &found.scene.run,
+    };
+    outputs.add("design.toml", scene.to_toml()?);
+    draw(&drawing(found), &LaserFile::ALWAYS, &mut outputs)?;
+    outputs.add("interface.csv", csv::interface(&found.confirmed));
+    if let Some(trace) = csv::friction_trace(&found.confirmed) {
+        outputs.add("friction.csv", trace);
+    }
+    pictures::simulation(&found.scene, &found.confirmed, &report.errors, &mut outputs)?;
+    if let Some(compared) = &found.compared {
+        outputs.add("trade-offs.csv", trade_offs::csv(compared, &found.pattern));
+        if !compared.found.front.is_empty() {
+            outputs.add("trade-offs.svg", trade_offs::picture(&task.name, compared, &found.pattern)?);
+        }
+    }
+    outputs.add("target.svg", target::target(report)?);
+    Ok(outputs)
+}
+
+/// Adds the record and the page of `found` to its other files, whose pictures the page holds.
+///
+/// # Errors
+/// [`ReportError`] if a value has no JSON form.
+pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), ReportError> {
+    outputs.add_record(&found.report)?;
+    let law = found.material.material.area_law.as_ref();
+    let page = html::design(&found.report, law, &found.loads, outputs);
+    outputs.add("report.html", page);
+    Ok(())
+}
+
+/// What a drawing of `found` is made of.
+#[must_use]
+pub fn drawing(found: &DesignOutcome) -> DrawingInput<'_> {
+    DrawingInput {
+        name: &found.task.name,
+        version: VERSION,
+        seed: found.task.seed,
+        pattern: found.pattern,
+        outline: found.task.specimen,
+        laser: found.task.laser,
+        material: &found.report.material,
+    }
+}
+
+/// Everything that is kept of `scene`, solved: its record, tables and pictures.
+///
+/// # Errors
+/// [`ReportError`] for what cannot be drawn or written.
+pub fn of_scene(scene: &Scene, simulation: &Simulation, report: &SimulationReport) -> Result<Outputs, ReportError> {
+    let mut outputs = Outputs::default();
+    outputs.add_record(report)?;
+    outputs.add("interface.csv", csv::interface(simulation));
+    if let Some(trace) = csv::friction_trace(simulation) {
+        outputs.add("friction.csv", trace);
+    }
+    pictures::simulation(scene, simulation, &report.errors, &mut outputs)?;
+    Ok(outputs)
+}
