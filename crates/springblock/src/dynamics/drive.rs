@@ -12,7 +12,7 @@ use crate::scene::Scene;
 /// Intervals in which the planned run is recorded.
 const BINS: u64 = 2000;
 /// Steps between two looks at the monitor.
-const STEPS_PER_LOOK: u64 = 256;
+const STEPS_PER_LOOK: u64 = 64;
 /// Share of the planned travel after which the interface is sampled.
 const INTERFACE_FROM: f64 = 0.6;
 /// A run whose mu is not stationary goes on, up to so many times the planned travel.

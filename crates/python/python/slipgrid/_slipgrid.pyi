@@ -1,0 +1,132 @@
+"""The compiled part of slipgrid."""
+
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+__all__ = [
+    "__version__",
+    "Calibration",
+    "Design",
+    "Designed",
+    "Fitted",
+    "Map",
+    "NextSamples",
+    "Scene",
+    "Solved",
+    "SteadyCell",
+    "set_threads",
+    "threads",
+]
+
+_Progress = Callable[[str, float], object]
+_Path = str | PathLike[str]
+
+def set_threads(count: int | None = None) -> None:
+    """Computes with `count` threads from here on; as many as there are cores where `count` is None. Results do not depend on it."""
+
+def threads() -> int:
+    """Threads that are computed with."""
+
+@final
+class Map:
+    def __new__(cls, heights_m: NDArray[np.float64], pixel_um: float, pixel_y_um: float | None = None) -> Map: ...
+    @staticmethod
+    def read(
+        path: _Path,
+        *,
+        pixel_um: float | None = None,
+        height_unit: str | None = None,
+        lateral_unit: str | None = None,
+        decimal_comma: bool = False,
+    ) -> Map: ...
+    @property
+    def heights_m(self) -> NDArray[np.float64]: ...
+    @property
+    def pixel_um(self) -> tuple[float, float]: ...
+    @property
+    def is_synthetic(self) -> bool: ...
+    def measure_json(self, *, form: str = "plane", missing: str = "fill", despike: bool = False) -> str: ...
+    def area_law_json(
+        self,
+        *,
+        youngs_modulus_gpa: float,
+        poisson_ratio: float = ...,
+        pressures_mpa: Sequence[float] | None = None,
+        threshold_mpa: float | None = None,
+        form: str = "plane",
+        missing: str = "fill",
+        despike: bool = False,
+        windows: int | None = None,
+        progress: _Progress | None = None,
+    ) -> str: ...
+
+@final
+class Scene:
+    @staticmethod
+    def from_text(text: str, path: _Path, *, fidelity: str | None = None, extent: str | None = None) -> Scene: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def simulate(self, progress: _Progress | None = None) -> Solved: ...
+    def steady(self) -> SteadyCell: ...
+
+@final
+class Solved:
+    def json(self) -> list[str]: ...
+    def text(self) -> str: ...
+    def files(self) -> list[tuple[str, bytes]]: ...
+
+@final
+class SteadyCell:
+    """A steady cell: equilibrium of one period with every contact block sliding."""
+
+    def ratios(self, width_um: float, spacing_um: float, depth_um: float) -> NDArray[np.float64]:
+        """Ratio of patterned to flat friction at each load, shape (loads,); NaN where there is none."""
+
+    def ratios_of(self, patterns_um: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same of many patterns, rows of width, spacing and depth in micrometres: shape (patterns, loads), on all threads."""
+
+@final
+class Calibration:
+    @staticmethod
+    def from_text(text: str, path: _Path) -> Calibration: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def fit(self, progress: _Progress | None = None) -> Fitted: ...
+    def trials(self, progress: _Progress | None = None) -> list[str]: ...
+
+@final
+class Fitted:
+    def material_toml(self) -> str: ...
+    def text(self) -> str: ...
+    def files(self) -> list[tuple[str, bytes]]: ...
+
+@final
+class Design:
+    @staticmethod
+    def from_text(text: str, path: _Path) -> Design: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    def optimize(self, progress: _Progress | None = None) -> Designed: ...
+    def next_samples(
+        self,
+        count: int = 1,
+        candidates_um: Sequence[tuple[float, float, float]] = ...,
+        progress: _Progress | None = None,
+    ) -> NextSamples: ...
+
+@final
+class Designed:
+    def json(self) -> list[str]: ...
+    def text(self) -> str: ...
+    def files(self) -> list[tuple[str, bytes]]: ...
+    def drawing(self, format: str) -> tuple[str, bytes]: ...
+
+@final
+class NextSamples:
+    def json(self) -> str: ...
+    def text(self) -> str: ...

@@ -1,0 +1,31 @@
+"""What slipgrid raises."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Input that was refused: which file, line and key, what stood there, and what would be accepted.
+
+    Its text is the line that the command line prints; the parts stand in the attributes, ``None`` where there is no such part.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | None = None,
+        line: int | None = None,
+        key: str | None = None,
+        value: str | None = None,
+        expected: str | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+        self.key = key
+        self.value = value
+        self.expected = expected
+
+
+class ComputationError(RuntimeError):
+    """A computation that has no answer, with the reason."""

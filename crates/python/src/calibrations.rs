@@ -1,0 +1,95 @@
+//! Calibrations: measurements on samples to a material, and what trials say.
+
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use slipgrid::calibrate::{CalibrationOutcome, CalibrationTask, Selection};
+use slipgrid::formats::Document;
+use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
+use slipgrid::formats::calibration::Calibration as Read;
+use slipgrid::formats::scene::DEFAULT_SPECIMEN;
+use slipgrid::formats::written_material::material_toml;
+use slipgrid::report::trials::TrialsReport;
+use slipgrid::results::json;
+
+use crate::disk::disk;
+use crate::refused;
+use crate::watched::watched;
+
+/// Seed of the flat sample's local coefficients.
+const SEED: u64 = 1;
+
+/// A calibration, ready to be fitted.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Calibration {
+    read: Read,
+    path: PathBuf,
+}
+
+/// A calibration that was fitted.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Fitted {
+    read: Read,
+    task: CalibrationTask,
+    outcome: CalibrationOutcome,
+}
+
+#[pymethods]
+impl Calibration {
+    /// The calibration that `text` says, as a file would that stands at `path`: what it names is looked for beside that.
+    #[staticmethod]
+    fn from_text(py: Python<'_>, text: &str, path: PathBuf) -> PyResult<Self> {
+        let document = Document::within(&disk(), path.clone(), text);
+        let read = py.detach(|| Read::from_document(&document)).map_err(|error| refused::input(py, &error))?;
+        Ok(Self { read, path })
+    }
+
+    /// What is unusual in it, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.read.told.clone()
+    }
+
+    /// Fits local coefficients to the flat samples and learns from trials.
+    #[pyo3(signature = (progress=None))]
+    fn fit(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Fitted> {
+        let sample = (DEFAULT_SPECIMEN, SEED);
+        let found = watched(py, progress, |watch| {
+            calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)
+        })?;
+        let (task, outcome) = found.map_err(|error| refused::uncalibrated(py, &error))?;
+        Ok(Fitted { read: self.read.clone(), task, outcome })
+    }
+
+    /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
+    #[pyo3(signature = (progress=None))]
+    fn trials(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<[String; 2]> {
+        let sample = (DEFAULT_SPECIMEN, SEED);
+        let found = watched(py, progress, |watch| {
+            let (task, learned) = learn(&self.read, &self.path, &disk(), sample, watch)?;
+            let report = TrialsReport::new(&self.read.name, &task.trials.samples, &learned);
+            let record = json(&report).map_err(|error| Uncalibrated::Failed(error.to_string()))?;
+            Ok([record, report.text()])
+        })?;
+        found.map_err(|error: Uncalibrated| refused::uncalibrated(py, &error))
+    }
+}
+
+#[pymethods]
+impl Fitted {
+    /// The material file.
+    fn material_toml(&self, py: Python<'_>) -> PyResult<String> {
+        material_toml(&self.task, &self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// In words, as the command line prints it.
+    fn text(&self) -> String {
+        slipgrid::report::calibration::summary(&self.read, &self.task, &self.outcome)
+    }
+
+    /// Everything that the command line writes of the fit, by name.
+    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+        let outputs = slipgrid::report::calibration::files(&self.read, &self.outcome);
+        crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+    }
+}

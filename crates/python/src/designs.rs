@@ -1,0 +1,179 @@
+//! Designs: the main job, and the samples to cut next.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use slipgrid::design::{DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, next_trials, run};
+use slipgrid::formats::calibrated::{Uncalibrated, complete};
+use slipgrid::formats::calibration::Calibration;
+use slipgrid::formats::{Diagnostic, Document, design::Design as Read};
+use slipgrid::pattern::Pattern;
+use slipgrid::report::{LaserFile, Outputs, draw, files};
+use slipgrid::results::{json, json_and_timings};
+
+use crate::disk::disk;
+use crate::refused;
+use crate::watched::{Watch, watched};
+
+/// A design task.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Design {
+    read: Read,
+    /// With its material, once it was calibrated, and the calibration.
+    completed: Mutex<Option<(Read, Option<Calibration>)>>,
+}
+
+/// A design that was found.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Designed {
+    found: DesignOutcome,
+}
+
+/// Samples to cut next.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct NextSamples {
+    found: NextTrials,
+}
+
+/// Why a job has no result.
+enum Undone {
+    Calibration(Uncalibrated),
+    Design(DesignError),
+}
+
+/// Files by name.
+pub fn contents(py: Python<'_>, outputs: &Outputs) -> PyResult<Vec<(String, Vec<u8>)>> {
+    let content = |(name, content): (&str, &slipgrid::report::Content)| {
+        let mut bytes = Vec::new();
+        content.write(&mut bytes).map_err(|error| refused::failed(py, &error.to_string()))?;
+        Ok((name.to_owned(), bytes))
+    };
+    outputs.iter().map(content).collect()
+}
+
+impl Design {
+    /// The design with its material: calibrated once.
+    fn completed(&self, watch: &Watch) -> Result<(Read, Option<Calibration>), Uncalibrated> {
+        let mut known = self.completed.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(known) = known.as_ref() {
+            return Ok(known.clone());
+        }
+        let mut read = self.read.clone();
+        let calibration = complete(&mut read, &disk(), watch)?;
+        *known = Some((read.clone(), calibration.clone()));
+        Ok((read, calibration))
+    }
+
+    fn undone(&self, py: Python<'_>, undone: &Undone) -> PyErr {
+        match undone {
+            Undone::Calibration(error) => refused::uncalibrated(py, error),
+            Undone::Design(error) => refused::undesigned(py, error, &self.read),
+        }
+    }
+}
+
+#[pymethods]
+impl Design {
+    /// The design that `text` says, as a design file would that stands at `path`: what it names is looked for beside that.
+    #[staticmethod]
+    fn from_text(py: Python<'_>, text: &str, path: PathBuf) -> PyResult<Self> {
+        let document = Document::within(&disk(), path, text);
+        let read = py.detach(|| Read::from_document(document)).map_err(|error| refused::input(py, &error))?;
+        Ok(Self { read, completed: Mutex::new(None) })
+    }
+
+    /// What is unusual in it, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.read.told.iter().map(ToString::to_string).collect()
+    }
+
+    /// Searches, confirms in time and explains.
+    #[pyo3(signature = (progress=None))]
+    fn optimize(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Designed> {
+        let found = watched(py, progress, |watch| {
+            let (read, _) = self.completed(watch).map_err(Undone::Calibration)?;
+            run(&read.task, &mut NoCache, watch).map_err(Undone::Design)
+        })?;
+        Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))? })
+    }
+
+    /// The `count` samples to cut next; `candidates_um` are patterns of one's own, whose chance is asked for.
+    #[pyo3(signature = (count=1, candidates_um=Vec::new(), progress=None))]
+    fn next_samples(
+        &self,
+        py: Python<'_>,
+        count: usize,
+        candidates_um: Vec<[f64; 3]>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<NextSamples> {
+        if !(1..=20).contains(&count) {
+            return Err(PyValueError::new_err(format!("count is {count}: expected 1 to 20")));
+        }
+        let own = candidates_um.iter().map(|lengths_um| {
+            let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
+            Pattern::new(*self.read.task.space.texture(), width_m, spacing_m, depth_m)
+                .map_err(|error| PyValueError::new_err(format!("candidates_um: {error}")))
+        });
+        let own: Vec<Pattern> = own.collect::<PyResult<_>>()?;
+        let found = watched(py, progress, |watch| {
+            let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
+            let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
+            let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
+            next_trials(&read.task, &NextOptions { count, pending, own }, watch).map_err(Undone::Design)
+        })?;
+        Ok(NextSamples { found: found.map_err(|undone| self.undone(py, &undone))? })
+    }
+}
+
+#[pymethods]
+impl Designed {
+    /// The record and its times, as result.json and timings.json hold them.
+    fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
+        json_and_timings(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// In words, as the command line prints it.
+    fn text(&self) -> String {
+        self.found.report.summary()
+    }
+
+    /// Everything that the command line writes, by name.
+    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+        let outputs = py.detach(|| {
+            let mut outputs = files::of_design(&self.found)?;
+            files::add_report(&self.found, &mut outputs)?;
+            Ok::<_, slipgrid::report::ReportError>(outputs)
+        });
+        contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+    }
+
+    /// The pattern in one of the laser's formats: the file's name and what it holds.
+    fn drawing(&self, py: Python<'_>, format: &str) -> PyResult<(String, Vec<u8>)> {
+        let named = LaserFile::EACH.into_iter().find(|own| own.described()[0] == format);
+        let Some(named) = named else {
+            let names: Vec<&str> = LaserFile::EACH.iter().map(|own| own.described()[0]).collect();
+            return Err(PyValueError::new_err(format!("format is {format:?}: expected one of {}", names.join(", "))));
+        };
+        let mut outputs = Outputs::default();
+        let drawn = draw(&files::drawing(&self.found), &[named], &mut outputs);
+        drawn.map_err(|error| refused::input(py, &Diagnostic::flag("format", format, error.to_string())))?;
+        let mut all = contents(py, &outputs)?;
+        if all.is_empty() { Err(refused::failed(py, "nothing was drawn")) } else { Ok(all.swap_remove(0)) }
+    }
+}
+
+#[pymethods]
+impl NextSamples {
+    /// The record, as `slipgrid next --json` writes it.
+    fn json(&self, py: Python<'_>) -> PyResult<String> {
+        json(&self.found.report).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// In words, as the command line prints it.
+    fn text(&self) -> String {
+        self.found.report.text()
+    }
+}

@@ -1,0 +1,46 @@
+//! Python bindings of slipgrid: the libraries, not the command line.
+//!
+//! | module | binds |
+//! |---|---|
+//! | `maps` | altitude maps, their parameters and their area law |
+//! | `scenes` | scenes, solved, and steady cells asked for one pattern after the other |
+//! | `calibrations` | measurements to a material, and what trials say |
+//! | `designs` | the main job, and the samples to cut next |
+//! | `watched` | work on a thread of its own, progress, Ctrl-C |
+//! | `threads` | the pool that work is done in |
+//! | `refused` | errors as exceptions with file, line and key |
+//!
+//! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
+
+mod calibrations;
+mod designs;
+mod disk;
+mod maps;
+mod refused;
+mod scenes;
+mod threads;
+mod watched;
+
+use pyo3::prelude::*;
+
+/// What `slipgrid` is made of; its Python part gives it names and types.
+#[pymodule(gil_used = true)]
+mod _slipgrid {
+    use super::*;
+
+    #[pymodule_export]
+    use crate::calibrations::{Calibration, Fitted};
+    #[pymodule_export]
+    use crate::designs::{Design, Designed, NextSamples};
+    #[pymodule_export]
+    use crate::maps::Map;
+    #[pymodule_export]
+    use crate::scenes::{Scene, Solved, SteadyCell};
+    #[pymodule_export]
+    use crate::threads::{set_threads, threads};
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", slipgrid::results::VERSION)
+    }
+}

@@ -1,0 +1,227 @@
+//! Altitude maps.
+
+use std::path::{Path, PathBuf};
+
+use numpy::ndarray::ArrayView2;
+use numpy::{PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use slipgrid::calibrate::area_law::{AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, surface_area_law};
+use slipgrid::formats::altitude_map::{open, refuse, refuse_law};
+use slipgrid::material::THRESHOLD_PRESSURE_PA;
+use slipgrid::report::surface::SurfaceReport;
+use slipgrid::topography::{
+    CORRELATION_THRESHOLD, Form, HeightMap, MapFormat, MaterialRatioCurve, Missing, Preparation, PreparedMap, ReadMap,
+    ReadOptions, Sides, SpectrumWindow,
+};
+
+use crate::disk::disk;
+use crate::refused;
+use crate::watched::watched;
+
+/// An altitude map as it was read or given: heights in metres, missing points NaN.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Map {
+    read: ReadMap,
+    path: PathBuf,
+}
+
+fn named<T: Copy>(what: &str, given: &str, all: &[(&str, T)]) -> PyResult<T> {
+    all.iter().find(|(name, _)| *name == given).map(|(_, value)| *value).ok_or_else(|| {
+        let names: Vec<&str> = all.iter().map(|(name, _)| *name).collect();
+        PyValueError::new_err(format!("{what} is {given:?}: expected one of {}", names.join(", ")))
+    })
+}
+
+fn preparation(form: &str, missing: &str, despike: bool) -> PyResult<Preparation> {
+    let forms = Form::ALL.map(|form| (form.name(), form));
+    let form = named("form", form, &forms)?;
+    let missing = named("missing", missing, &[("fill", Missing::Fill), ("refuse", Missing::Refuse)])?;
+    Ok(Preparation { form, missing, despike })
+}
+
+#[pymethods]
+impl Map {
+    /// A map of `heights_m`, rows along the sliding direction, with pixels of `pixel_um` by `pixel_y_um` micrometres.
+    #[new]
+    #[pyo3(signature = (heights_m, pixel_um, pixel_y_um=None))]
+    fn new(heights_m: PyReadonlyArray2<'_, f64>, pixel_um: f64, pixel_y_um: Option<f64>) -> PyResult<Self> {
+        let [rows, cols] = [heights_m.shape()[0], heights_m.shape()[1]];
+        // In the order of rows, whatever the array's own is.
+        let heights: Vec<f64> = match heights_m.as_slice() {
+            Ok(slice) if heights_m.is_c_contiguous() => slice.to_vec(),
+            _ => heights_m.as_array().iter().copied().collect(),
+        };
+        let [dx_m, dy_m] = [pixel_um * 1e-6, pixel_y_um.unwrap_or(pixel_um) * 1e-6];
+        let map = HeightMap::new(rows, cols, dx_m, dy_m, heights);
+        let map = map.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let (format, comments, notes) = (MapFormat::Matrix, Vec::new(), Vec::new());
+        Ok(Self { read: ReadMap { map, whole: true, format, comments, notes }, path: PathBuf::from("array") })
+    }
+
+    /// The map of the file at `path`, in any of the formats that `slipgrid surface` reads.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, pixel_um=None, height_unit=None, lateral_unit=None, decimal_comma=false))]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        pixel_um: Option<f64>,
+        height_unit: Option<&str>,
+        lateral_unit: Option<&str>,
+        decimal_comma: bool,
+    ) -> PyResult<Self> {
+        let unit = |name: Option<&str>| {
+            name.map(str::parse).transpose().map_err(|error: slipgrid::topography::UnknownUnit| {
+                PyValueError::new_err(error.to_string())
+            })
+        };
+        let options = ReadOptions {
+            pixel_m: pixel_um.map(|pixel_um| [pixel_um * 1e-6; 2]),
+            height_unit: unit(height_unit)?,
+            lateral_unit: unit(lateral_unit)?,
+            decimal_comma,
+            ..ReadOptions::NONE
+        };
+        let read = py.detach(|| open(&disk(), &path, &options)).map_err(|error| refused::input(py, &error))?;
+        Ok(Self { read, path })
+    }
+
+    /// Heights in metres, rows along the sliding direction: the map's own numbers, not to be written to.
+    #[getter]
+    fn heights_m<'py>(this: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let map = &this.get().read.map;
+        let view = ArrayView2::from_shape((map.rows(), map.cols()), map.heights_m());
+        let view = view.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        // The heights live as long as the map, which the array holds on to; a frozen class never moves or changes them.
+        #[allow(unsafe_code)]
+        let lent = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
+        lent.call_method("setflags", (), Some(&{
+            let flags = pyo3::types::PyDict::new(this.py());
+            flags.set_item("write", false)?;
+            flags
+        }))?;
+        Ok(lent)
+    }
+
+    /// Sides of a pixel along the rows' and the columns' direction, in micrometres.
+    #[getter]
+    fn pixel_um(&self) -> (f64, f64) {
+        {
+            let um = |side_m: f64| slipgrid::units::tidy(side_m * 1e6);
+            (um(self.read.map.dx_m()), um(self.read.map.dy_m()))
+        }
+    }
+
+    /// The file says of itself that the surface is synthetic.
+    #[getter]
+    fn is_synthetic(&self) -> bool {
+        self.read.is_synthetic()
+    }
+
+    /// Parameters of the map, as `slipgrid surface --json` writes them.
+    #[pyo3(signature = (*, form="plane", missing="fill", despike=false))]
+    fn measure_json(&self, py: Python<'_>, form: &str, missing: &str, despike: bool) -> PyResult<String> {
+        let how = preparation(form, missing, despike)?;
+        watched(py, None, |_| self.measure(how))?.map_err(|error| refused::input(py, &error))
+    }
+
+    /// Real contact area and area law at `pressures_mpa`: lists by pressure.
+    #[pyo3(signature = (*, youngs_modulus_gpa, poisson_ratio=1.0/3.0, pressures_mpa=None, threshold_mpa=None,
+                        form="plane", missing="fill", despike=false, windows=None, progress=None))]
+    #[allow(clippy::too_many_arguments, reason = "they are named where it is called")]
+    fn area_law_json(
+        &self,
+        py: Python<'_>,
+        youngs_modulus_gpa: f64,
+        poisson_ratio: f64,
+        pressures_mpa: Option<Vec<f64>>,
+        threshold_mpa: Option<f64>,
+        form: &str,
+        missing: &str,
+        despike: bool,
+        windows: Option<usize>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let how = preparation(form, missing, despike)?;
+        let pressures_mpa = pressures_mpa.unwrap_or_else(|| DEFAULT_PRESSURES_MPA.to_vec());
+        let is_curve = pressures_mpa.windows(2).all(|pair| pair[0] < pair[1]);
+        if !is_curve || pressures_mpa.iter().any(|pressure| !(*pressure > 0.0 && pressure.is_finite())) {
+            return Err(PyValueError::new_err("pressures_mpa: expected positive numbers, increasing"));
+        }
+        if !(youngs_modulus_gpa > 0.0 && (0.0..0.5).contains(&poisson_ratio)) {
+            return Err(PyValueError::new_err(
+                "youngs_modulus_gpa, poisson_ratio: expected a positive modulus, and a ratio from 0 to below 0.5",
+            ));
+        }
+        let pressures_pa: Vec<f64> = pressures_mpa.iter().map(|pressure| pressure * 1e6).collect();
+        let found = watched(py, progress, |watch| {
+            let surface = PreparedMap::one_period(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
+            let request = AreaLawRequest {
+                contact_modulus_pa: youngs_modulus_gpa * 1e9 / (1.0 - poisson_ratio * poisson_ratio),
+                pressures_pa: &pressures_pa,
+                threshold_pa: threshold_mpa.map_or(THRESHOLD_PRESSURE_PA, |threshold| threshold * 1e6),
+                tolerance: CONTACT_TOLERANCE,
+                windows,
+            };
+            let found = surface_area_law(&surface, &request, watch);
+            let found = found.map_err(|error| refuse_law(&self.path, &error).unwrap_or_default())?;
+            Ok((surface.rms_slope, found))
+        })?;
+        let (rms_slope, found) = found.map_err(|error| refused::input(py, &error))?;
+        let law = found.law.as_ref().ok();
+        let points = &found.curve.points;
+        let each = |of: &dyn Fn(&slipgrid::contact::AreaPoint) -> Option<f64>| -> Vec<Option<f64>> {
+            points.iter().map(of).collect()
+        };
+        let record = AreaLawRecord {
+            rms_slope,
+            full_contact_pressure_mpa: found.curve.full_contact_pressure_pa / 1e6,
+            pressure_mpa: pressures_mpa,
+            area_fraction: each(&|point| Some(point.area_fraction)),
+            area_fraction_corrected: each(&|point| Some(point.area_fraction_corrected)),
+            area_error: each(&|point| Some(point.area_error)),
+            factor: each(&|point| law.map(|law| law.factor(point.pressure_pa))),
+            warnings: found.warnings.iter().map(ToString::to_string).collect(),
+            unconverged: found.unconverged,
+        };
+        slipgrid::results::json(&record).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    fn __repr__(&self) -> String {
+        let map = &self.read.map;
+        let (dx_um, dy_um) = self.pixel_um();
+        format!("<slipgrid.Map {} x {} pixels of {dx_um} x {dy_um} um>", map.rows(), map.cols())
+    }
+}
+
+impl Map {
+    fn measure(&self, how: Preparation) -> Result<String, slipgrid::formats::Diagnostic> {
+        let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
+        let surface = PreparedMap::new(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
+        let map = &surface.map;
+        let (sides, window) = if surface.period {
+            (Sides::Periodic, SpectrumWindow::None)
+        } else {
+            (Sides::Open, SpectrumWindow::Hann)
+        };
+        let curve = MaterialRatioCurve::new(map);
+        let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(|error| plain(error.to_string()))?;
+        let spectrum = map.radial_spectrum(window).map_err(|error| plain(error.to_string()))?;
+        let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None);
+        slipgrid::results::json(&report).map_err(|error| plain(error.to_string()))
+    }
+}
+
+/// Contact area and area law, lists by pressure.
+#[derive(serde::Serialize)]
+struct AreaLawRecord {
+    rms_slope: f64,
+    full_contact_pressure_mpa: f64,
+    pressure_mpa: Vec<f64>,
+    area_fraction: Vec<Option<f64>>,
+    area_fraction_corrected: Vec<Option<f64>>,
+    area_error: Vec<Option<f64>>,
+    factor: Vec<Option<f64>>,
+    warnings: Vec<String>,
+    unconverged: usize,
+}

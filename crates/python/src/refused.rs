@@ -1,0 +1,59 @@
+//! Errors as exceptions of `slipgrid.errors`.
+
+use pyo3::exceptions::{PyRuntimeError, PyTimeoutError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use slipgrid::design::DesignError;
+use slipgrid::formats::Diagnostic;
+use slipgrid::formats::calibrated::Uncalibrated;
+use slipgrid::formats::design::Design;
+
+/// `slipgrid.errors.InputError` with where it stands and what would be accepted.
+pub fn input(py: Python<'_>, refused: &Diagnostic) -> PyErr {
+    let made = || {
+        let named = PyDict::new(py);
+        named.set_item("file", refused.file.as_ref().map(|file| file.display().to_string()))?;
+        named.set_item("line", refused.line)?;
+        named.set_item("key", refused.key.as_deref())?;
+        named.set_item("value", refused.value.as_deref())?;
+        named.set_item("expected", refused.expected.as_deref())?;
+        py.import("slipgrid.errors")?.getattr("InputError")?.call((refused.to_string(),), Some(&named))
+    };
+    match made() {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// `slipgrid.errors.ComputationError`.
+pub fn failed(py: Python<'_>, reason: &str) -> PyErr {
+    let made = || py.import("slipgrid.errors")?.getattr("ComputationError")?.call1((reason,));
+    match made() {
+        Ok(error) => PyErr::from_value(error),
+        Err(error) => error,
+    }
+}
+
+/// What was cancelled without anybody having raised anything.
+fn stopped() -> PyErr {
+    PyRuntimeError::new_err("stopped")
+}
+
+/// A calibration that was refused or failed.
+pub fn uncalibrated(py: Python<'_>, error: &Uncalibrated) -> PyErr {
+    match error {
+        Uncalibrated::Refused(refused) => input(py, refused),
+        Uncalibrated::Cancelled => stopped(),
+        Uncalibrated::Failed(reason) => failed(py, reason),
+    }
+}
+
+/// A job of `design` that was refused or failed.
+pub fn undesigned(py: Python<'_>, error: &DesignError, design: &Design) -> PyErr {
+    match error {
+        DesignError::Refused(refused) => input(py, &design.refuse(refused)),
+        DesignError::Cancelled => stopped(),
+        DesignError::OutOfTime(reason) => PyTimeoutError::new_err(reason.clone()),
+        error => failed(py, &error.to_string()),
+    }
+}

@@ -1,0 +1,190 @@
+//! Scenes: friction of a given surface at given loads.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use slipgrid::design::{correct, of_scene, simulate_on};
+use slipgrid::formats::Document;
+use slipgrid::formats::run::Overrides;
+use slipgrid::formats::scene::SceneInput;
+use slipgrid::monitor::{Monitor, Stage};
+use slipgrid::pattern::{Pattern, Texture};
+use slipgrid::report::files;
+use slipgrid::results::{SimulationReport, json_and_timings};
+use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
+
+use crate::disk::disk;
+use crate::refused;
+use crate::threads::pool;
+use crate::watched::watched;
+
+/// A scene: a material, a pattern or none, loads, and how they are solved.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Scene {
+    input: SceneInput,
+}
+
+/// A scene that was solved.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Solved {
+    scene: slipgrid::springblock::Scene,
+    simulation: Simulation,
+    report: SimulationReport,
+}
+
+fn overrides(fidelity: Option<&str>, extent: Option<&str>) -> PyResult<Overrides> {
+    let refuse = |what: &str, given: &str, names: Vec<&str>| {
+        PyValueError::new_err(format!("{what} is {given:?}: expected one of {}", names.join(", ")))
+    };
+    let fidelity = fidelity.map(|given| {
+        let all = Fidelity::ALL;
+        let named = all.iter().copied().find(|own| own.name() == given);
+        named.ok_or_else(|| refuse("fidelity", given, all.iter().map(|own| own.name()).collect()))
+    });
+    let extent = extent.map(|given| {
+        let all = Extent::ALL;
+        let named = all.iter().copied().find(|own| own.name() == given);
+        named.ok_or_else(|| refuse("extent", given, all.iter().map(|own| own.name()).collect()))
+    });
+    Ok(Overrides { fidelity: fidelity.transpose()?, extent: extent.transpose()? })
+}
+
+#[pymethods]
+impl Scene {
+    /// The scene that `text` says, as a scene file would that stands at `path`: what it names is looked for beside that.
+    #[staticmethod]
+    #[pyo3(signature = (text, path, *, fidelity=None, extent=None))]
+    fn from_text(
+        py: Python<'_>,
+        text: &str,
+        path: PathBuf,
+        fidelity: Option<&str>,
+        extent: Option<&str>,
+    ) -> PyResult<Self> {
+        let overrides = overrides(fidelity, extent)?;
+        let document = Document::within(&disk(), path, text);
+        let read = || SceneInput::from_file(document.clone(), &document.parse()?, overrides);
+        Ok(Self { input: read().map_err(|error| refused::input(py, &error))? })
+    }
+
+    /// What is unusual in it, one sentence each.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.input.told.iter().map(ToString::to_string).collect()
+    }
+
+    /// Solves it.
+    #[pyo3(signature = (progress=None))]
+    fn simulate(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Solved> {
+        let input = &self.input;
+        let found = watched(py, progress, |watch| {
+            let stage = Stage::new(watch, input.scene.run.fidelity.name(), None);
+            let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
+            let wall_s = stage.finish();
+            let mut simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
+            let pressures_pa: Vec<f64> = input.scene.loads.iter().map(|load| load.pressure_pa).collect();
+            let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
+            correct(&mut simulation, &input.scene, excess.as_deref());
+            let errors = of_scene(&input.scene, &input.uncertainty, input.condition.as_ref(), &simulation);
+            let errors = errors.map_err(|error| Err(error.to_string()))?;
+            let (provenance, outside) = (&input.material.provenance, &input.friction_extrapolated);
+            let threads = rayon::current_num_threads();
+            let report =
+                SimulationReport::new(&input.scene, provenance, outside, &simulation, errors, wall_s, threads);
+            Ok(Solved { scene: input.scene.clone(), simulation, report })
+        })?;
+        found.map_err(|error| match error {
+            Ok(refused) => refused::input(py, &refused),
+            Err(reason) => refused::failed(py, &reason),
+        })
+    }
+
+    /// The steady cell of the scene's texture, asked for one pattern after the other.
+    fn steady(&self) -> PyResult<SteadyCell> {
+        let scene = &self.input.scene;
+        let Some(pattern) = &scene.pattern else {
+            return Err(PyValueError::new_err("a flat scene has no pattern to vary"));
+        };
+        let cell = slipgrid::springblock::SteadyCell::new(scene);
+        Ok(SteadyCell { cell: Arc::new(cell), texture: *pattern.texture() })
+    }
+}
+
+#[pymethods]
+impl Solved {
+    /// The record and its times, as result.json and timings.json hold them.
+    fn json(&self, py: Python<'_>) -> PyResult<[String; 2]> {
+        json_and_timings(&self.report).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
+    /// In words, as the command line prints it.
+    fn text(&self) -> String {
+        self.report.table()
+    }
+
+    /// Everything that the command line writes, by name.
+    fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
+        let outputs = py.detach(|| files::of_scene(&self.scene, &self.simulation, &self.report));
+        crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
+    }
+}
+
+/// A steady cell: equilibrium of one period with every contact block sliding.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct SteadyCell {
+    cell: Arc<slipgrid::springblock::SteadyCell>,
+    texture: Texture,
+}
+
+#[pymethods]
+impl SteadyCell {
+    /// Ratio of patterned to flat friction at each load; NaN where there is none.
+    fn ratios<'py>(
+        &self,
+        py: Python<'py>,
+        width_um: f64,
+        spacing_um: f64,
+        depth_um: f64,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let pattern = self.pattern([width_um, spacing_um, depth_um])?;
+        let found = if self.cell.is_spatial() {
+            watched(py, None, |watch| {
+                let found = self.cell.solve_heeding(&pattern, watch);
+                let is_whole = !watch.cancelled() && found.iter().all(|of| of.surface.status != Status::Cancelled);
+                if is_whole { found.into_iter().map(|of| of.ratio).collect() } else { Vec::new() }
+            })?
+        } else {
+            py.detach(|| self.cell.ratios(&pattern))
+        };
+        Ok(PyArray1::from_iter(py, found.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN))))
+    }
+
+    /// The same of many patterns, rows of width, spacing and depth in micrometres: a row of ratios for each, on all threads.
+    fn ratios_of<'py>(
+        &self,
+        py: Python<'py>,
+        patterns_um: PyReadonlyArray2<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let rows = patterns_um.as_array();
+        if rows.ncols() != 3 {
+            return Err(PyValueError::new_err("patterns_um: expected rows of width, spacing and depth"));
+        }
+        let lengths = rows.rows().into_iter().map(|row| self.pattern([row[0], row[1], row[2]]));
+        let patterns: Vec<Pattern> = lengths.collect::<PyResult<_>>()?;
+        let pool = pool()?;
+        let found = py.detach(|| pool.install(|| self.cell.ratios_of(&patterns)));
+        let found: Vec<Vec<f64>> =
+            found.into_iter().map(|row| row.into_iter().map(|ratio| ratio.unwrap_or(f64::NAN)).collect()).collect();
+        PyArray2::from_vec2(py, &found).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}
+
+impl SteadyCell {
+    fn pattern(&self, lengths_um: [f64; 3]) -> PyResult<Pattern> {
+        let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
+        Pattern::new(self.texture, width_m, spacing_m, depth_m).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+}

@@ -1,0 +1,129 @@
+"""Errors, Ctrl-C, forks, threads, and the cost of the border."""
+
+from __future__ import annotations
+
+import os
+import signal
+import statistics
+import threading
+import time
+
+import numpy as np
+import pytest
+import slipgrid
+from conftest import DESIGN, SCENE
+from slipgrid._records import toml
+from slipgrid.errors import InputError
+
+
+def test_what_is_refused_names_file_line_and_key() -> None:
+    text = toml(DESIGN).replace("tolerance = 0.02", "tolerance = -0.02")
+    with pytest.raises(InputError) as refused:
+        slipgrid.Design.from_toml(text, "somewhere")
+    error = refused.value
+    assert error.file == os.path.join("somewhere", "design.toml") and error.key == "target.tolerance"
+    assert text.splitlines()[error.line - 1] == "tolerance = -0.02" and error.value == "-0.02"
+    assert error.expected and str(error).startswith("somewhere") and isinstance(error, ValueError)
+    with pytest.raises(InputError, match="widht_um"):
+        slipgrid.Design(**{**DESIGN, "bounds": {**DESIGN["bounds"], "widht_um": [1, 2]}})
+    with pytest.raises(FileNotFoundError):
+        slipgrid.Scene.read("nowhere.toml")
+    with pytest.raises(ValueError, match="expected one of steady, dynamic"):
+        slipgrid.Scene(**SCENE, fidelity="quick")
+
+
+def slow() -> slipgrid.Scene:
+    """A run in time of a minute."""
+    return slipgrid.Scene(
+        **{**SCENE, "sample": {"length_um": 9960.0, "layer_um": 200.0, "block_um": 5.0}}, fidelity="reference", extent="sample"
+    )
+
+
+def test_ctrl_c_ends_a_run_within_a_second() -> None:
+    scene = slow()
+    pressed = []
+
+    def press() -> None:
+        pressed.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.5, press)
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        scene.simulate()
+    assert time.monotonic() - pressed[0] < 1.0
+
+
+def test_what_a_callback_raises_ends_a_run_too() -> None:
+    def tell(stage: str, share: float) -> None:
+        raise LookupError(stage)
+
+    with pytest.raises(LookupError):
+        slow().simulate(tell)
+
+
+def test_other_threads_of_python_go_on_meanwhile() -> None:
+    ticks = 0
+    done = threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not done.wait(0.01):
+            ticks += 1
+
+    counter = threading.Thread(target=count)
+    counter.start()
+    started = time.monotonic()
+    slipgrid.Design(**DESIGN).optimize()
+    took = time.monotonic() - started
+    done.set()
+    counter.join()
+    assert ticks > 5 * took, f"{ticks} ticks in {took} s"
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
+def test_a_process_forked_after_use_computes_on_threads_of_its_own() -> None:
+    cell = slipgrid.Scene(**SCENE).steady()
+    patterns = np.array([[100.0, 200.0, 10.0], [130.0, 370.0, 20.0]])
+    expected = cell.ratios_of(patterns)
+    child = os.fork()
+    if child == 0:
+        same = np.array_equal(cell.ratios_of(patterns), expected) and slipgrid.threads() > 0
+        os._exit(0 if same else 1)
+    for _ in range(300):
+        ended, status = os.waitpid(child, os.WNOHANG)
+        if ended:
+            break
+        time.sleep(0.1)
+    else:
+        os.kill(child, signal.SIGKILL)
+        pytest.fail("the child hangs")
+    assert status == 0
+
+
+def test_threads_are_those_asked_for() -> None:
+    slipgrid.set_threads(1)
+    assert slipgrid.threads() == 1
+    slipgrid.set_threads(None)
+    assert slipgrid.threads() == len(os.sched_getaffinity(0))
+    with pytest.raises(ValueError, match="expected 1 or more"):
+        slipgrid.set_threads(0)
+
+
+def test_the_border_costs_microseconds() -> None:
+    """A call's time beside the solve: many single calls against one call for all of them, on one thread."""
+    slipgrid.set_threads(1)
+    cell = slipgrid.Scene(**SCENE).steady()
+    patterns = np.array([[100.0 + step, 200.0, 10.0] for step in range(200)])
+    beside = []
+    for _ in range(5):
+        started = time.perf_counter()
+        for width_um, spacing_um, depth_um in patterns:
+            cell.ratios(width_um, spacing_um, depth_um)
+        single = time.perf_counter() - started
+        started = time.perf_counter()
+        cell.ratios_of(patterns)
+        beside.append((single - (time.perf_counter() - started)) / len(patterns))
+    slipgrid.set_threads(None)
+    print(f"{1e6 * statistics.median(beside):.1f} us a call beside the solve")
