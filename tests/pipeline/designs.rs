@@ -172,6 +172,7 @@ fn a_target_of_dynamic_friction_is_met() {
 }
 
 #[test]
+#[ignore = "half a minute: a lowest design"]
 fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
     let (_folder, result) = optimize("ldpe-lowest");
     assert_eq!((&result["violations"], &result["goal"]["goal"]), (&Value::Array(Vec::new()), &Value::from("lowest")));
@@ -188,6 +189,7 @@ fn the_lowest_friction_keeps_every_limit_and_rests_on_one() {
 }
 
 #[test]
+#[ignore = "a minute: squares in space"]
 fn squares_are_searched_and_confirmed_in_space() {
     let (folder, result) = optimize("ldpe-squares");
     assert_eq!((&result["dimensions"], &result["section_model"]), (&Value::from(3), &Value::from(false)));
@@ -216,6 +218,7 @@ fn squares_are_searched_and_confirmed_in_space() {
 }
 
 #[test]
+#[ignore = "half a minute: a target out of reach"]
 fn what_cannot_be_reached_is_said_with_the_range_that_can() {
     let (_folder, result) = optimize("ldpe-unreachable");
     for (range, wanted) in

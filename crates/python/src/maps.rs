@@ -71,9 +71,9 @@ impl Map {
         decimal_comma: bool,
     ) -> PyResult<Self> {
         let unit = |name: Option<&str>| {
-            name.map(str::parse).transpose().map_err(|error: slipgrid::topography::UnknownUnit| {
-                PyValueError::new_err(error.to_string())
-            })
+            name.map(str::parse)
+                .transpose()
+                .map_err(|error: slipgrid::topography::UnknownUnit| PyValueError::new_err(error.to_string()))
         };
         let options = ReadOptions {
             pixel_m: pixel_um.map(|pixel_um| [pixel_um * 1e-6; 2]),
@@ -95,11 +95,15 @@ impl Map {
         // The heights live as long as the map, which the array holds on to; a frozen class never moves or changes them.
         #[allow(unsafe_code)]
         let lent = unsafe { PyArray2::borrow_from_array(&view, this.clone().into_any()) };
-        lent.call_method("setflags", (), Some(&{
-            let flags = pyo3::types::PyDict::new(this.py());
-            flags.set_item("write", false)?;
-            flags
-        }))?;
+        lent.call_method(
+            "setflags",
+            (),
+            Some(&{
+                let flags = pyo3::types::PyDict::new(this.py());
+                flags.set_item("write", false)?;
+                flags
+            }),
+        )?;
         Ok(lent)
     }
 
@@ -155,7 +159,8 @@ impl Map {
         }
         let pressures_pa: Vec<f64> = pressures_mpa.iter().map(|pressure| pressure * 1e6).collect();
         let found = watched(py, progress, |watch| {
-            let surface = PreparedMap::one_period(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
+            let surface =
+                PreparedMap::one_period(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
             let request = AreaLawRequest {
                 contact_modulus_pa: youngs_modulus_gpa * 1e9 / (1.0 - poisson_ratio * poisson_ratio),
                 pressures_pa: &pressures_pa,
@@ -199,13 +204,11 @@ impl Map {
         let plain = |reason: String| slipgrid::formats::Diagnostic::file(&self.path, reason);
         let surface = PreparedMap::new(self.read.clone(), how).map_err(|error| refuse(&self.path, &error))?;
         let map = &surface.map;
-        let (sides, window) = if surface.period {
-            (Sides::Periodic, SpectrumWindow::None)
-        } else {
-            (Sides::Open, SpectrumWindow::Hann)
-        };
+        let (sides, window) =
+            if surface.period { (Sides::Periodic, SpectrumWindow::None) } else { (Sides::Open, SpectrumWindow::Hann) };
         let curve = MaterialRatioCurve::new(map);
-        let lengths = map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(|error| plain(error.to_string()))?;
+        let lengths =
+            map.correlation_lengths(CORRELATION_THRESHOLD, sides).map_err(|error| plain(error.to_string()))?;
         let spectrum = map.radial_spectrum(window).map_err(|error| plain(error.to_string()))?;
         let report = SurfaceReport::new(Path::new(&self.path), &surface, &curve, &lengths, &spectrum, None);
         slipgrid::results::json(&report).map_err(|error| plain(error.to_string()))

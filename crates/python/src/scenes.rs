@@ -92,8 +92,7 @@ impl Scene {
             let errors = errors.map_err(|error| Err(error.to_string()))?;
             let (provenance, outside) = (&input.material.provenance, &input.friction_extrapolated);
             let threads = rayon::current_num_threads();
-            let report =
-                SimulationReport::new(&input.scene, provenance, outside, &simulation, errors, wall_s, threads);
+            let report = SimulationReport::new(&input.scene, provenance, outside, &simulation, errors, wall_s, threads);
             Ok(Solved { scene: input.scene.clone(), simulation, report })
         })?;
         found.map_err(|error| match error {
@@ -185,6 +184,7 @@ impl SteadyCell {
 impl SteadyCell {
     fn pattern(&self, lengths_um: [f64; 3]) -> PyResult<Pattern> {
         let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
-        Pattern::new(self.texture, width_m, spacing_m, depth_m).map_err(|error| PyValueError::new_err(error.to_string()))
+        Pattern::new(self.texture, width_m, spacing_m, depth_m)
+            .map_err(|error| PyValueError::new_err(error.to_string()))
     }
 }

@@ -16,6 +16,8 @@
 //! | [`studies`] | the program's own evidence |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
+//! From Python the same is `slipgrid.Design.read("design.toml").optimize()`: `crates/python`, a workspace of its own.
+//!
 //! No library opens a file, reads a clock, prints, or touches the environment: bytes come through
 //! [`formats::source::Files`], time and cancelling through [`monitor::Monitor`].
 //!
