@@ -71,7 +71,7 @@ fn crossing_grooves_reach_the_target_and_are_cut_once() {
 }
 
 #[test]
-#[ignore = "half a minute: a shipped design at three humidities; small ones are run by crates/cli/tests/conditions.rs"]
+#[ignore = "half a minute: a shipped design at three humidities; small ones are run by crates/cli/tests/program/conditions.rs"]
 fn friction_is_on_target_at_any_humidity() {
     let (_, result) = optimize("ldpe-any-humidity");
     let at = result["conditions"]["at"].as_array().unwrap();
@@ -159,7 +159,7 @@ fn the_shipped_scene_with_rims_slides_with_less_friction_than_it_says_it_would_w
 }
 
 #[test]
-#[ignore = "twenty seconds: a shipped design; small ones are run by crates/cli/tests/targets.rs"]
+#[ignore = "twenty seconds: a shipped design; small ones are run by crates/cli/tests/program/targets.rs"]
 fn a_target_of_dynamic_friction_is_met() {
     let (_folder, result) = optimize("ldpe-target-mu");
     let tolerance = result["target"]["tolerance"].as_f64().unwrap();

@@ -2,12 +2,8 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, FLAT, Place, SCENE, names};
+use crate::common::{CALIBRATION, COMMANDS, FLAT, Place, SCENE, json, names};
 use serde_json::Value;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 /// The object without what depends on time and threads.
 fn timeless(mut value: Value) -> Value {
@@ -381,20 +377,7 @@ fn a_dynamic_run_says_from_when_it_averaged() {
 fn help_shows_examples_for_every_command() {
     let place = Place::with(&[]);
     let help = place.succeed(&["--help"]);
-    for command in [
-        "simulate",
-        "optimize",
-        "calibrate",
-        "area-law",
-        "surface",
-        "synthesize",
-        "export",
-        "validate",
-        "accuracy",
-        "new",
-        "completions",
-        "man",
-    ] {
+    for command in COMMANDS {
         assert!(help.contains(command), "{command}");
         let help = place.succeed(&[command, "--help"]);
         assert!(help.contains(&format!("slipgrid {command}")) && help.contains("Examples:"), "{help}");

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place};
+use crate::common::{CALIBRATION, DESIGN, Place, number, result};
 use serde_json::Value;
 
 /// A condition of the material: speed in mm/s, humidity in per cent, mean local dynamic coefficient.
@@ -28,14 +28,6 @@ fn design(target: &str, measured: &[Measured], header: &str) -> String {
         .replace("max_evaluations = 50", "max_evaluations = 2000")
         .replace("static_mean = 0.30\ndynamic_mean = 0.27\n", &format!("relative_std = 0.05\n{rows}"))
         .replace("[material]\n", &format!("{header}\n[material]\n"))
-}
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 fn at(found: &Value) -> &Vec<Value> {

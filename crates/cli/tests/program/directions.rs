@@ -2,12 +2,8 @@
 
 use std::fs;
 
-use crate::common::{Place, small};
+use crate::common::{Place, result, small};
 use serde_json::Value;
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
-}
 
 /// A small design of rectangles, half as long as its narrowest is wide.
 fn rectangles(angles: &str) -> String {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, DESIGN, Place};
+use crate::common::{CALIBRATION, DESIGN, Place, number, result};
 use serde_json::Value;
 
 /// A short sample and one pressure.
@@ -28,14 +28,6 @@ const ERRORS: [(&str, &str); 2] = [
     ("density_g_cm3 = 0.9\n", "density_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.038\n"),
     ("dynamic_mean = 0.27\n", "dynamic_mean = 0.27\ndynamic_std_error = 0.0027\n"),
 ];
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
-}
 
 fn part(value: &Value, input: &str) -> f64 {
     let parts = value["parts"].as_array().unwrap();

@@ -1,11 +1,7 @@
 //! Maps that numbers should not be computed from: what is said of them, wherever they end up, and what is refused.
 
-use crate::common::{CALIBRATION, FLAT, Place, SCENE};
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, json};
 use serde_json::Value;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 fn strings(value: &Value) -> Vec<&str> {
     value.as_array().map_or_else(Vec::new, |list| list.iter().map(|entry| entry.as_str().unwrap()).collect())

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, names};
+use crate::common::{DESIGN, Place, names, result};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second, and a target at one pressure.
@@ -15,10 +15,6 @@ fn design(value: &str, evaluations: u32) -> String {
         .replace("value = 0.9", value)
         .replace("tolerance = 0.01", "tolerance = 0.03")
         .replace("max_evaluations = 50", &format!("max_evaluations = {evaluations}"))
-}
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
 }
 
 #[test]

@@ -3,15 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::{Place, SCENE, small};
+use crate::common::{Place, SCENE, json, small};
 use serde_json::Value;
 
 fn shipped(name: &str) -> String {
     fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../designs").join(name)).unwrap()
-}
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
 }
 
 /// A scene of coarse blocks with these lines in place of the planform.

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, SCENE, THREE_FORCES, patterned_calibration};
+use crate::common::{DESIGN, Place, SCENE, THREE_FORCES, number, patterned_calibration};
 use serde_json::Value;
 
 const RIMS: &str = "rim_height_um = 0.1\nrim_width_um = 20.0\nrim_profile = \"flat\"\n";
@@ -22,10 +22,6 @@ fn design(rims: &str, tolerances: &str) -> String {
         .replace("max_evaluations = 50", "max_evaluations = 400")
         .replace("planform = \"groove\"\n", &format!("planform = \"groove\"\n{rims}"));
     format!("{text}{tolerances}")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 fn part(parts: &Value, input: &str) -> f64 {

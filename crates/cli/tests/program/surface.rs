@@ -2,12 +2,8 @@
 
 use std::fs;
 
-use crate::common::{Place, names};
+use crate::common::{Place, json, names};
 use serde_json::Value;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 /// Grooves of 130 um, 370 um apart and 5.2 um deep, on 256 pixels of 10 um.
 const TEXTURED: [&str; 16] = [

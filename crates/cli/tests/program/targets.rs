@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::common::{DESIGN, Place, names, small};
+use crate::common::{DESIGN, Place, names, result, small};
 use serde_json::Value;
 
 /// A short sample of several periods, so that confirming takes a second.
@@ -16,10 +16,6 @@ fn design(target: &str, limits: &str) -> String {
         .replace("value = 0.9\ntolerance = 0.01", target)
         .replace("max_peak_pressure_mpa = 20.0", limits)
         .replace("max_evaluations = 50", "max_evaluations = 3000")
-}
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
 }
 
 fn optimize(place: &Place, file: &str, code: i32) -> (String, Value) {

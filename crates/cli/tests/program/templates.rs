@@ -2,28 +2,10 @@
 
 use std::fs;
 
-use crate::common::{Place, names};
+use crate::common::{COMMANDS, Place, names};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::Design;
-
-const COMMANDS: [&str; 15] = [
-    "simulate",
-    "optimize",
-    "calibrate",
-    "next",
-    "trials",
-    "area-law",
-    "surface",
-    "traces",
-    "synthesize",
-    "export",
-    "validate",
-    "accuracy",
-    "new",
-    "completions",
-    "man",
-];
 
 #[test]
 fn templates_run_as_they_are() {

@@ -2,12 +2,8 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place, SCENE};
+use crate::common::{DESIGN, Place, SCENE, json};
 use serde_json::Value;
-
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).unwrap()
-}
 
 /// Wide grooves, whose ratio depends on it.
 fn wide(sample: &str) -> String {

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{DESIGN, Place};
+use crate::common::{DESIGN, Place, result};
 use serde_json::Value;
 
 /// A short sample and one pressure; standard errors as a calibration writes them.
@@ -20,10 +20,6 @@ fn design(more: &str) -> String {
 }
 
 const TOLERANCES: &str = "[tolerances]\nwidth_std_um = 8.0\nspacing_std_um = 13.0\ndepth_std_um = 1.3\ndraws = 200\n";
-
-fn result(place: &Place, folder: &str) -> Value {
-    serde_json::from_str(&fs::read_to_string(place.path(folder).join("result.json")).unwrap()).unwrap()
-}
 
 #[test]
 fn samples_trade_offs_and_the_robust_choice_are_reported() {

@@ -6,7 +6,27 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use serde_json::Value;
 use tempfile::TempDir;
+
+/// Every command.
+pub const COMMANDS: [&str; 15] = [
+    "simulate",
+    "optimize",
+    "calibrate",
+    "next",
+    "trials",
+    "area-law",
+    "surface",
+    "traces",
+    "synthesize",
+    "export",
+    "validate",
+    "accuracy",
+    "new",
+    "completions",
+    "man",
+];
 
 /// A scene that is solved in milliseconds.
 pub const SCENE: &str = r#"[material]
@@ -124,6 +144,20 @@ pub const FLAT: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_st
 /// A folder with input files, in which the program is run.
 pub struct Place {
     folder: TempDir,
+}
+
+/// JSON as printed or written.
+pub fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// result.json in a folder of `place`.
+pub fn result(place: &Place, folder: &str) -> Value {
+    json(&fs::read_to_string(place.path(folder).join("result.json")).unwrap())
+}
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 impl Place {
