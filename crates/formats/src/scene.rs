@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_material::{Condition, Material};
-use slipgrid_springblock::{Extent, Layer, MOST_ROWS, Scene, SceneError};
+use slipgrid_material::{Condition, Material, MaterialError};
+use slipgrid_springblock::{Extent, Layer, MOST_ROWS, Scene, SceneError, Simulation};
 use toml::Spanned;
 
 use super::document::Document;
@@ -20,8 +20,9 @@ use super::values::{Number, Numbers, PathOr, list, number_span};
 use crate::diagnostic::Diagnostic;
 use crate::source::Source;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_design::{SpecimenError, TaskPart, check_pressures, loads, solved_as};
+use slipgrid_design::{SpecimenError, TaskPart, check_pressures, correct, loads, of_scene, solved_as};
 use slipgrid_export::Specimen;
+use slipgrid_results::SimulationReport;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, PRESSURE_MPA, Quantity, SPEED_MM_S, STEP_NS, tidy};
 
 /// A scene as a file writes it.
@@ -300,6 +301,27 @@ impl SceneInput {
                 ..Diagnostic::file(self.document.path(), reason)
             },
         }
+    }
+
+    /// What came of solving it on its specimen in `wall_s` seconds on so many threads: friction in time corrected by the calibrated
+    /// one, and its record.
+    ///
+    /// # Errors
+    /// [`MaterialError`] for an area law that cannot be moved by its errors.
+    pub fn report(
+        &self,
+        mut simulation: Simulation,
+        wall_s: f64,
+        threads: usize,
+    ) -> Result<(Simulation, SimulationReport), MaterialError> {
+        let (scene, condition) = (&self.scene, self.condition.as_ref());
+        let pressures_pa: Vec<f64> = scene.loads.iter().map(|load| load.pressure_pa).collect();
+        let excess = self.uncertainty.excess(&pressures_pa, condition);
+        correct(&mut simulation, scene, excess.as_deref());
+        let errors = of_scene(scene, &self.uncertainty, condition, &simulation)?;
+        let (provenance, outside) = (&self.material.provenance, &self.friction_extrapolated);
+        let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, threads);
+        Ok((simulation, report))
     }
 
     /// The vertical plane models a section of this planform, not the planform itself.

@@ -9,6 +9,7 @@ use slipgrid::formats::calibrated::{Uncalibrated, calibrate, learn};
 use slipgrid::formats::calibration::Calibration as Read;
 use slipgrid::formats::scene::DEFAULT_SPECIMEN;
 use slipgrid::formats::written_material::material_toml;
+use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
@@ -32,6 +33,7 @@ pub struct Fitted {
     read: Read,
     task: CalibrationTask,
     outcome: CalibrationOutcome,
+    ledger: Option<TrialsReport>,
 }
 
 #[pymethods]
@@ -58,7 +60,8 @@ impl Calibration {
             calibrate(&self.read, &self.path, &disk(), sample, Selection::default(), watch)
         })?;
         let (task, outcome) = found.map_err(|error| refused::uncalibrated(py, &error))?;
-        Ok(Fitted { read: self.read.clone(), task, outcome })
+        let ledger = ledger(&self.read, &outcome);
+        Ok(Fitted { read: self.read.clone(), task, outcome, ledger })
     }
 
     /// The ledger of its trials, as `slipgrid trials --json` writes it, and in words.
@@ -82,14 +85,19 @@ impl Fitted {
         material_toml(&self.task, &self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
+    /// The fit as fit.json holds it.
+    fn fit_json(&self, py: Python<'_>) -> PyResult<String> {
+        fit_json(&self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
+    }
+
     /// In words, as the command line prints it.
     fn text(&self) -> String {
-        slipgrid::report::calibration::summary(&self.read, &self.task, &self.outcome)
+        summary(&self.read, &self.task, &self.outcome, self.ledger.as_ref())
     }
 
     /// Everything that the command line writes of the fit, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
-        let outputs = slipgrid::report::calibration::files(&self.read, &self.outcome);
+        let outputs = files(&self.read, &self.outcome, self.ledger.as_ref());
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use slipgrid::design::{correct, of_scene, simulate_on};
+use slipgrid::design::simulate_on;
 use slipgrid::formats::Document;
 use slipgrid::formats::run::Overrides;
 use slipgrid::formats::scene::SceneInput;
@@ -84,15 +84,9 @@ impl Scene {
             let stage = Stage::new(watch, input.scene.run.fidelity.name(), None);
             let solved = simulate_on(&input.scene, input.specimen.as_ref(), &stage);
             let wall_s = stage.finish();
-            let mut simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
-            let pressures_pa: Vec<f64> = input.scene.loads.iter().map(|load| load.pressure_pa).collect();
-            let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
-            correct(&mut simulation, &input.scene, excess.as_deref());
-            let errors = of_scene(&input.scene, &input.uncertainty, input.condition.as_ref(), &simulation);
-            let errors = errors.map_err(|error| Err(error.to_string()))?;
-            let (provenance, outside) = (&input.material.provenance, &input.friction_extrapolated);
-            let threads = rayon::current_num_threads();
-            let report = SimulationReport::new(&input.scene, provenance, outside, &simulation, errors, wall_s, threads);
+            let simulation = solved.map_err(|error| Ok(input.refuse_on_specimen(&error)))?;
+            let found = input.report(simulation, wall_s, rayon::current_num_threads());
+            let (simulation, report) = found.map_err(|error| Err(error.to_string()))?;
             Ok(Solved { scene: input.scene.clone(), simulation, report })
         })?;
         found.map_err(|error| match error {

@@ -37,11 +37,12 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     if let Some(path) = &args.output {
         write_file(path, file.as_bytes())?;
     }
+    let ledger = calibration::ledger(&read, &outcome);
     if let Some(folder) = &args.report {
-        let outputs = calibration::files(&read, &outcome)?;
+        let outputs = calibration::files(&read, &outcome, ledger.as_ref())?;
         console.keep(&outputs, folder)?;
     }
-    console.answer(&calibration::summary(&read, &task, &outcome))?;
+    console.answer(&calibration::summary(&read, &task, &outcome, ledger.as_ref()))?;
     match &args.output {
         Some(path) => console.note(&format!("wrote {}", path.display())),
         None => console.note("nothing written; -o MATERIAL.toml keeps the material"),

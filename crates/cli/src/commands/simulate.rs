@@ -9,13 +9,10 @@ use crate::interruption::{enter, heed};
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_design::correct;
-use slipgrid_design::of_scene;
 use slipgrid_design::simulate_on;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_report::files;
-use slipgrid_results::SimulationReport;
 
 /// What is written.
 const FILES: [&str; 6] =
@@ -38,18 +35,12 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         (simulate_on(&input.scene, input.specimen.as_ref(), &stage), stage.finish())
     };
     heed()?;
-    let mut simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
-    let pressures_pa: Vec<f64> = input.scene.loads.iter().map(|load| load.pressure_pa).collect();
-    let excess = input.uncertainty.excess(&pressures_pa, input.condition.as_ref());
-    correct(&mut simulation, &input.scene, excess.as_deref());
+    let simulation = solved.map_err(|error| input.refuse_on_specimen(&error))?;
     enter("errors");
-    let (scene, outside) = (&input.scene, &input.friction_extrapolated);
-    let errors = of_scene(scene, &input.uncertainty, input.condition.as_ref(), &simulation)?;
-    let provenance = &input.material.provenance;
-    let report = SimulationReport::new(scene, provenance, outside, &simulation, errors, wall_s, console.threads);
+    let (simulation, report) = input.report(simulation, wall_s, console.threads)?;
     heed()?;
     if let Some(folder) = &args.output {
-        console.keep(&files::of_scene(scene, &simulation, &report)?, folder)?;
+        console.keep(&files::of_scene(&input.scene, &simulation, &report)?, folder)?;
     }
     console.report(args.json, &report, || report.table())?;
     Ok(exit_code::DONE)

@@ -296,7 +296,7 @@ class Material:
     @property
     def fit(self) -> Record:
         """Coefficients, covariance and residuals, as in fit.json of ``slipgrid calibrate --report``."""
-        return Record(_json.loads(dict(self._fitted.files())["fit.json"]))
+        return Record(_json.loads(self._fitted.fit_json()))
 
     def save(self, path: PathLike) -> Path:
         """Writes the material file."""

@@ -10,9 +10,14 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 use crate::trials::TrialsReport;
 use crate::{Outputs, ReportError};
 
-/// The calibration for people.
+/// The calibration for people, with the [`ledger`] of its trials.
 #[must_use]
-pub fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &CalibrationOutcome) -> String {
+pub fn summary(
+    calibration: &Calibration,
+    task: &CalibrationTask,
+    outcome: &CalibrationOutcome,
+    ledger: Option<&TrialsReport>,
+) -> String {
     let fit = &outcome.fit;
     let mut text = format!("{} ({})\n", calibration.name, calibration.source);
     for note in &outcome.material.provenance.notes {
@@ -51,7 +56,7 @@ pub fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &Cali
         ]);
     }
     text += &format!("\n{table}{}", fit_details::table(fit));
-    if let Some(ledger) = ledger(calibration, outcome) {
+    if let Some(ledger) = ledger {
         text += &format!("\n{}", ledger.text());
     } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {
         text += "\n- measurements of patterned samples are given, but not their pattern: a table [pattern] would make a trial of them\n";
@@ -59,25 +64,39 @@ pub fn summary(calibration: &Calibration, task: &CalibrationTask, outcome: &Cali
     text
 }
 
-/// Everything that was found, as files: the fit, its profiles and residuals, trials, and traces where there are.
+/// Everything that was found, as files: the fit, its profiles and residuals, the [`ledger`] of its trials, and traces where there
+/// are.
 ///
 /// # Errors
 /// [`ReportError`] where a picture cannot be drawn or a record has no JSON form.
-pub fn files(calibration: &Calibration, outcome: &CalibrationOutcome) -> Result<Outputs, ReportError> {
+pub fn files(
+    calibration: &Calibration,
+    outcome: &CalibrationOutcome,
+    ledger: Option<&TrialsReport>,
+) -> Result<Outputs, ReportError> {
     let mut outputs =
         if calibration.traces.is_empty() { Outputs::default() } else { crate::traces::files(&calibration.traces)? };
-    outputs.add("fit.json", fit_details::json(&outcome.fit)?);
+    outputs.add("fit.json", fit_json(outcome)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
     outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
-    if let Some(ledger) = ledger(calibration, outcome) {
+    if let Some(ledger) = ledger {
         outputs.add("trials.csv", ledger.csv());
         outputs.add("trials.svg", ledger.picture()?);
     }
     Ok(outputs)
 }
 
+/// The fit as fit.json holds it.
+///
+/// # Errors
+/// [`ReportError`] where it has no JSON form.
+pub fn fit_json(outcome: &CalibrationOutcome) -> Result<String, ReportError> {
+    fit_details::json(&outcome.fit)
+}
+
 /// What trials say, where any was measured.
-fn ledger(calibration: &Calibration, outcome: &CalibrationOutcome) -> Option<TrialsReport> {
+#[must_use]
+pub fn ledger(calibration: &Calibration, outcome: &CalibrationOutcome) -> Option<TrialsReport> {
     let learned = outcome.uncertainty.learned.as_ref().filter(|learned| !learned.trials().is_empty())?;
     Some(TrialsReport::new(&calibration.name, &calibration.trials.samples, learned))
 }
