@@ -48,12 +48,20 @@ fn every_shipped_design_has_a_known_ending() {
         .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
         .collect();
     names.sort();
-    // Scenes stand beside the designs.
-    let (scenes, designs): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| name.starts_with("scene-"));
+    // Scenes and campaigns stand beside the designs.
+    let (scenes, others): (Vec<String>, Vec<String>) = names.into_iter().partition(|name| name.starts_with("scene-"));
+    let (campaigns, designs): (Vec<_>, Vec<_>) = others.into_iter().partition(|name| name.starts_with("campaign-"));
     assert_eq!(designs, ENDINGS.map(|(name, ..)| name));
     for name in scenes {
         let scene = root().join("designs").join(format!("{name}.toml"));
         let (ended, out, err) = slipgrid(&["simulate", scene.to_str().unwrap(), "--json"]);
+        assert_eq!((ended, err.as_str()), (0, ""), "{name}: {out}");
+    }
+    for name in campaigns {
+        let campaign = root().join("designs").join(format!("{name}.toml"));
+        let folder = tempfile::tempdir().unwrap();
+        let to = folder.path().join("campaign");
+        let (ended, out, err) = slipgrid(&["campaign", "plan", campaign.to_str().unwrap(), "-o", to.to_str().unwrap()]);
         assert_eq!((ended, err.as_str()), (0, ""), "{name}: {out}");
     }
 }

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod campaign;
 mod maps;
 mod resuming;
 mod trials;
@@ -11,6 +12,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use slipgrid_report::LaserFile;
 
+pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
 pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, RimName, SurfaceArgs, SynthesizeArgs};
 pub use trials::{NextArgs, TrialsArgs};
 
@@ -68,6 +70,8 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Speed against error of every method, on one page
     Accuracy(AccuracyArgs),
+    /// Thousands of scenes or designs, done by any number of machines
+    Campaign(CampaignArgs),
     /// Write a commented file to start from
     New(NewArgs),
     /// Print completions for a shell

@@ -5,7 +5,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use slipgrid_campaign::Store;
 use slipgrid_formats::source::{Entry, Files, Source};
+
+use crate::output::put;
 
 /// Files as the system has them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,5 +47,11 @@ impl Files for Disk {
 
     fn canonical(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+impl Store for Disk {
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        put(path, bytes)
     }
 }

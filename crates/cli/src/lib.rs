@@ -3,17 +3,11 @@
 //! | module | role |
 //! |---|---|
 //! | [`args`] | flags and help |
-//! | [`formats`] | scene, design, calibration and material files, tables of measurements |
-//! | [`diagnostic`] | why input was refused: file, line, key, reason |
 //! | [`input`] | files opened, or refused with what was expected |
 //! | [`interruption`] | Ctrl-C |
 //! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
 //! | [`progress`] | bar on a terminal, clock of long runs |
-//! | [`on_specimen`] | patterns solved on the specimen they are cut into |
-//! | [`units`] | units of the files to SI and back |
-//! | [`report`] | results as JSON, tables and text |
-//! | [`charts`] | results as pictures |
 //! | [`commands`] | one module a command |
 //!
 //! This crate knows no equations: only here files, the clock, the environment and stdout are touched.

@@ -1,18 +1,16 @@
 //! Files written whole or not at all: first under another name beside their place, then renamed. A file that stands
 //! there is replaced only if slipgrid wrote it.
 
-mod written;
-
 use std::fs::{self, Permissions};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::CliError;
 use crate::interruption;
 use slipgrid_formats::Diagnostic;
+use slipgrid_report::written::{HEAD, begins_as_ours};
 use slipgrid_report::{Content, Outputs};
-use written::is_ours;
 
 /// Name of a file that is not finished, at its beginning and end.
 const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
@@ -98,6 +96,16 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     file.persist(path).map_err(|error| failed(error.error))?;
     interruption::wrote(path);
     Ok(())
+}
+
+/// Has a file appear whole, making its folder if needed, without a look at what stands there.
+///
+/// # Errors
+/// What the system said.
+pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    fs::create_dir_all(parent(path))?;
+    let file = unfinished(parent(path), &Content::Bytes(bytes.to_vec()))?;
+    file.persist(path).map(drop).map_err(|error| error.error)
 }
 
 /// A place for results, as the command line names it.
@@ -199,6 +207,20 @@ fn fits(name: &str, pattern: &str) -> bool {
         None => name == pattern,
         Some((start, end)) => name.len() >= start.len() + end.len() && name.starts_with(start) && name.ends_with(end),
     }
+}
+
+/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
+/// that could be lost.
+fn is_ours(path: &Path) -> bool {
+    if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+        return true;
+    }
+    let mut head = Vec::new();
+    if fs::File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head)).is_err() {
+        return false;
+    }
+    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+    head.is_empty() || begins_as_ours(&name, &head)
 }
 
 /// # Errors

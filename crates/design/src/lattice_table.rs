@@ -70,8 +70,9 @@ impl From<&Candidate> for NodeReport {
     }
 }
 
-/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres.
-pub(super) fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
+/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres; one more than a million at most.
+#[must_use]
+pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
     let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
@@ -103,7 +104,9 @@ pub(super) fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
 /// [`DesignError`] for models in space, and tables of too many designs or none.
 pub fn check(design: &DesignTask) -> Result<(), DesignError> {
     if design.dimensions.unwrap_or_else(|| design.space.texture().dimensions()) == 3 {
-        return Err(DesignError::refused("a table takes the vertical plane: in space it would take hours"));
+        return Err(DesignError::refused(
+            "a table takes the vertical plane: in space it would take hours, which a campaign with work = \"table\" spreads over machines",
+        ));
     }
     match lattice(design).0.len() {
         0 => Err(DesignError::refused("no whole blocks and bursts lie within bounds and limits: the table is empty")),

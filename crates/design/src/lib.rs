@@ -83,6 +83,7 @@ pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
 pub use job::{Compared, DesignOutcome, Lattice, run};
+pub use lattice_table::lattice;
 pub use next_trial::{
     AdviceReport, NextOptions, NextReport, NextTrials, PredictedRatio, TrialCandidateReport, next_trials,
 };

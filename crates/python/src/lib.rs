@@ -6,6 +6,7 @@
 //! | `scenes` | scenes, solved, and steady cells asked for one pattern after the other |
 //! | `calibrations` | measurements to a material, and what trials say |
 //! | `designs` | the main job, and the samples to cut next |
+//! | `campaigns` | many scenes or designs as tasks for any number of processes |
 //! | `watched` | work on a thread of its own, progress, Ctrl-C |
 //! | `threads` | the pool that work is done in |
 //! | `refused` | errors as exceptions with file, line and key |
@@ -13,6 +14,7 @@
 //! Records cross the border as the JSON that the command line writes: the same bytes. Arrays are NumPy's.
 
 mod calibrations;
+mod campaigns;
 mod designs;
 mod disk;
 mod maps;
@@ -30,6 +32,8 @@ mod _slipgrid {
 
     #[pymodule_export]
     use crate::calibrations::{Calibration, Fitted};
+    #[pymodule_export]
+    use crate::campaigns::Campaign;
     #[pymodule_export]
     use crate::designs::{Design, Designed, NextSamples};
     #[pymodule_export]

@@ -3,6 +3,7 @@
 use pyo3::exceptions::{PyRuntimeError, PyTimeoutError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use slipgrid::campaign::CampaignError;
 use slipgrid::design::DesignError;
 use slipgrid::formats::Diagnostic;
 use slipgrid::formats::calibrated::Uncalibrated;
@@ -54,6 +55,15 @@ pub fn undesigned(py: Python<'_>, error: &DesignError, design: &Design) -> PyErr
         DesignError::Refused(refused) => input(py, &design.refuse(refused)),
         DesignError::Cancelled => stopped(),
         DesignError::OutOfTime(reason) => PyTimeoutError::new_err(reason.clone()),
+        error => failed(py, &error.to_string()),
+    }
+}
+
+/// A campaign that was refused or failed.
+pub fn campaign(py: Python<'_>, error: &CampaignError) -> PyErr {
+    match error {
+        CampaignError::Refused(refused) => input(py, refused),
+        CampaignError::Cancelled => stopped(),
         error => failed(py, &error.to_string()),
     }
 }

@@ -28,6 +28,7 @@ pub mod target;
 pub mod traces;
 pub mod trade_offs;
 pub mod trials;
+pub mod written;
 
 pub use charts::ChartError;
 pub use error::ReportError;

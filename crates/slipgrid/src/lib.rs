@@ -14,6 +14,7 @@
 //! | [`formats`] | scene, design, calibration and material files |
 //! | [`results`], [`report`] | records of what was found; text, charts and pages drawn from them |
 //! | [`studies`] | the program's own evidence |
+//! | [`campaign`] | many scenes or designs as tasks that any machine can do |
 //! | [`monitor`], [`units`], [`statistics`] | progress and cancelling; units of files; deviates and quantiles |
 //!
 //! From Python the same is `slipgrid.Design.read("design.toml").optimize()`: `crates/python`, a workspace of its own.
@@ -63,6 +64,7 @@
 //! ```
 
 pub use slipgrid_calibrate as calibrate;
+pub use slipgrid_campaign as campaign;
 pub use slipgrid_contact as contact;
 pub use slipgrid_design as design;
 pub use slipgrid_discrepancy as discrepancy;

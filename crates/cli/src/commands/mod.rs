@@ -4,6 +4,7 @@ mod accuracy;
 mod announcement;
 mod area_law;
 mod calibrate;
+mod campaign;
 mod date;
 mod export;
 mod new;
@@ -38,6 +39,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),
+        Command::Campaign(args) => campaign::run(args, console),
         Command::New(args) => new::run(args, console),
         Command::Completions(args) => shell::completions(args, console),
         Command::Man(args) => shell::man(args, console),

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
 
 mod calibrations;
+mod campaign;
 mod chance;
 mod commands;
 mod common;

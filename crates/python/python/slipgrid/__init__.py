@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _slipgrid, errors
+from . import _slipgrid, campaign, errors
 from ._records import Record, array, frame, table, toml, write
 from ._slipgrid import SteadyCell, __version__, set_threads, threads
 
@@ -46,6 +46,7 @@ __all__ = [
     "SteadyCell",
     "Trials",
     "__version__",
+    "campaign",
     "errors",
     "set_threads",
     "threads",

@@ -1,6 +1,6 @@
 """The compiled part of slipgrid."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import final
 
@@ -11,6 +11,7 @@ __version__: str
 __all__ = [
     "__version__",
     "Calibration",
+    "Campaign",
     "Design",
     "Designed",
     "Fitted",
@@ -105,6 +106,19 @@ class Fitted:
     def fit_json(self) -> str: ...
     def text(self) -> str: ...
     def files(self) -> list[tuple[str, bytes]]: ...
+
+@final
+class Campaign:
+    @staticmethod
+    def plan(path: _Path, progress: _Progress | None = None) -> Campaign: ...
+    @staticmethod
+    def of(shared: str, inputs: Mapping[str, bytes], tasks: Sequence[str]) -> Campaign: ...
+    @property
+    def name(self) -> str: ...
+    def parts(self) -> tuple[str, dict[str, bytes]]: ...
+    def tasks(self) -> list[str]: ...
+    def work(self) -> list[str]: ...
+    def table(self, results: Sequence[str | None]) -> tuple[str, str]: ...
 
 @final
 class Design:

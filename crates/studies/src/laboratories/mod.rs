@@ -10,6 +10,7 @@ mod report;
 mod truth;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use slipgrid_discrepancy::Hyperparameters;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
@@ -50,7 +51,8 @@ impl Start {
 }
 
 /// How many laboratories, and what they may choose from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Laboratories of each start, the mechanisms in turn.
     pub laboratories: usize,
@@ -68,16 +70,43 @@ impl Default for Options {
     }
 }
 
+/// A laboratory with what it knows at first, and how it chooses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Job {
+    /// What it knows.
+    pub start: Start,
+    /// How it chooses.
+    pub policy: Policy,
+    /// Which laboratory: its truth and its errors.
+    pub number: usize,
+}
+
+impl Job {
+    /// Every policy in every laboratory from every start.
+    #[must_use]
+    pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
+        let starts = Start::ALL.into_iter().flat_map(|start| policies.iter().map(move |policy| (start, *policy)));
+        let of = |(start, policy)| (0..options.laboratories).map(move |number| Self { start, policy, number });
+        starts.flat_map(of).collect()
+    }
+}
+
 /// What one laboratory's way to the target was.
-#[derive(Clone, Debug)]
-pub(crate) struct Way {
-    mechanism: Mechanism,
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
-    trials: Option<usize>,
-    /// Of every cut: the chance that was said, and whether it came true.
-    chances: Vec<(f64, bool)>,
-    /// Of every measured ratio, the share of what was predicted that lay below it.
-    below: Vec<f64>,
+    pub trials: Option<usize>,
+    /// Of every cut by the mixture: the chance that was said, and whether it came true.
+    pub chances: Vec<(f64, bool)>,
+    /// Of every ratio measured then, the share of what was predicted that lay below it.
+    pub below: Vec<f64>,
+}
+
+/// What laboratories choose from, solved once for all of them.
+pub struct Bench {
+    options: Options,
+    textures: Vec<Solved>,
+    covariances: Vec<Vec<f64>>,
 }
 
 /// Runs every policy in every laboratory from every start.
@@ -85,28 +114,21 @@ pub(crate) struct Way {
 /// # Errors
 /// [`StudyError::Cancelled`] once `monitor` has cancelled.
 pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
-    let stage = Stage::new(monitor, "textures", None);
-    let textures = physics::textures(options.steps, &stage)?;
-    stage.finish();
+    let bench = Bench::new(options, monitor)?;
     let stage = Stage::new(monitor, "laboratories", None);
-    let covariances = covariances(&textures);
-    let jobs: Vec<(Start, Policy, usize)> = Start::ALL
-        .iter()
-        .flat_map(|start| policies.iter().map(move |policy| (*start, *policy)))
-        .flat_map(|(start, policy)| (0..options.laboratories).map(move |number| (start, policy, number)))
-        .collect();
+    let jobs = Job::all(options, policies);
     let share = 1.0 / jobs.len().max(1) as f64;
     let ways: Vec<Way> = jobs
         .par_iter()
-        .map(|(start, policy, number)| {
+        .map(|job| {
             stage.heed()?;
-            let way = way(options, *start, *policy, *number, &textures, &covariances);
+            let way = bench.way(*job);
             stage.advance(share);
             way
         })
         .collect::<Result<_, StudyError>>()?;
     stage.finish();
-    Ok(LaboratoriesReport::new(options, textures.len(), &jobs, &ways))
+    Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
 }
 
 /// Share of the tolerance within which some texture must truly reach a target.
@@ -132,80 +154,107 @@ fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
     truths[0]
 }
 
-fn way(
-    options: &Options,
-    start: Start,
-    policy: Policy,
-    number: usize,
-    textures: &[Solved],
-    covariances: &[Vec<f64>],
-) -> Result<Way, StudyError> {
-    let mechanism = Mechanism::ALL[number % Mechanism::ALL.len()];
-    let mut laboratory = Laboratory::new(mechanism, number, options.seed);
-    let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
-    let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
-    let target = target(&truths, &mut normals);
-    let wanted = wanted(&target);
-    let (mut cut, mut trials) = (Vec::new(), Vec::new());
-    let first = match start {
-        Start::Nothing => None,
-        Start::OneGroove => {
-            let grooves = textures.iter().filter(|of| of.pattern.is_uniform_along_y()).count();
-            let place = normal_probability(normals.draw()) * grooves as f64;
-            Some((place as usize).min(grooves - 1))
-        }
-        Start::PublishedSquares => Some(textures.len() - 1),
-    };
-    if let Some(place) = first {
-        trials.push(laboratory.cut(&textures[place]).trial);
-        cut.push(place);
+impl Job {
+    /// The truth of its laboratory.
+    #[must_use]
+    pub const fn mechanism(&self) -> Mechanism {
+        Mechanism::ALL[self.number % Mechanism::ALL.len()]
     }
-    let mut found = Way { mechanism, trials: None, chances: Vec::new(), below: Vec::new() };
-    for count in 1..=options.most_trials {
-        let known = Known {
-            textures,
-            covariances,
-            cut: &cut,
-            trials: &trials,
-            target: &target,
-            form: laboratory.form(),
-            truths: &truths,
+}
+
+impl Bench {
+    /// Solves the textures.
+    ///
+    /// # Errors
+    /// [`StudyError::Cancelled`] once `monitor` has cancelled.
+    pub fn new(options: &Options, monitor: &dyn Monitor) -> Result<Self, StudyError> {
+        let stage = Stage::new(monitor, "textures", None);
+        let textures = physics::textures(options.steps, &stage)?;
+        stage.finish();
+        let covariances = covariances(&textures);
+        Ok(Self { options: *options, textures, covariances })
+    }
+
+    /// How many textures there are.
+    #[must_use]
+    pub const fn textures(&self) -> usize {
+        self.textures.len()
+    }
+
+    /// The way of one laboratory to its target.
+    ///
+    /// # Errors
+    /// [`StudyError::Failed`] where nothing can be learned from its trials.
+    pub fn way(&self, job: Job) -> Result<Way, StudyError> {
+        let (Self { options, textures, covariances }, Job { start, policy, number }) = (self, job);
+        let mechanism = job.mechanism();
+        let mut laboratory = Laboratory::new(mechanism, number, options.seed);
+        let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
+        let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
+        let target = target(&truths, &mut normals);
+        let wanted = wanted(&target);
+        let (mut cut, mut trials) = (Vec::new(), Vec::new());
+        let first = match start {
+            Start::Nothing => None,
+            Start::OneGroove => {
+                let grooves = textures.iter().filter(|of| of.pattern.is_uniform_along_y()).count();
+                let place = normal_probability(normals.draw()) * grooves as f64;
+                Some((place as usize).min(grooves - 1))
+            }
+            Start::PublishedSquares => Some(textures.len() - 1),
         };
-        let place = policy.next(&known)?;
-        let of = &textures[place];
-        let made = laboratory.cut(of);
-        let is_on_target = (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
-        if policy == Policy::Mixture {
-            let predictor = learned(&Hyperparameters::default(), &trials)?;
-            let prediction = predictor.of(&candidate(of, &covariances[place]));
-            found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
-            // Errors of the measurement: its own and the flat sample's.
-            let errors: Vec<f64> = (0..LOADS * LOADS)
-                .map(|entry| {
-                    if entry % (LOADS + 1) == 0 {
-                        (1.0 + truth::FLAT_SHARE.powi(2)) * laboratory.noise.powi(2)
-                    } else {
-                        0.0
-                    }
-                })
-                .collect();
-            let prediction = prediction.with(&errors);
-            found.below.extend(
-                made.trial
-                    .measured
-                    .iter()
-                    .enumerate()
-                    .map(|(load, at)| prediction.probability_below(load, at.log_excess())),
-            );
+        if let Some(place) = first {
+            trials.push(laboratory.cut(&textures[place]).trial);
+            cut.push(place);
         }
-        if is_on_target {
-            found.trials = Some(count);
-            break;
+        let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
+        for count in 1..=options.most_trials {
+            let known = Known {
+                textures,
+                covariances,
+                cut: &cut,
+                trials: &trials,
+                target: &target,
+                form: laboratory.form(),
+                truths: &truths,
+            };
+            let place = policy.next(&known)?;
+            let of = &textures[place];
+            let made = laboratory.cut(of);
+            let is_on_target =
+                (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
+            if policy == Policy::Mixture {
+                let predictor = learned(&Hyperparameters::default(), &trials)?;
+                let prediction = predictor.of(&candidate(of, &covariances[place]));
+                found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
+                // Errors of the measurement: its own and the flat sample's.
+                let errors: Vec<f64> = (0..LOADS * LOADS)
+                    .map(|entry| {
+                        if entry % (LOADS + 1) == 0 {
+                            (1.0 + truth::FLAT_SHARE.powi(2)) * laboratory.noise.powi(2)
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect();
+                let prediction = prediction.with(&errors);
+                found.below.extend(
+                    made.trial
+                        .measured
+                        .iter()
+                        .enumerate()
+                        .map(|(load, at)| prediction.probability_below(load, at.log_excess())),
+                );
+            }
+            if is_on_target {
+                found.trials = Some(count);
+                break;
+            }
+            cut.push(place);
+            trials.push(made.trial);
         }
-        cut.push(place);
-        trials.push(made.trial);
+        Ok(found)
     }
-    Ok(found)
 }
 
 #[cfg(test)]

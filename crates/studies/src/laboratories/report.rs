@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Mechanism, Options, Policy, Start, Way};
+use super::{Job, Mechanism, Options, Policy, Start, Way};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::tidy;
 
@@ -92,17 +92,15 @@ pub struct Coverage {
 }
 
 impl LaboratoriesReport {
-    pub(super) fn new(options: &Options, textures: usize, jobs: &[(Start, Policy, usize)], ways: &[Way]) -> Self {
+    /// What `ways` say, those of `jobs`, among so many textures.
+    #[must_use]
+    pub fn new(options: &Options, textures: usize, jobs: &[Job], ways: &[Way]) -> Self {
         let mut starts: Vec<StartReport> = Vec::new();
         for start in Start::ALL {
             let mut policies = Vec::new();
             for policy in Policy::ALL {
-                let own: Vec<&Way> = jobs
-                    .iter()
-                    .zip(ways)
-                    .filter(|((s, p, _), _)| *s == start && *p == policy)
-                    .map(|(_, way)| way)
-                    .collect();
+                let is_own = |(job, _): &(&Job, &Way)| job.start == start && job.policy == policy;
+                let own: Vec<(&Job, &Way)> = jobs.iter().zip(ways).filter(is_own).collect();
                 if !own.is_empty() {
                     policies.push(PolicyReport::new(policy, options, &own));
                 }
@@ -122,14 +120,17 @@ impl LaboratoriesReport {
             }
         };
         let coverage = |name: &str, of: &dyn Fn(Mechanism) -> bool| {
-            let below: Vec<f64> =
-                ways.iter().filter(|way| of(way.mechanism)).flat_map(|way| way.below.iter().copied()).collect();
+            let below: Vec<f64> = jobs
+                .iter()
+                .zip(ways)
+                .filter(|(job, _)| of(job.mechanism()))
+                .flat_map(|(_, way)| way.below.iter().copied())
+                .collect();
             let share = |half: f64| {
                 let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count();
                 tidy(inside as f64 / below.len().max(1) as f64)
             };
-            let own =
-                jobs.iter().zip(ways).filter(|((_, policy, _), way)| *policy == Policy::Mixture && of(way.mechanism));
+            let own = jobs.iter().zip(ways).filter(|(job, _)| job.policy == Policy::Mixture && of(job.mechanism()));
             let trials: Vec<usize> = own.map(|(_, way)| way.trials.unwrap_or(options.most_trials + 1)).collect();
             let count = trials.len().max(1) as f64;
             Coverage {
@@ -210,11 +211,11 @@ impl LaboratoriesReport {
 }
 
 impl PolicyReport {
-    fn new(policy: Policy, options: &Options, ways: &[&Way]) -> Self {
+    fn new(policy: Policy, options: &Options, ways: &[(&Job, &Way)]) -> Self {
         let never = options.most_trials + 1;
-        let mut trials: Vec<f64> = ways.iter().map(|way| way.trials.unwrap_or(never) as f64).collect();
-        let share = |of: &dyn Fn(&Way) -> bool, among: &dyn Fn(&Way) -> bool| {
-            let among: Vec<&&Way> = ways.iter().filter(|way| among(way)).collect();
+        let mut trials: Vec<f64> = ways.iter().map(|(_, way)| way.trials.unwrap_or(never) as f64).collect();
+        let share = |of: &dyn Fn(&Way) -> bool, among: &dyn Fn(&Job) -> bool| {
+            let among: Vec<&Way> = ways.iter().filter(|(job, _)| among(job)).map(|(_, way)| *way).collect();
             tidy(among.iter().filter(|way| of(way)).count() as f64 / among.len().max(1) as f64)
         };
         let soon = |way: &Way| way.trials.is_some_and(|trials| trials <= 3);
@@ -223,8 +224,8 @@ impl PolicyReport {
             mean: tidy(trials.iter().sum::<f64>() / trials.len().max(1) as f64),
             median: slipgrid_statistics::median(&mut trials).unwrap_or(f64::NAN),
             within_3: share(&soon, &|_| true),
-            within_3_inside: share(&soon, &|way| way.mechanism.is_inside()),
-            within_3_outside: share(&soon, &|way| !way.mechanism.is_inside()),
+            within_3_inside: share(&soon, &|job| job.mechanism().is_inside()),
+            within_3_outside: share(&soon, &|job| !job.mechanism().is_inside()),
             never: share(&|way| way.trials.is_none(), &|_| true),
         }
     }

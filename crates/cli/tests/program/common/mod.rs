@@ -10,7 +10,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// Every command.
-pub const COMMANDS: [&str; 15] = [
+pub const COMMANDS: [&str; 16] = [
     "simulate",
     "optimize",
     "calibrate",
@@ -23,6 +23,7 @@ pub const COMMANDS: [&str; 15] = [
     "export",
     "validate",
     "accuracy",
+    "campaign",
     "new",
     "completions",
     "man",

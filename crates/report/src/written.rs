@@ -1,14 +1,10 @@
 //! Whether slipgrid wrote a file: only such a file is replaced.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::Path;
-
 /// Bytes that are looked at.
-const HEAD: u64 = 1024;
+pub const HEAD: usize = 1024;
 
 /// How the tables begin that slipgrid writes.
-const TABLES: [&str; 19] = [
+const TABLES: [&str; 20] = [
     "# By slipgrid traces ",
     "load_mpa,surface,",
     "index,centre_x_mm,centre_y_mm,",
@@ -28,6 +24,7 @@ const TABLES: [&str; 19] = [
     "kind,family,name,",
     "planform,rim_width_um,rim_height_um,",
     "trial,date,areal_density,",
+    "task,",
 ];
 
 /// How a material file begins.
@@ -38,7 +35,7 @@ const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
 /// How its other files begin, by their name or its ending.
-const BEGINNINGS: [(&str, &[&str]); 12] = [
+const BEGINNINGS: [(&str, &[&str]); 13] = [
     ("design.toml", &["# Scene of the confirming run, by slipgrid "]),
     ("process.toml", &["# Process sheet."]),
     (".toml", &[MATERIAL]),
@@ -50,24 +47,13 @@ const BEGINNINGS: [(&str, &[&str]); 12] = [
     (".gcode", &["(slipgrid "]),
     (".stl", &["slipgrid "]),
     (".md", &["# Speed against error", "# Simulated laboratories"]),
+    (".sh", &["#!/bin/bash\n# By slipgrid: "]),
     (".1", &[".ie \\n(.g .ds Aq"]),
 ];
 
-/// Whether the file at `path` is one that slipgrid wrote, by how it begins, or is empty. Devices and pipes hold nothing
-/// that could be lost.
-pub fn is_ours(path: &Path) -> bool {
-    if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
-        return true;
-    }
-    let mut head = Vec::new();
-    if File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head)).is_err() {
-        return false;
-    }
-    let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
-    head.is_empty() || begins_as_ours(&name, &head)
-}
-
-fn begins_as_ours(name: &str, head: &[u8]) -> bool {
+/// Whether slipgrid wrote a file called `name`, in small letters, whose first [`HEAD`] bytes are `head`.
+#[must_use]
+pub fn begins_as_ours(name: &str, head: &[u8]) -> bool {
     let text = String::from_utf8_lossy(head);
     if name.ends_with(".html") {
         return text.contains("<meta name=\"generator\" content=\"slipgrid ");

@@ -1,0 +1,144 @@
+//! A campaign and its tasks, as they are kept.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
+use sha2::{Digest, Sha256};
+use slipgrid_formats::Diagnostic;
+use slipgrid_results::{SCHEMA, VERSION};
+use toml::{Table, Value};
+
+/// Digits of an id: among a million tasks two are alike by chance once in 10^12 campaigns.
+const ID_DIGITS: usize = 20;
+
+/// What a task is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A scene, to be solved.
+    Scene,
+    /// A design, to be searched and confirmed.
+    Design,
+    /// A simulated laboratory, on its way to a target.
+    Laboratory,
+}
+
+/// What all tasks of a campaign share.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Campaign {
+    /// The program.
+    pub program: String,
+    /// Its version: another one might find other results.
+    pub version: String,
+    /// Version of these fields.
+    pub schema: u32,
+    /// Name of the campaign.
+    pub name: String,
+    /// What every task is.
+    pub kind: Kind,
+    /// Name of the file that tasks vary.
+    pub base: String,
+    /// What it says, as TOML.
+    pub text: String,
+    /// Keys that vary, in the order of the campaign file.
+    pub keys: Vec<String>,
+    /// SHA-256 of the files that tasks read, by the paths that lead to them from the base's folder.
+    pub inputs: BTreeMap<String, String>,
+}
+
+/// One of the tasks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// A hash of what the task says, of the files that it reads and of the program's version.
+    pub id: String,
+    /// What its keys are.
+    pub values: BTreeMap<String, Json>,
+}
+
+impl Campaign {
+    /// The campaign file of a folder.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for what is none, and for one of another version.
+    pub fn read(path: &Path, text: &str) -> Result<Self, Diagnostic> {
+        let refuse = |reason: String| Diagnostic::file(path, reason);
+        let read: Self = serde_json::from_str(text).map_err(|error| {
+            refuse(format!("is no campaign: {error}")).expected("what `slipgrid campaign plan` writes")
+        })?;
+        if (read.version.as_str(), read.schema) != (VERSION, SCHEMA) {
+            let reason = format!("was planned by slipgrid {}, schema {}", read.version, read.schema);
+            return Err(refuse(reason).expected(format!(
+                "slipgrid {VERSION}, schema {SCHEMA}: results of two versions do not stand in one table"
+            )));
+        }
+        Ok(read)
+    }
+
+    /// What `values` make of the base, as TOML.
+    ///
+    /// # Errors
+    /// The key, where it cannot be set, and why.
+    pub fn text_of(&self, values: &BTreeMap<String, Json>) -> Result<String, (String, String)> {
+        let whole = |reason: String| (self.base.clone(), reason);
+        let mut table: Table = toml::from_str(&self.text).map_err(|error| whole(error.message().to_owned()))?;
+        for (key, value) in values {
+            let failed = |reason: String| (key.clone(), reason);
+            let value = Value::try_from(value).map_err(|error| failed(error.to_string()))?;
+            set(&mut table, key, value).map_err(failed)?;
+        }
+        toml::to_string(&table).map_err(|error| whole(error.to_string()))
+    }
+
+    /// The id of a task of this text that reads `inputs`, whose hashes stand beside their paths.
+    #[must_use]
+    pub fn id(&self, text: &str, inputs: &BTreeMap<String, String>) -> String {
+        let content = serde_json::json!([self.version, self.schema, self.kind, text, inputs]);
+        hash(content.to_string().as_bytes())[..ID_DIGITS].to_owned()
+    }
+}
+
+/// Sets the key with the tables that it stands in.
+fn set(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
+    match key.split_once('.') {
+        None => {
+            table.insert(key.to_owned(), value);
+            Ok(())
+        }
+        Some((first, rest)) => match table.entry(first).or_insert_with(|| Value::Table(Table::new())) {
+            Value::Table(inner) => set(inner, rest, value),
+            _ => Err(format!("{first} is no table")),
+        },
+    }
+}
+
+/// SHA-256 in hexadecimal digits.
+pub fn hash(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string never fails.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FIPS 180-2, appendix B.1.
+    #[test]
+    fn hashes_are_those_of_the_standard() {
+        assert_eq!(hash(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+
+    #[test]
+    fn keys_are_set_in_their_tables() {
+        let mut table: Table = toml::from_str("a = 1\n[b]\nc = 2\nd = 3\n").unwrap();
+        set(&mut table, "b.c", Value::from(5)).unwrap();
+        set(&mut table, "e.f", Value::from("g")).unwrap();
+        assert_eq!(table, toml::from_str::<Table>("a = 1\n[b]\nc = 5\nd = 3\n[e]\nf = 'g'\n").unwrap());
+        assert_eq!(set(&mut table, "a.b", Value::from(1)), Err("a is no table".to_owned()));
+    }
+}

@@ -1,0 +1,59 @@
+//! Job scripts: the engine of a cluster runs workers, each of which does its share.
+
+/// An engine that runs jobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// Slurm: a job array.
+    Slurm,
+    /// HyperQueue: a task array.
+    HyperQueue,
+}
+
+impl Engine {
+    /// All of them.
+    pub const EACH: [Self; 2] = [Self::Slurm, Self::HyperQueue];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Slurm => "slurm",
+            Self::HyperQueue => "hyperqueue",
+        }
+    }
+
+    /// The script that has it run `workers` workers of `threads` threads on the campaign in `folder`, at most `at_once` of them at
+    /// a time. The program is `slipgrid`, or what the variable SLIPGRID names.
+    #[must_use]
+    pub fn script(self, folder: &str, workers: usize, threads: usize, at_once: Option<usize>) -> String {
+        let folder = format!("'{}'", folder.replace('\'', "'\\''"));
+        let (engine, at_once) = (self.name(), at_once.unwrap_or(workers).min(workers));
+        let run = |threads: &str, number: &str| {
+            format!(
+                "exec \"${{SLIPGRID:-slipgrid}}\" --threads {threads} --quiet campaign work {folder} --share \"{number}/{workers}\"\n"
+            )
+        };
+        match self {
+            Self::Slurm => format!(
+                "#!/bin/bash\n\
+                 # By slipgrid: sbatch {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
+                 #SBATCH --job-name=slipgrid\n\
+                 #SBATCH --array=1-{workers}%{at_once}\n\
+                 #SBATCH --ntasks=1\n\
+                 #SBATCH --cpus-per-task={threads}\n\
+                 {}",
+                run(&format!("\"${{SLURM_CPUS_PER_TASK:-{threads}}}\""), "$SLURM_ARRAY_TASK_ID")
+            ),
+            // HyperQueue reads the lines of its own as flags of submit, and bounds what runs at once by the resource.
+            Self::HyperQueue => format!(
+                "#!/bin/bash\n\
+                 # By slipgrid: hq submit {engine}.sh, and in the end slipgrid campaign merge {folder}\n\
+                 #HQ --name=slipgrid\n\
+                 #HQ --array=1-{workers}\n\
+                 #HQ --cpus={threads}\n\
+                 {}",
+                run(&threads.to_string(), "$HQ_TASK_ID")
+            ),
+        }
+    }
+}

@@ -1,0 +1,278 @@
+//! A campaign in a folder that many machines see.
+//!
+//! ```text
+//! campaign.json           what all tasks share
+//! tasks.jsonl             a task a line: its id, and what its keys are
+//! inputs/HASH             the files that tasks read
+//! results/00/ID.json      what came of a task, below the first two digits of its id
+//! ```
+//!
+//! Nothing is ever changed or appended to: a file appears whole, by a rename, and two workers that do the same task write the same
+//! bytes. So no locks are needed, and a network file system that shows a file late costs some work done twice, nothing else.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use slipgrid_formats::Diagnostic;
+use slipgrid_formats::source::{Entry, Files, Source, read_text};
+use slipgrid_monitor::{Monitor, Stage};
+
+use crate::CampaignError;
+use crate::campaign::{Campaign, Task};
+use crate::plan::Planned;
+use crate::results::{Counts, Results};
+use crate::worker::{Done, Worker};
+
+/// Files that can be written.
+pub trait Store: Files {
+    /// Has the file at `path` appear with these `bytes`, whole or not at all, and its folder where there is none.
+    ///
+    /// # Errors
+    /// What the system said.
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+}
+
+/// What a worker does of all tasks: those whose places, counted from 0, leave `number` - 1 when divided by `of`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// From 1 to `of`.
+    pub number: usize,
+    /// How many shares there are.
+    pub of: usize,
+}
+
+impl Share {
+    /// All tasks.
+    pub const ALL: Self = Self { number: 1, of: 1 };
+}
+
+/// What a worker did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Worked {
+    /// By itself; what is missing is what it left.
+    pub counts: Counts,
+    /// Tasks of its share that others, or it before, had done.
+    pub known: usize,
+}
+
+/// A campaign in a folder.
+pub struct Folder {
+    store: Arc<dyn Store>,
+    path: PathBuf,
+}
+
+impl Folder {
+    /// The campaign in the folder `path` of `store`.
+    #[must_use]
+    pub fn new(store: Arc<dyn Store>, path: &Path) -> Self {
+        Self { store, path: path.to_owned() }
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> Result<(), CampaignError> {
+        self.store.put(path, bytes).map_err(|source| CampaignError::Unwritable { path: path.to_owned(), source })
+    }
+
+    /// The record of a campaign as campaign.json holds it.
+    fn json(campaign: &Campaign) -> Result<String, CampaignError> {
+        slipgrid_results::json(campaign).map_err(|error| CampaignError::Failed(error.to_string()))
+    }
+
+    /// Keeps what was planned. A campaign that is there stays, with its results, where it is the same.
+    ///
+    /// # Errors
+    /// [`CampaignError`] where another campaign is there, or nothing can be written.
+    pub fn keep(&self, planned: &Planned) -> Result<(), CampaignError> {
+        let (path, record) = (self.path.join("campaign.json"), Self::json(&planned.campaign)?);
+        let mut lines = String::new();
+        for task in &planned.tasks {
+            lines += &serde_json::to_string(task).map_err(|error| CampaignError::Failed(error.to_string()))?;
+            lines.push('\n');
+        }
+        let tasks = self.path.join("tasks.jsonl");
+        let is_there = |path: &Path, text: &str| self.store.read(path).is_ok_and(|there| there == text.as_bytes());
+        if self.store.entry(&path).is_ok() && !(is_there(&path, &record) && is_there(&tasks, &lines)) {
+            let reason = "holds another campaign, or one whose tasks have changed since";
+            return Err(Diagnostic::file(&self.path, reason)
+                .expected("a new folder, or the same campaign again")
+                .into());
+        }
+        for (hash, bytes) in &planned.contents {
+            let path = self.path.join("inputs").join(hash);
+            if self.store.entry(&path).is_err() {
+                self.put(&path, bytes)?;
+            }
+        }
+        self.put(&tasks, lines.as_bytes())?;
+        // Last: who sees it sees a whole campaign.
+        self.put(&path, record.as_bytes())
+    }
+
+    fn read(&self) -> Result<(Campaign, Vec<Task>), CampaignError> {
+        let expected = "the folder of a campaign, as `slipgrid campaign plan -o DIR` makes it";
+        let source: Source = Arc::clone(&self.store) as Source;
+        let path = self.path.join("campaign.json");
+        let text = read_text(&source, &path, expected).map_err(|refused| refused.expected(expected))?;
+        let campaign = Campaign::read(&path, &text)?;
+        let path = self.path.join("tasks.jsonl");
+        let text = read_text(&source, &path, expected)?;
+        let task = |(place, line): (usize, &str)| {
+            serde_json::from_str(line).map_err(|error| {
+                let reason = format!("is no task: {error}");
+                Diagnostic { line: u32::try_from(place + 1).ok(), ..Diagnostic::file(&path, reason) }
+            })
+        };
+        Ok((campaign, text.lines().enumerate().map(task).collect::<Result<_, Diagnostic>>()?))
+    }
+
+    fn result(&self, id: &str) -> PathBuf {
+        self.path.join("results").join(id.get(..2).unwrap_or_default()).join(format!("{id}.json"))
+    }
+
+    /// Ids of the tasks that have results.
+    fn known(&self) -> BTreeSet<String> {
+        let results = self.path.join("results");
+        let within = |name: String| self.store.names(&results.join(name));
+        let names = self.store.names(&results).into_iter().flat_map(within);
+        names.filter_map(|name| name.strip_suffix(".json").map(str::to_owned)).collect()
+    }
+
+    /// Does what is missing of `share`, `threads` tasks at a time, and starts none after `most_s` seconds. `seed` sets the order:
+    /// workers of the same share and different seeds seldom have the same task in hand.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for a folder without a campaign, a result that cannot be written, and once `monitor` cancels; results up to
+    /// then are kept.
+    pub fn work(
+        &self,
+        share: Share,
+        threads: usize,
+        most_s: Option<f64>,
+        seed: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<Worked, CampaignError> {
+        let (campaign, tasks) = self.read()?;
+        let known = self.known();
+        let own = || tasks.iter().enumerate().filter(|(place, _)| place % share.of.max(1) + 1 == share.number);
+        let mut missing: Vec<&Task> = own().map(|(_, task)| task).filter(|task| !known.contains(&task.id)).collect();
+        let mut worked = Worked { known: own().count() - missing.len(), ..Worked::default() };
+        if missing.is_empty() {
+            return Ok(worked);
+        }
+        shuffle(&mut missing, seed);
+        let inputs = Inputs { store: Arc::clone(&self.store), folder: self.path.join("inputs") };
+        let worker = Worker::with(&campaign, Arc::new(inputs));
+        let stage = Stage::new(monitor, "tasks", most_s.map(|seconds| monitor.seconds() + seconds));
+        let (next, ended) = (AtomicUsize::new(0), Mutex::new((worked, None::<CampaignError>)));
+        let lane = || {
+            loop {
+                let place = next.fetch_add(1, Ordering::Relaxed);
+                let Some(task) = missing.get(place).filter(|_| !stage.cancelled()) else { break };
+                let path = self.result(&task.id);
+                // Another worker may have been here since.
+                let found = if self.store.entry(&path).is_ok() { Ok(None) } else { self.one(&worker, task, monitor) };
+                let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+                match found {
+                    Ok(Some(done)) => ended.0.counts.add(done.outcome),
+                    Ok(None) => ended.0.known += 1,
+                    Err(error) => {
+                        ended.1.get_or_insert(error);
+                        break;
+                    }
+                }
+                stage.advance(1.0 / missing.len() as f64);
+            }
+        };
+        // Tasks side by side share nothing: where there are fewer of them than threads, each takes several.
+        let lanes = threads.clamp(1, missing.len());
+        let each = (threads / lanes).max(1);
+        std::thread::scope(|scope| -> Result<(), CampaignError> {
+            for _ in 0..lanes {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(each).build();
+                let pool = pool.map_err(|error| CampaignError::Failed(error.to_string()))?;
+                scope.spawn(move || pool.install(lane));
+            }
+            Ok(())
+        })?;
+        stage.finish();
+        let error;
+        (worked, error) = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some(error) = error {
+            return Err(error);
+        }
+        monitor.heed().map_err(|_| CampaignError::Cancelled)?;
+        let Counts { done, refused, failed, .. } = worked.counts;
+        worked.counts.missing = own().count() - worked.known - done - refused - failed;
+        Ok(worked)
+    }
+
+    /// Does one task and keeps what came of it.
+    fn one(&self, worker: &Worker<'_>, task: &Task, monitor: &dyn Monitor) -> Result<Option<Done>, CampaignError> {
+        let done = worker.work(task, monitor).ok_or(CampaignError::Cancelled)?;
+        let text = serde_json::to_string(&done).map_err(|error| CampaignError::Failed(error.to_string()))?;
+        self.put(&self.result(&task.id), (text + "\n").as_bytes())?;
+        Ok(Some(done))
+    }
+
+    /// Puts all results together and hands them to `then`.
+    ///
+    /// # Errors
+    /// [`CampaignError`] for a folder without a campaign, and for a result that is none.
+    pub fn merge<T>(&self, then: impl FnOnce(&Results<'_>) -> T) -> Result<T, CampaignError> {
+        let (campaign, tasks) = self.read()?;
+        let known = self.known();
+        let mut results = Results::new(&campaign);
+        for task in &tasks {
+            let path = self.result(&task.id);
+            let read = || -> Result<Done, CampaignError> {
+                let refuse = |reason: String| {
+                    let refused = Diagnostic::file(&path, reason);
+                    CampaignError::from(
+                        refused.expected("a result of `slipgrid campaign work`; removed, it is done again"),
+                    )
+                };
+                let bytes = self.store.read(&path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+                let done: Done =
+                    serde_json::from_slice(&bytes).map_err(|error| refuse(format!("is no result: {error}")))?;
+                if done.id == task.id { Ok(done) } else { Err(refuse("is the result of another task".to_owned())) }
+            };
+            let done = if known.contains(&task.id) { Some(read()?) } else { None };
+            results.add(task, done.as_ref());
+        }
+        Ok(then(&results))
+    }
+}
+
+/// Puts `items` into an order that depends on `seed` alone (Fisher and Yates; Steele, Lea and Flood 2014, SplitMix64).
+fn shuffle<T>(items: &mut [T], seed: u64) {
+    let mut state = seed;
+    for last in (1..items.len()).rev() {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mixed = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        items.swap(last, ((mixed ^ (mixed >> 31)) % (last as u64 + 1)) as usize);
+    }
+}
+
+/// The inputs of a campaign, by their hashes.
+#[derive(Debug)]
+struct Inputs {
+    store: Arc<dyn Store>,
+    folder: PathBuf,
+}
+
+impl Files for Inputs {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.store.read(&self.folder.join(path))
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        self.store.entry(&self.folder.join(path))
+    }
+
+    fn names(&self, _: &Path) -> Vec<String> {
+        Vec::new()
+    }
+}

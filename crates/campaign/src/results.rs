@@ -1,0 +1,177 @@
+//! All results of a campaign as one table.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value as Json;
+use slipgrid_studies::laboratories::{LaboratoriesReport, Way};
+use slipgrid_units::tidy;
+
+use crate::campaign::{Campaign, Kind, Task};
+use crate::worker::{Done, Outcome, laboratory};
+
+/// What a scene's row has, by load.
+const OF_SCENE: [&str; 7] =
+    ["pressure_mpa", "mu_dynamic", "mu_dynamic_stderr", "mu_static", "ratio", "ratio_stderr", "peak_pressure_mpa"];
+/// What a design's row has: columns with the places of their values.
+const OF_DESIGN: [(&str, &str); 8] = [
+    ("found", "/status"),
+    ("chance", "/chance/value"),
+    ("chance_with_trials", "/advice/chance"),
+    ("width_um", "/design/width_um"),
+    ("spacing_um", "/design/spacing_um"),
+    ("depth_um", "/design/depth_um"),
+    ("misfit", "/misfit/confirmed"),
+    ("areal_density", "/specimen_areal_density"),
+];
+/// What a laboratory's row has.
+const OF_LABORATORY: [(&str, &str); 2] = [("mechanism", "/mechanism"), ("trials", "/way/trials")];
+
+/// How many tasks ended how.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Those with a record.
+    pub done: usize,
+    /// Those that were refused.
+    pub refused: usize,
+    /// Those that were computed in vain.
+    pub failed: usize,
+    /// Those that nobody has done.
+    pub missing: usize,
+}
+
+impl Counts {
+    /// In words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let Self { done, refused, failed, missing } = self;
+        let tasks = done + refused + failed + missing;
+        format!("{tasks} tasks: {done} done, {refused} refused, {failed} failed, {missing} missing")
+    }
+
+    /// Counts one more.
+    pub(crate) fn add(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Done => self.done += 1,
+            Outcome::Refused => self.refused += 1,
+            Outcome::Failed => self.failed += 1,
+        }
+    }
+}
+
+/// Results, put together task by task in the order of the campaign: a row for each load of a scene, for each design, and for each
+/// laboratory. A task without a result has a row that says so. The same bytes whoever did what.
+pub struct Results<'a> {
+    campaign: &'a Campaign,
+    text: String,
+    counts: Counts,
+    ways: Vec<(Task, usize, Way)>,
+}
+
+impl<'a> Results<'a> {
+    /// None as yet.
+    #[must_use]
+    pub fn new(campaign: &'a Campaign) -> Self {
+        let own: Vec<&str> = match campaign.kind {
+            Kind::Scene => OF_SCENE.to_vec(),
+            Kind::Design => OF_DESIGN.map(|(name, _)| name).to_vec(),
+            Kind::Laboratory => OF_LABORATORY.map(|(name, _)| name).to_vec(),
+        };
+        let keys = campaign.keys.iter().map(|key| quoted(key));
+        let header = ["task".to_owned()].into_iter().chain(keys).chain(["outcome".to_owned()]);
+        let header = header.chain(own.iter().map(|name| (*name).to_owned())).chain(["reason".to_owned()]);
+        let text = header.collect::<Vec<_>>().join(",") + "\n";
+        Self { campaign, text, counts: Counts::default(), ways: Vec::new() }
+    }
+
+    /// Adds what came of `task`; `None` where nobody has done it.
+    pub fn add(&mut self, task: &Task, done: Option<&Done>) {
+        match done {
+            Some(done) => self.counts.add(done.outcome),
+            None => self.counts.missing += 1,
+        }
+        for cells in self.rows(done) {
+            let values = self.campaign.keys.iter().map(|key| at(task.values.get(key)));
+            let row = [task.id.clone()].into_iter().chain(values).chain(cells);
+            self.text += &(row.collect::<Vec<_>>().join(",") + "\n");
+        }
+        let Some(record) = done.and_then(|done| done.record.as_ref()) else { return };
+        let of_way = record.get("way").and_then(|way| serde_json::from_value(way.clone()).ok());
+        if let (Some(way), Some(textures)) = (of_way, record.get("textures").and_then(Json::as_u64)) {
+            self.ways.push((task.clone(), textures as usize, way));
+        }
+    }
+
+    /// The table as CSV.
+    #[must_use]
+    pub fn csv(&self) -> &str {
+        &self.text
+    }
+
+    /// How many tasks ended how.
+    #[must_use]
+    pub const fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    /// What laboratories say, where it is they and all of them ended.
+    #[must_use]
+    pub fn laboratories(&self) -> Option<LaboratoriesReport> {
+        let is_whole = self.counts.done > 0 && self.counts == Counts { done: self.counts.done, ..Counts::default() };
+        if self.campaign.kind != Kind::Laboratory || !is_whole {
+            return None;
+        }
+        let of = |values: &BTreeMap<String, Json>| laboratory(&self.campaign.text_of(values).ok()?).ok();
+        let known: Option<Vec<_>> = self.ways.iter().map(|(task, ..)| of(&task.values)).collect();
+        let (options, jobs): (Vec<_>, Vec<_>) = known?.into_iter().unzip();
+        let ways: Vec<Way> = self.ways.iter().map(|(.., way)| way.clone()).collect();
+        Some(LaboratoriesReport::new(options.first()?, self.ways.first()?.1, &jobs, &ways))
+    }
+
+    /// Outcome, own columns and reason: a row each.
+    fn rows(&self, done: Option<&Done>) -> Vec<Vec<String>> {
+        let own = |record: &Json, places: &[(&str, &str)]| -> Vec<String> {
+            places.iter().map(|(_, place)| at(record.pointer(place))).collect()
+        };
+        let columns =
+            self.text.lines().next().map_or(0, |header| header.split(',').count()) - self.campaign.keys.len() - 3;
+        let empty = |outcome: &str, reason: &str| {
+            let mut row = vec![outcome.to_owned()];
+            row.resize(1 + columns, String::new());
+            row.push(quoted(reason));
+            vec![row]
+        };
+        let Some(done) = done else { return empty("missing", "") };
+        let reason = done.reason.as_deref().unwrap_or_default();
+        let record = match (&done.record, done.outcome) {
+            (Some(record), Outcome::Done) => record,
+            (_, Outcome::Refused) => return empty("refused", reason),
+            _ => return empty("failed", reason),
+        };
+        let cells = match self.campaign.kind {
+            Kind::Design => vec![own(record, &OF_DESIGN)],
+            Kind::Laboratory => vec![own(record, &OF_LABORATORY)],
+            Kind::Scene => {
+                let loads = record.get("results").and_then(Json::as_array).map_or(&[][..], Vec::as_slice);
+                loads.iter().map(|load| OF_SCENE.iter().map(|name| at(load.get(*name))).collect()).collect()
+            }
+        };
+        cells.into_iter().map(|cells| [vec!["done".to_owned()], cells, vec![String::new()]].concat()).collect()
+    }
+}
+
+/// A value as a cell; nothing where there is none.
+fn at(value: Option<&Json>) -> String {
+    match value {
+        None | Some(Json::Null) => String::new(),
+        Some(Json::Number(number)) => {
+            number.as_f64().map_or_else(|| number.to_string(), |value| tidy(value).to_string())
+        }
+        Some(Json::String(text)) => quoted(text),
+        Some(other) => quoted(&other.to_string()),
+    }
+}
+
+/// Text as a cell: quoted where it must be.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}

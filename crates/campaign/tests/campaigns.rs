@@ -1,0 +1,230 @@
+//! Campaigns in memory: the same table whoever does what, and what is refused.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+use slipgrid_campaign::{CampaignError, Folder, Outcome, Planned, Share, Store, Worker, plan};
+use slipgrid_formats::source::{Entry, Files, Source};
+use slipgrid_monitor::{Monitor, Unwatched};
+
+const SCENE: &str = "material = \"m/material.toml\"\n[pattern]\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 20.0\n\
+    planform = \"groove\"\n[sample]\nlength_um = 9960.0\nlayer_um = 200.0\nblock_um = 10.0\n[load]\n\
+    pressure_mpa = [0.7, 2.6]\nspeed_mm_s = 2.0\n[run]\nfidelity = \"steady\"\nextent = \"cell\"\n";
+const MATERIAL: &str = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.30\n\
+    dynamic_mean = 0.27\n[area_law]\npressure_mpa = [0.7, 1.3, 2.6, 10.0]\nfactor = [1.0, 0.96, 0.90, 0.60]\n";
+const CAMPAIGN: &str = "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [40.0, 60.0, 80.0]\n\
+    [[list]]\n\"pattern.spacing_um\" = 200.0\n\"pattern.depth_um\" = 10.0\n[[list]]\n\"pattern.spacing_um\" = 400.0\n\
+    \"pattern.depth_um\" = 20.0\n";
+
+/// Files in memory that can be written.
+#[derive(Debug, Default)]
+struct Memory(Mutex<BTreeMap<PathBuf, Vec<u8>>>);
+
+impl Memory {
+    fn of(files: &[(&str, &str)]) -> Arc<Self> {
+        let files = files.iter().map(|(path, text)| (PathBuf::from(path), text.as_bytes().to_vec()));
+        Arc::new(Self(Mutex::new(files.collect())))
+    }
+
+    fn all(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+        self.0.lock().unwrap().clone()
+    }
+}
+
+impl Files for Memory {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        self.0.lock().unwrap().get(path).cloned().ok_or(io::ErrorKind::NotFound.into())
+    }
+
+    fn entry(&self, path: &Path) -> io::Result<Entry> {
+        self.read(path).map(|_| Entry::File)
+    }
+
+    fn names(&self, folder: &Path) -> Vec<String> {
+        let files = self.0.lock().unwrap();
+        let inside = files.keys().filter_map(|path| path.strip_prefix(folder).ok());
+        let mut names: Vec<String> =
+            inside.map(|path| path.iter().next().unwrap().to_string_lossy().into_owned()).collect();
+        names.dedup();
+        names
+    }
+}
+
+impl Store for Memory {
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        self.0.lock().unwrap().insert(path.to_owned(), bytes.to_vec());
+        Ok(())
+    }
+}
+
+fn given(scene: &str, campaign: &str) -> Arc<Memory> {
+    Memory::of(&[("d/scene.toml", scene), ("d/m/material.toml", MATERIAL), ("d/campaign.toml", campaign)])
+}
+
+fn planned(files: &Arc<Memory>) -> Result<Planned, CampaignError> {
+    plan(&(Arc::clone(files) as Source), Path::new("d/campaign.toml"), &Unwatched)
+}
+
+fn folder(store: &Arc<Memory>) -> Folder {
+    Folder::new(Arc::clone(store) as Arc<dyn Store>, Path::new("out"))
+}
+
+fn table(store: &Arc<Memory>) -> String {
+    folder(store).merge(|results| results.csv().to_owned()).unwrap()
+}
+
+#[test]
+fn the_table_is_the_same_whoever_does_what() {
+    let files = given(SCENE, CAMPAIGN);
+    let planned = planned(&files).unwrap();
+    assert_eq!(planned.tasks.len(), 6);
+    let alone = Memory::of(&[]);
+    folder(&alone).keep(&planned).unwrap();
+    let worked = folder(&alone).work(Share::ALL, 1, None, 3, &Unwatched).unwrap();
+    assert_eq!((worked.counts.done, worked.known, worked.counts.missing), (6, 0, 0));
+
+    let shared = Memory::of(&[]);
+    folder(&shared).keep(&planned).unwrap();
+    let missing = folder(&shared).merge(|results| results.counts()).unwrap();
+    assert_eq!(missing.words(), "6 tasks: 0 done, 0 refused, 0 failed, 6 missing");
+    for number in [3, 1, 4, 2] {
+        folder(&shared).work(Share { number, of: 4 }, 2, None, 0, &Unwatched).unwrap();
+    }
+    assert_eq!(alone.all(), shared.all());
+    let table = table(&alone);
+    let rows: Vec<&str> = table.lines().collect();
+    // A row for each load, in the order of the file: the grid slowest.
+    assert_eq!(rows.len(), 1 + 6 * 2);
+    let expected = "task,pattern.width_um,pattern.depth_um,pattern.spacing_um,outcome,pressure_mpa,mu_dynamic,";
+    assert!(rows[0].starts_with(expected), "{}", rows[0]);
+    assert!(rows[1].contains(",40,10,200,done,0.7,") && rows[12].contains(",80,20,400,done,2.6,"), "{table}");
+
+    // Nobody does anything twice, and the same campaign may be planned again.
+    folder(&shared).keep(&planned).unwrap();
+    let again = folder(&shared).work(Share::ALL, 1, None, 0, &Unwatched).unwrap();
+    assert_eq!((again.counts.done, again.known), (0, 6));
+
+    // In memory alone, as other programs do it.
+    let worker = Worker::new(&planned.campaign, planned.contents.clone());
+    let done = worker.work(&planned.tasks[0], &Unwatched).unwrap();
+    let kept = alone.read(&PathBuf::from(format!("out/results/{0}/{1}.json", &done.id[..2], done.id))).unwrap();
+    assert_eq!(serde_json::to_string(&done).unwrap() + "\n", String::from_utf8(kept).unwrap());
+}
+
+#[test]
+fn an_id_stands_for_what_a_task_says_and_reads() {
+    let ids = |files: &Arc<Memory>| -> Vec<String> {
+        planned(files).unwrap().tasks.into_iter().map(|task| task.id).collect()
+    };
+    let first = ids(&given(SCENE, CAMPAIGN));
+    assert_eq!(first, ids(&given(SCENE, CAMPAIGN)));
+    // A comment says nothing; another material does, and so does another value.
+    assert_eq!(first, ids(&given(&format!("# twice\n{SCENE}"), CAMPAIGN)));
+    let other = given(SCENE, CAMPAIGN);
+    other.put(Path::new("d/m/material.toml"), MATERIAL.replace("0.27", "0.28").as_bytes()).unwrap();
+    assert!(first.iter().all(|id| !ids(&other).contains(id)));
+    let wider = ids(&given(SCENE, &CAMPAIGN.replace("80.0]", "80.0, 100.0, 40.0]")));
+    assert_eq!((wider.len(), first.iter().all(|id| wider.contains(id))), (8, true));
+}
+
+#[test]
+fn what_fails_is_a_result() {
+    let files = given(SCENE, "base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1, 2]\n");
+    let planned = planned(&files).unwrap();
+    let store = Memory::of(&[]);
+    folder(&store).keep(&planned).unwrap();
+    // A file of the campaign is damaged.
+    let hash = planned.campaign.inputs["m/material.toml"].clone();
+    store.put(&Path::new("out/inputs").join(hash), MATERIAL.replace("0.27", "0.28").as_bytes()).unwrap();
+    let worked = folder(&store).work(Share::ALL, 2, None, 0, &Unwatched).unwrap();
+    assert_eq!((worked.counts.refused, worked.counts.done), (2, 0));
+    let table = table(&store);
+    let reason = "m/material.toml: cannot be read: it is not what it was when the campaign was planned";
+    assert!(table.contains(",refused,") && table.contains(reason), "{table}");
+    let mut moved = planned.tasks[0].clone();
+    moved.values.insert("run.seed".to_owned(), 7.into());
+    let worker = Worker::new(&planned.campaign, planned.contents.clone());
+    assert_eq!(worker.work(&moved, &Unwatched).unwrap().outcome, Outcome::Refused);
+}
+
+#[test]
+fn a_worker_stops_when_told_and_goes_on_later() {
+    /// Cancels, or lets a minute pass, at every question from the third on.
+    struct Told {
+        asked: AtomicUsize,
+        cancels: bool,
+    }
+    impl Monitor for Told {
+        fn cancelled(&self) -> bool {
+            self.cancels && self.asked.fetch_add(1, Ordering::Relaxed) > 2
+        }
+        fn seconds(&self) -> f64 {
+            if self.cancels { 0.0 } else { 60.0 * self.asked.fetch_add(1, Ordering::Relaxed) as f64 }
+        }
+    }
+    let files = given(SCENE, CAMPAIGN);
+    let planned = planned(&files).unwrap();
+    for cancels in [true, false] {
+        let store = Memory::of(&[]);
+        folder(&store).keep(&planned).unwrap();
+        let told = Told { asked: AtomicUsize::new(0), cancels };
+        match folder(&store).work(Share::ALL, 1, Some(150.0), 0, &told) {
+            Err(CampaignError::Cancelled) => assert!(cancels),
+            Ok(worked) => assert!(!cancels && worked.counts.missing > 0 && worked.counts.done > 0, "{worked:?}"),
+            Err(error) => panic!("{error}"),
+        }
+        folder(&store).work(Share::ALL, 2, None, 1, &Unwatched).unwrap();
+        assert_eq!(table(&store).matches(",done,").count(), 12);
+    }
+}
+
+#[test]
+fn what_cannot_be_is_refused_with_its_place() {
+    for (campaign, says) in [
+        ("base = \"none.toml\"\n", "d/campaign.toml:1: base: \"none.toml\" cannot be read"),
+        ("base = \"m/material.toml\"\n", "is no scene and no design; expected a scene file, a design file"),
+        ("base = \"scene.toml\"\nwork = \"table\"\n", "is for designs"),
+        ("base = \"scene.toml\"\n[[grid]]\nkey = \"run.seed\"\nvalues = []\n", "has no values"),
+        ("base = \"scene.toml\"\ngrit = 1\n", "grit"),
+        (
+            "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [40.0, -1.0]\n",
+            "d/scene.toml: pattern.width_um: -1.0 ",
+        ),
+        ("base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.with_um\"\nvalues = [1.0]\n", "with_um"),
+        ("base = \"scene.toml\"\n[[grid]]\nkey = \"material.name\"\nvalues = [\"x\"]\n", "material is no table"),
+    ] {
+        let refused = planned(&given(SCENE, campaign)).unwrap_err().to_string();
+        assert!(refused.contains(says), "{campaign}: {refused}");
+    }
+    let store = Memory::of(&[]);
+    folder(&store).keep(&planned(&given(SCENE, CAMPAIGN)).unwrap()).unwrap();
+    let other = planned(&given(SCENE, &CAMPAIGN.replace("80.0", "90.0"))).unwrap();
+    let refused = folder(&store).keep(&other).unwrap_err().to_string();
+    assert!(refused.contains("out: holds another campaign"), "{refused}");
+    let nothing = folder(&Memory::of(&[])).work(Share::ALL, 1, None, 0, &Unwatched).unwrap_err().to_string();
+    assert!(nothing.contains("expected the folder of a campaign"), "{nothing}");
+    let json = store.read(Path::new("out/campaign.json")).unwrap();
+    let later = String::from_utf8(json).unwrap().replace("\"version\": \"", "\"version\": \"9");
+    store.put(Path::new("out/campaign.json"), later.as_bytes()).unwrap();
+    let refused = folder(&store).work(Share::ALL, 1, None, 0, &Unwatched).unwrap_err().to_string();
+    assert!(refused.contains("was planned by slipgrid 9"), "{refused}");
+}
+
+#[test]
+fn laboratories_are_a_campaign_and_give_the_same_report() {
+    use slipgrid_studies::laboratories::{Options, Policy, run};
+    let options = "[laboratories]\nlaboratories = 2\nmost_trials = 3\nsteps = 3\nseed = 5\n";
+    let files = given(SCENE, &format!("base = \"laboratories\"\n{options}"));
+    let planned = planned(&files).unwrap();
+    let store = Memory::of(&[]);
+    folder(&store).keep(&planned).unwrap();
+    folder(&store).work(Share::ALL, 2, None, 5, &Unwatched).unwrap();
+    let report = folder(&store).merge(|results| results.laboratories()).unwrap().unwrap();
+    let options = Options { laboratories: 2, most_trials: 3, steps: 3, seed: 5 };
+    assert_eq!(report, run(&options, &Policy::ALL, &Unwatched).unwrap());
+}

@@ -1,0 +1,77 @@
+//! `campaign`: many scenes or designs, done by as many workers as there are.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use slipgrid_campaign::{CampaignError, Folder, Share, plan};
+
+use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
+use crate::input::{Disk, disk};
+use crate::output::{Place, check_file, write_file};
+use crate::progress::Job;
+use crate::{CliError, Console, exit_code};
+
+/// Plans, works or merges.
+pub fn run(args: &CampaignArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    match &args.step {
+        CampaignStep::Plan(args) => planned(args, console),
+        CampaignStep::Work(args) => work(args, console),
+        CampaignStep::Merge(args) => merge(args, console),
+    }
+}
+
+fn at(folder: &Path) -> Folder {
+    Folder::new(Arc::new(Disk), folder)
+}
+
+fn planned(args: &PlanArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    let planned = plan(&disk(), &args.campaign, &Job::new(console))?;
+    at(&args.output).keep(&planned)?;
+    let folder = args.output.display();
+    if let Some(engine) = args.emit {
+        let absolute = args.output.canonicalize().unwrap_or_else(|_| args.output.clone());
+        let [workers, cores] = [args.workers, args.cores].map(|count| count as usize);
+        let script =
+            engine.script(&absolute.to_string_lossy(), workers, cores, args.at_once.map(|count| count as usize));
+        write_file(&args.output.join(format!("{}.sh", engine.name())), script.as_bytes())?;
+    }
+    console.answer(&format!(
+        "{}: {} tasks in {folder}\nnext: slipgrid campaign work {folder}\n",
+        planned.campaign.name,
+        planned.tasks.len()
+    ))?;
+    Ok(exit_code::DONE)
+}
+
+fn work(args: &WorkArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    // The order of its tasks: any number that another worker does not have.
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let seed = u64::from(std::process::id()).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ u64::from(since.subsec_nanos());
+    let (share, most_s) = (args.share.unwrap_or(Share::ALL), args.max_seconds.map(f64::from));
+    let threads = console.threads;
+    let worked = at(&args.folder).work(share, threads, most_s, seed, &Job::new(console))?;
+    console.answer(&format!("{}; {} were done before\n", worked.counts.words(), worked.known))?;
+    Ok(exit_code::DONE)
+}
+
+fn merge(args: &MergeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    let path = args.output.clone().unwrap_or_else(|| args.folder.join("table.csv"));
+    check_file(Place::output(&path), &[])?;
+    let (table, counts, laboratories) =
+        at(&args.folder).merge(|results| (results.csv().to_owned(), results.counts(), results.laboratories()))?;
+    write_file(&path, table.as_bytes())?;
+    let laboratories = laboratories.map_or_else(String::new, |report| report.lines().join("\n") + "\n");
+    console.answer(&format!("{laboratories}{}, in {}\n", counts.words(), path.display()))?;
+    Ok(if counts.missing == 0 { exit_code::DONE } else { exit_code::FAILURE })
+}
+
+impl From<CampaignError> for CliError {
+    fn from(error: CampaignError) -> Self {
+        match error {
+            CampaignError::Refused(refused) => Self::Input(refused),
+            CampaignError::Cancelled => Self::Interrupted,
+            other => Self::Other(other.to_string()),
+        }
+    }
+}

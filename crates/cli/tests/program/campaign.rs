@@ -1,0 +1,137 @@
+//! Campaigns as a user meets them: planned, worked on by several processes, killed, merged.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::common::{CALIBRATION, FLAT, Place, SCENE, small};
+
+const CAMPAIGN: &str = "base = \"scene.toml\"\n[[grid]]\nkey = \"pattern.width_um\"\nvalues = [40, 50, 60, 70, 80, 90]\n\
+    [[grid]]\nkey = \"pattern.spacing_um\"\nvalues = [100.0, 150.0, 200.0, 250.0, 300.0, 350.0, 400.0]\n";
+
+fn place(campaign: &str) -> Place {
+    Place::with(&[("scene.toml", SCENE), ("campaign.toml", campaign)])
+}
+
+/// The table, and the results below the folder, of a campaign that is done.
+fn results(place: &Place, folder: &str) -> Vec<(String, String)> {
+    let read = |path: String| (path.clone(), fs::read_to_string(place.path(&path)).unwrap());
+    let mut all = vec![("table".to_owned(), read(format!("{folder}/table.csv")).1)];
+    let shelves = crate::common::names(&place.path(&format!("{folder}/results")));
+    for shelf in shelves {
+        for name in crate::common::names(&place.path(&format!("{folder}/results/{shelf}"))) {
+            if name.ends_with(".json") {
+                all.push((name.clone(), read(format!("{folder}/results/{shelf}/{name}")).1));
+            }
+        }
+    }
+    all
+}
+
+#[test]
+fn workers_that_are_killed_lose_the_task_in_hand() {
+    let place = place(CAMPAIGN);
+    for folder in ["alone", "killed"] {
+        let said = place.succeed(&["campaign", "plan", "campaign.toml", "-o", folder]);
+        assert!(said.contains("campaign: 42 tasks") && said.contains("next: slipgrid campaign work"), "{said}");
+    }
+    assert!(place.succeed(&["campaign", "work", "alone", "--threads", "2"]).contains("42 tasks: 42 done"));
+    assert!(
+        place.succeed(&["campaign", "merge", "alone"]).contains("42 tasks: 42 done, 0 refused, 0 failed, 0 missing")
+    );
+    for number in 0..10_u64 {
+        let mut worker = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+        worker.current_dir(place.path("")).args(["campaign", "work", "killed", "--threads", "1"]);
+        let mut worker = worker.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(5 + 37 * number % 60));
+        worker.kill().unwrap();
+        worker.wait().unwrap();
+    }
+    // Some are missing, most likely, and said to be; two shares do the rest at the same time.
+    let merged = place.run(&["campaign", "merge", "killed"]);
+    let missing = !String::from_utf8_lossy(&merged.stdout).contains(" 0 missing");
+    assert_eq!(merged.status.code(), Some(i32::from(missing)));
+    std::thread::scope(|scope| {
+        for share in ["1/2", "2/2"] {
+            scope.spawn(|| place.succeed(&["campaign", "work", "killed", "--share", share, "--threads", "1"]));
+        }
+    });
+    place.succeed(&["campaign", "merge", "killed"]);
+    assert_eq!(results(&place, "alone"), results(&place, "killed"));
+}
+
+#[test]
+fn a_design_is_searched_or_tabulated() {
+    let designs = Place::with(&[
+        ("design.toml", &small()),
+        ("search.toml", "base = \"design.toml\"\n[[grid]]\nkey = \"target.value\"\nvalues = [0.9, 0.95]\n"),
+        ("table.toml", "base = \"design.toml\"\nwork = \"table\"\n[[grid]]\nkey = \"run.seed\"\nvalues = [1]\n"),
+    ]);
+    designs.succeed(&["campaign", "plan", "search.toml", "-o", "search"]);
+    designs.succeed(&["campaign", "work", "search"]);
+    designs.succeed(&["campaign", "merge", "search"]);
+    let table = fs::read_to_string(designs.path("search/table.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0][1..6], ["target.value", "outcome", "found", "chance", "chance_with_trials"]);
+    assert_eq!((rows.len(), rows[1][1], rows[1][2]), (3, "0.9", "done"));
+    // As optimize finds it.
+    designs.run(&["optimize", "design.toml", "-o", "own"]);
+    let own = crate::common::result(&designs, "own");
+    assert_eq!(rows[1][6].parse::<f64>().unwrap(), own["design"]["width_um"].as_f64().unwrap());
+    let record = fs::read_dir(designs.path("search/results")).unwrap().count();
+    assert_eq!(record, 2);
+
+    // Every design of whole blocks and bursts, as --table has them.
+    designs.succeed(&["campaign", "plan", "table.toml", "-o", "table"]);
+    let done = designs.succeed(&["campaign", "work", "table"]);
+    let merged = designs.succeed(&["campaign", "merge", "table", "-o", "all.csv"]);
+    let lines = fs::read_to_string(designs.path("all.csv")).unwrap();
+    designs.run(&["optimize", "design.toml", "-o", "own", "--table"]);
+    let table = fs::read_to_string(designs.path("own/table.csv")).unwrap();
+    let nodes = table.lines().skip(1).filter(|line| !line.starts_with('#')).count();
+    assert!(done.contains(&format!("{nodes} tasks: {nodes} done")), "{done}");
+    assert!(merged.contains("0 missing, in all.csv") && lines.lines().count() == 1 + 2 * nodes, "{merged}");
+}
+
+#[test]
+fn a_material_that_is_calibrated_travels_with_the_campaign() {
+    let design = small();
+    let own = design.split("[target]").nth(1).unwrap();
+    let design = format!("name = \"measured\"\nmaterial = \"m/calibration.toml\"\n[target]{own}")
+        .replace("[0.65, 2.6]", "0.7")
+        .replace("[search]", "[condition]\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\n[search]");
+    let place = Place::with(&[("design.toml", &design), ("campaign.toml", "base = \"design.toml\"\n")]);
+    fs::create_dir(place.path("m")).unwrap();
+    fs::write(place.path("m/calibration.toml"), CALIBRATION).unwrap();
+    fs::write(place.path("m/flat.csv"), FLAT).unwrap();
+    place.succeed(&["campaign", "plan", "campaign.toml", "-o", "out"]);
+    // Nothing else of this folder is needed.
+    fs::remove_dir_all(place.path("m")).unwrap();
+    let worked = place.succeed(&["campaign", "work", "out"]);
+    assert!(worked.contains("1 tasks: 1 done"), "{worked}");
+}
+
+#[test]
+fn job_scripts_and_refusals_say_what_they_should() {
+    let place = place(&format!("{CAMPAIGN}[[list]]\n\"run.seed\" = 2\n"));
+    let flags = ["--emit", "slurm", "--workers", "20", "--cores", "2", "--at-once", "5"];
+    place.succeed(&[&["campaign", "plan", "campaign.toml", "-o", "it's"][..], &flags].concat());
+    let script = fs::read_to_string(place.path("it's/slurm.sh")).unwrap();
+    assert!(script.contains("#SBATCH --array=1-20%5\n") && script.contains("#SBATCH --cpus-per-task=2\n"), "{script}");
+    assert!(script.contains("it'\\''s' --share \"$SLURM_ARRAY_TASK_ID/20\""), "{script}");
+    let mut bash = Command::new("bash");
+    bash.arg(place.path("it's/slurm.sh")).env("SLURM_ARRAY_TASK_ID", "3");
+    let ended = bash.env("SLIPGRID", env!("CARGO_BIN_EXE_slipgrid")).output().unwrap();
+    assert!(String::from_utf8_lossy(&ended.stdout).contains("2 tasks: 2 done"), "{ended:?}");
+
+    for (args, says) in [
+        (&["campaign", "work", "nowhere"][..], "expected the folder of a campaign"),
+        (&["campaign", "work", "it's", "--share", "3/2"], "expected i/n with i from 1 to n"),
+        (&["campaign", "plan", "scene.toml", "-o", "new"], "scene.toml"),
+        (&["campaign", "merge", "it's", "-o", "campaign.toml"], "was not written by slipgrid"),
+    ] {
+        let refused = place.run(args);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && told.contains(says), "{args:?}: {told}");
+    }
+}

@@ -1,0 +1,85 @@
+//! Campaigns: what is to be done, which travels between processes, and what came of it.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use slipgrid::campaign::{Campaign as Shared, Planned, Results, Task, Worker, plan};
+
+use crate::disk::disk;
+use crate::refused;
+use crate::watched::watched;
+
+/// Tasks with all that they read.
+#[pyclass(frozen, module = "slipgrid")]
+pub struct Campaign {
+    planned: Planned,
+}
+
+fn unusable(error: &dyn std::fmt::Display) -> PyErr {
+    PyValueError::new_err(format!("what a campaign was made of is damaged: {error}"))
+}
+
+#[pymethods]
+impl Campaign {
+    /// The campaign of the file at `path`.
+    #[staticmethod]
+    #[pyo3(signature = (path, progress=None))]
+    fn plan(py: Python<'_>, path: PathBuf, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let planned = watched(py, progress, |watch| plan(&disk(), &path, watch))?;
+        Ok(Self { planned: planned.map_err(|error| refused::campaign(py, &error))? })
+    }
+
+    /// A campaign of what `parts` gave, with these tasks of it.
+    #[staticmethod]
+    fn of(shared: &str, inputs: BTreeMap<String, Vec<u8>>, tasks: Vec<String>) -> PyResult<Self> {
+        let campaign: Shared = serde_json::from_str(shared).map_err(|error| unusable(&error))?;
+        let task = |text: &String| -> PyResult<Task> { serde_json::from_str(text).map_err(|error| unusable(&error)) };
+        let tasks = tasks.iter().map(task).collect::<PyResult<_>>()?;
+        let contents = inputs.into_iter().map(|(hash, bytes)| (hash, Arc::new(bytes))).collect();
+        Ok(Self { planned: Planned { campaign, tasks, contents } })
+    }
+
+    /// What all tasks share as JSON, and the files that they read, by their hashes.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<(String, BTreeMap<&str, Bound<'py, PyBytes>>)> {
+        let shared = serde_json::to_string(&self.planned.campaign);
+        let inputs = self.planned.contents.iter().map(|(hash, bytes)| (hash.as_str(), PyBytes::new(py, bytes)));
+        Ok((shared.map_err(|error| refused::failed(py, &error.to_string()))?, inputs.collect()))
+    }
+
+    /// Every task as JSON.
+    fn tasks(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let json = |task: &Task| serde_json::to_string(task).map_err(|error| refused::failed(py, &error.to_string()));
+        self.planned.tasks.iter().map(json).collect()
+    }
+
+    /// The name of the campaign.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.planned.campaign.name
+    }
+
+    /// Does all tasks, one after the other: what came of each, as JSON.
+    fn work(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        let Planned { campaign, tasks, contents } = &self.planned;
+        let done: Option<Vec<_>> = watched(py, None, |watch| {
+            let worker = Worker::new(campaign, contents.clone());
+            tasks.iter().map(|task| worker.work(task, watch)).collect()
+        })?;
+        let json = |done| serde_json::to_string(done).map_err(|error| refused::failed(py, &error.to_string()));
+        done.unwrap_or_default().iter().map(json).collect()
+    }
+
+    /// The table of what came of the tasks, in their order, None where nothing did, and how many ended how, in words.
+    fn table(&self, results: Vec<Option<String>>) -> PyResult<(String, String)> {
+        let mut all = Results::new(&self.planned.campaign);
+        for (task, text) in self.planned.tasks.iter().zip(&results) {
+            let done = text.as_deref().map(serde_json::from_str).transpose().map_err(|error| unusable(&error))?;
+            all.add(task, done.as_ref());
+        }
+        Ok((all.csv().to_owned(), all.counts().words()))
+    }
+}
