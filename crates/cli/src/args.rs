@@ -132,6 +132,9 @@ pub struct OptimizeArgs {
     /// Compute every design of whole blocks and bursts within the bounds, too: table.csv, and whether any is better
     #[arg(long)]
     pub table: bool,
+    /// Leave the explorer out of report.html: some seconds and a hundred kilobytes less
+    #[arg(long)]
+    pub no_explorer: bool,
     /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
     #[arg(long)]
     pub resume: bool,

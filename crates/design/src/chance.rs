@@ -1,6 +1,7 @@
 //! The chance that a cut sample is on target, to first order: what scatters when it is cut, what is not known of the
 //! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
 
+use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -264,6 +265,32 @@ impl<'a> Chances<'a> {
             let values: Vec<f64> = values.iter().zip(drawn.factors(deviations)).map(|(v, factor)| v * factor).collect();
             self.target.accepts(&values)
         })
+    }
+
+    /// Covariance of the values of a design over `draws`, one row a value.
+    pub fn covariance(&self, draws: &CommonDraws, about: &Linear) -> Vec<Vec<f64>> {
+        let count = self.scale.len();
+        let sums = RefCell::new((0_u32, vec![0.0; count], vec![vec![0.0; count]; count]));
+        let _ = draws.probability_by(&about.slopes, &|_| true, |values, deviations| {
+            let factors = about.discrepancy.as_ref().map(|drawn| drawn.factors(deviations).collect::<Vec<_>>());
+            let off: Vec<f64> = (0..count)
+                .map(|place| {
+                    let factor = factors.as_ref().map_or(1.0, |factors| factors[place]);
+                    values[place] * factor - about.slopes.values()[place]
+                })
+                .collect();
+            let (drawn, sum, squares) = &mut *sums.borrow_mut();
+            *drawn += 1;
+            for (row, own) in off.iter().enumerate() {
+                sum[row] += own;
+                squares[row].iter_mut().zip(&off).for_each(|(square, other)| *square += own * other);
+            }
+            true
+        });
+        let (drawn, sum, squares) = sums.into_inner();
+        let count = f64::from(drawn.max(2));
+        let entry = |row: usize, place: usize| (squares[row][place] - sum[row] * sum[place] / count) / (count - 1.0);
+        (0..sum.len()).map(|row| (0..sum.len()).map(|place| entry(row, place)).collect()).collect()
     }
 
     /// Share of `draws` in which `values`, off by the numerical errors `std` alone, are accepted.

@@ -149,7 +149,12 @@ impl MultiFidelityLoop<'_> {
 
 /// Standard deviations of the values by time average and discretization, at each load of each condition as at the same
 /// pressure of the condition designed for, and whether the latter is known.
-fn numerical(design: &DesignTask, scales: &[f64], predicted: &Simulation, errors: &ErrorsReport) -> (Vec<f64>, bool) {
+pub(super) fn numerical(
+    design: &DesignTask,
+    scales: &[f64],
+    predicted: &Simulation,
+    errors: &ErrorsReport,
+) -> (Vec<f64>, bool) {
     let count = design.target.points().len();
     let is_ratio = design.target.quantity() == slipgrid_optimize::Quantity::Ratio;
     let discretization = |row: usize| predicted.loads.get(row).and_then(|load| load.ratio_discretization_error);

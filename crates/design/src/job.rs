@@ -10,6 +10,7 @@ use slipgrid_units::tidy;
 use crate::chance::Chances;
 use crate::discrepancy_correction::DiscrepancyReport;
 use crate::evaluation_cache::EvaluationCache;
+use crate::explorer::Explorer;
 use crate::learned::LearnedDiscrepancy;
 use crate::multi_fidelity::{MultiFidelityLoop, time_statement};
 use crate::outcome::{DesignReport, MisfitReport, patterns};
@@ -18,8 +19,8 @@ use crate::task::{DesignTask, KnownMaterial, TradeOffsWanted};
 use crate::time_budget::TimeBudget;
 use crate::timings::Timings;
 use crate::{
-    DesignError, flat_is_best, lattice_table, operating_conditions, pattern_effect, reachable_range, rim_sensitivity,
-    robustness, selection, sensitivity, trade_offs, uncertainty_budget,
+    DesignError, chance_report, explorer, flat_is_best, lattice_table, operating_conditions, pattern_effect,
+    reachable_range, rim_sensitivity, robustness, selection, sensitivity, trade_offs, uncertainty_budget,
 };
 
 /// What a job found.
@@ -45,6 +46,8 @@ pub struct DesignOutcome {
     pub lattice: Option<Lattice>,
     /// Designs compared by goals, where the task asks for that.
     pub compared: Option<Compared>,
+    /// What any design within the bounds does, where the task asks for it and it could be computed in time.
+    pub explorer: Option<Explorer>,
 }
 
 /// Every design of a lattice with what the model says of it.
@@ -186,6 +189,15 @@ fn every_step(
     monitor.heed()?;
     let (traded, compared) = traded.unzip();
 
+    let exploring = budget.stage("explorer");
+    let (numerical, _) = chance_report::numerical(design, &model.scales(&pattern), predicted, &errors.report);
+    let chances = found.chances.as_ref();
+    let anchor = explorer::Anchor { design: &pattern, values: value, chances, numerical: &numerical };
+    let explorer = if design.explorer { explorer::explore(design, model, &anchor, &exploring) } else { None };
+    cut_short.extend((exploring.is_out_of_time() && explorer.is_none()).then_some("explorer"));
+    timings.explorer = exploring.finish();
+    monitor.heed()?;
+
     let flat = found.flat_is_best(design);
     let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
     let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
@@ -260,6 +272,7 @@ fn every_step(
         confirmed: confirmed.clone(),
         lattice,
         compared,
+        explorer,
         material: KnownMaterial { material, uncertainty: uncertainty.clone() },
         task: task.clone(),
     })

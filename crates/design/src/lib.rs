@@ -12,7 +12,7 @@
 //! | module | role |
 //! |---|---|
 //! | `task`, `job`, `outcome` | what is asked, how it is answered, what is found |
-//! | `steady_model` | the model that the search asks: the steady cell, corrected by confirming runs |
+//! | `steady_model`, `cells` | the model that the search asks: the steady cell, corrected by confirming runs |
 //! | `multi_fidelity` | searches and confirming runs in turn |
 //! | `confirmation`, `flat_sample`, `dynamic_excess` | runs in time: of the design, of the flat sample, and how both agree with calibration |
 //! | `specimen` | a pattern solved on the specimen that it is cut into |
@@ -23,13 +23,14 @@
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
 //! | `robustness`, `robust_search`, `sensitivity`, `rim_sensitivity` | what tolerances make of the design, and its slopes |
 //! | `infeasibility`, `flat_is_best`, `reachable_range` | why a target is out of reach, and what is within |
-//! | `lattice_table`, `trade_offs` | every design of a lattice; what can be had for what |
+//! | `lattice_table`, `trade_offs`, `explorer` | every design of a lattice; what can be had for what; a surface of all of them to ask |
 //! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
 //! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 
 mod cache_key;
+mod cells;
 mod chance;
 mod chance_report;
 mod conditions_report;
@@ -41,6 +42,7 @@ mod discrepancy_correction;
 mod dynamic_excess;
 mod error;
 mod evaluation_cache;
+mod explorer;
 mod flat_is_best;
 mod flat_sample;
 mod infeasibility;
@@ -82,6 +84,7 @@ pub use cost_estimate::cost_line;
 pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
+pub use explorer::{Explorer, SurfaceError};
 pub use job::{Compared, DesignOutcome, Lattice, run};
 pub use lattice_table::lattice;
 pub use next_trial::{

@@ -8,15 +8,14 @@ use slipgrid_monitor::{Monitor, Part, Unwatched};
 use slipgrid_optimize::{Candidate, DesignSpace, ForwardModel, ModelFailure, Response};
 use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_springblock::{
-    CellOutcome, Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, Simulation, Status, SteadyCell,
-    simulate,
+    Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, Simulation, Status, simulate,
 };
 
+use crate::cells::Solver;
 use crate::confirmation::trusted;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{Answer, Evaluations};
 use crate::learned::LearnedDiscrepancy;
-use crate::operating_conditions::turned;
 use crate::specimen::{SpecimenError, density_share, on_face, onto};
 use crate::task::DesignTask;
 use slipgrid_export::Specimen;
@@ -55,46 +54,6 @@ pub struct SteadyModel<'a> {
     monitor: &'a dyn Monitor,
     /// What designs are cut into; absent for endless patterns.
     specimen: Option<Specimen>,
-}
-
-/// What solves steady cells at the loads of one sliding direction after the other.
-struct Solver {
-    each: Vec<(Option<f64>, SteadyCell)>,
-}
-
-impl Solver {
-    /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
-    fn new(scene: &Scene, texture: &Texture, directions_deg: &[f64]) -> Self {
-        let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
-        let own = scene.loads.len() / (1 + directions_deg.len());
-        let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
-            (angle_deg, SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture))
-        };
-        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
-    }
-
-    fn is_spatial(&self) -> bool {
-        self.each.first().is_some_and(|(_, cell)| cell.is_spatial())
-    }
-
-    /// The cells of `design` in every direction, until `monitor` has cancelled.
-    fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
-        let mut outcomes = Vec::new();
-        for (angle_deg, cell) in &self.each {
-            let turned = turned(design, *angle_deg);
-            let (bytes, most_bytes) = (cell.bytes(&turned), cell.most_bytes());
-            if bytes > most_bytes {
-                let reason = format!("its cell takes {bytes:.1e} bytes, more than {most_bytes:.1e}");
-                return Err(ModelFailure::Trial { reason });
-            }
-            let mut found = cell.solve_heeding(&turned, monitor);
-            if found.iter().any(|outcome| outcome.surface.status == Status::Cancelled) {
-                return Err(ModelFailure::Cancelled);
-            }
-            outcomes.append(&mut found);
-        }
-        Ok(outcomes)
-    }
 }
 
 impl<'a> SteadyModel<'a> {
@@ -299,6 +258,26 @@ impl<'a> SteadyModel<'a> {
     /// [`ModelFailure::Trial`] where the design cannot be computed.
     pub fn steady(&self, design: &Pattern) -> Result<Answer, ModelFailure> {
         self.laid(design, open(self.answer(&self.asked, &self.solver, design)?)?)
+    }
+
+    /// Values of an endless pattern at the loads of the condition designed for, as they are compared with the target but not
+    /// corrected, and the largest local pressure at any of them in MPa; by the guide where `coarse` and there is one.
+    ///
+    /// # Errors
+    /// [`ModelFailure`] where the design cannot be computed.
+    pub fn endless(&self, design: &Pattern, coarse: bool) -> Result<(Vec<f64>, f64), ModelFailure> {
+        let (scene, solver) = match self.guide.as_ref().filter(|_| coarse) {
+            Some((scene, solver)) => (scene, solver),
+            None => (&self.asked, &self.solver),
+        };
+        let mut answer = self.answer(scene, solver, design)?;
+        if let Some(learned) = &self.learned {
+            answer.modulus_sensitivity = learned.modulus_sensitivity(design)?;
+        }
+        let answer = open(answer)?;
+        let factors = self.factors_of(design, &answer);
+        let own = answer.ratio.iter().zip(&factors).take(self.scene.loads.len()).enumerate();
+        Ok((own.map(|(load, (ratio, factor))| ratio * self.scale(load) * factor).collect(), answer.peak_pressure_mpa))
     }
 
     /// Largest local pressure of `design` at each load of each condition, in pascals.

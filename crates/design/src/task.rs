@@ -52,6 +52,8 @@ pub struct DesignTask {
     pub max_seconds: Option<f64>,
     /// Every design of a lattice is computed, too.
     pub table: bool,
+    /// Compute what any design within the bounds does, for pages that answer while they are read.
+    pub explorer: bool,
     /// Confirming runs start from an unloaded layer at rest and give static friction too.
     pub from_rest: bool,
     /// Of the designs that meet the target, the one whose samples miss it least is wanted; with tolerances only.
@@ -212,6 +214,7 @@ impl DesignTask {
             max_evaluations: DEFAULT_MAX_EVALUATIONS,
             max_seconds: None,
             table: false,
+            explorer: false,
             from_rest: false,
             robust: false,
             dimensions: None,

@@ -25,6 +25,9 @@ pub struct Timings {
     pub uncertainty: f64,
     /// Comparing designs by the goals of `[trade_offs]`.
     pub trade_offs: f64,
+    /// Solving what the page's explorer asks.
+    #[serde(default)]
+    pub explorer: f64,
     /// Drawing and tabulating, up to result.json itself.
     pub export: f64,
 }
@@ -44,6 +47,7 @@ impl Timings {
             ("table", self.table, self.table > 0.0),
             ("slopes and tolerances", self.uncertainty, always),
             ("trade-offs", self.trade_offs, always),
+            ("explorer", self.explorer, self.explorer > 0.0),
             ("export", self.export, always),
         ];
         let told = all.into_iter().filter(|(_, _, is_told)| *is_told);

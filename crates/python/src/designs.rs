@@ -94,7 +94,8 @@ impl Design {
     #[pyo3(signature = (progress=None))]
     fn optimize(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Designed> {
         let found = watched(py, progress, |watch| {
-            let (read, _) = self.completed(watch).map_err(Undone::Calibration)?;
+            let (mut read, _) = self.completed(watch).map_err(Undone::Calibration)?;
+            read.task.explorer = true;
             run(&read.task, &mut NoCache, watch).map_err(Undone::Design)
         })?;
         Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))? })

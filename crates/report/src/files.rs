@@ -54,7 +54,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
 pub fn add_report(found: &DesignOutcome, outputs: &mut Outputs) -> Result<(), ReportError> {
     outputs.add_record(&found.report)?;
     let law = found.material.material.area_law.as_ref();
-    let page = html::design(&found.report, law, &found.loads, outputs);
+    let page = html::design(&found.report, law, &found.loads, outputs, Some(found));
     outputs.add("report.html", page);
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! Statistics that several crates need: normal deviates and their distribution, medians, standard deviations and Student's t.
+//! Statistics that several crates need: normal deviates and their distribution, medians, standard deviations and Student's t,
+//! and response surfaces of three lengths.
 //!
 //! ```
 //! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};
@@ -9,10 +10,12 @@
 
 mod normal;
 mod normal_distribution;
+mod response_surface;
 mod sample;
 mod student;
 
 pub use normal::Normals;
 pub use normal_distribution::{box_probability, normal_probability, normal_quantile};
+pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
 pub use student::Confidence;

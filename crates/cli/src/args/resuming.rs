@@ -13,7 +13,8 @@ impl OptimizeArgs {
     pub fn resuming(&self) -> String {
         let output = self.output.as_ref().map(|folder| format!(" -o {}", word(folder))).unwrap_or_default();
         let table = if self.table { " --table" } else { "" };
-        format!("slipgrid optimize {}{output}{table} --resume", word(&self.design))
+        let explorer = if self.no_explorer { " --no-explorer" } else { "" };
+        format!("slipgrid optimize {}{output}{table}{explorer} --resume", word(&self.design))
     }
 }
 
@@ -33,9 +34,13 @@ mod tests {
             design: "my designs/it's.toml".into(),
             output: Some("out/a".into()),
             table: true,
+            no_explorer: true,
             resume: false,
             json: true,
         };
-        assert_eq!(args.resuming(), r"slipgrid optimize 'my designs/it'\''s.toml' -o out/a --table --resume");
+        assert_eq!(
+            args.resuming(),
+            r"slipgrid optimize 'my designs/it'\''s.toml' -o out/a --table --no-explorer --resume"
+        );
     }
 }

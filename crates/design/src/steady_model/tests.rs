@@ -1,4 +1,5 @@
 use super::*;
+use crate::operating_conditions::turned;
 use slipgrid_material::{Elastic, LocalFriction};
 use slipgrid_pattern::{Planform, Rim, RimProfile, Texture};
 use slipgrid_springblock::Layer;

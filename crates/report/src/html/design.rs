@@ -1,11 +1,12 @@
 //! What `optimize` found.
 
 use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, TableReport, TargetReport, Tolerance};
-use slipgrid_design::{AdviceReport, DesignReport, PredictedRatio};
-use slipgrid_export::{Exposure, Laser};
+use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport, PredictedRatio};
+use slipgrid_export::{Exposure, Laser, laser_time_s};
 use slipgrid_material::AreaLaw;
 use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
+use slipgrid_units::LENGTH_MM;
 
 use super::page::{Page, ends, estimate, known, number, percent, plain, sentence, with_error};
 use super::{background, conditions, uncertainty};
@@ -15,44 +16,115 @@ use crate::Outputs;
 const MISSED: &str = "verdict missed";
 
 /// The page of a design: from its `report`, the coefficients behind it, which are those of `loads` and of `area_law`, and the
-/// pictures and files in `outputs`.
+/// pictures and files in `outputs`; with an explorer where `found`, of which `report` is, has one.
 #[must_use]
-pub fn design(report: &DesignReport, area_law: Option<&AreaLaw>, loads: &[Load], outputs: &Outputs) -> String {
+pub fn design(
+    report: &DesignReport,
+    area_law: Option<&AreaLaw>,
+    loads: &[Load],
+    outputs: &Outputs,
+    found: Option<&DesignOutcome>,
+) -> String {
     let mut page = Page::default();
     page.title(&report.name);
-    verdict(&mut page, report);
-    dimensions(&mut page, report);
-    target(&mut page, report, outputs);
-    if let Some(chance) = &report.chance {
-        chance_parts(&mut page, chance);
+    page.side_by_side(
+        |page| {
+            verdict(page, report);
+            dimensions(page, report, found);
+            caveat(page, report);
+        },
+        |page| {
+            page.picture_of(outputs, "target.svg", target_caption(report));
+            let extents_mm = found.map(|found| found.task.specimen.outline.extents_m().map(|m| LENGTH_MM.from_si(m)));
+            let [along, across] = extents_mm.unwrap_or([0.0; 2]);
+            let words = format!("The specimen seen from above, {} mm by {} mm", plain(along), plain(across));
+            page.face_of(outputs, "pattern.svg", [along, across], &words);
+        },
+    );
+    if let Some(found) = found {
+        super::explorer::explorer(&mut page, found, outputs);
     }
-    if let Some(found) = &report.robustness {
-        uncertainty::robustness(&mut page, found);
+    page.part("Why this design", |page| chosen(page, report, outputs));
+    page.part("What samples will do", |page| {
+        if let Some(found) = &report.robustness {
+            uncertainty::robustness(page, found);
+        }
+        if let Some(chance) = &report.chance {
+            page.fold("What the chance includes, and what limits it", |page| chance_parts(page, chance));
+        }
+        if let Some(found) = &report.sensitivities {
+            page.fold("What a micrometre changes", |page| uncertainty::sensitivities(page, found));
+        }
+    });
+    page.part("Evidence", |page| {
+        target(page, report);
+        page.fold("The section", |page| page.section(&report.design));
+        let interface = if report.dimensions == 3 {
+            "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
+        } else {
+            "flat and patterned"
+        };
+        pictures(page, outputs, "Pressure along the interface", "interface-", interface);
+        pictures(page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
+    });
+    page.model(&report.model, report.design.rim.is_some());
+    page.fold("Material and calibration", |page| material(page, report, outputs, (area_law, loads)));
+    page.part("Files", |page| {
+        page.fold("pattern.svg: the pattern, with two periods enlarged", |page| {
+            page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
+        });
+        laser(page, &report.laser, outputs);
+    });
+    page.finish(&report.name, &report.version)
+}
+
+/// What became of the search: what it chose, what it could not have, what else there is.
+fn chosen(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
+    if let Some(selection) = &report.selection {
+        page.paragraph(&format!("The design was {}.", selection.words));
     }
-    if let Some(found) = &report.sensitivities {
-        uncertainty::sensitivities(&mut page, found);
+    if let Some(advice) = &report.advice {
+        rather(page, advice);
     }
-    page.heading("The pattern to scale");
-    page.picture_of(outputs, "pattern.svg", "The specimen seen from above, with two periods enlarged");
-    page.section(&report.design);
-    let interface = if report.dimensions == 3 {
-        "one period of the patterned surface seen from above; a flat one carries the nominal pressure everywhere"
-    } else {
-        "flat and patterned"
-    };
-    pictures(&mut page, outputs, "Pressure along the interface", "interface-", interface);
-    pictures(&mut page, outputs, "Friction in time", "friction-", "flat and patterned, with the averaging window");
     if let Some(explanation) = &report.explanation {
-        why(&mut page, explanation);
+        why(page, explanation);
     }
     if let Some(found) = &report.trade_offs {
-        uncertainty::trade_offs(&mut page, found, outputs);
+        uncertainty::trade_offs(page, found, outputs);
     }
-    search(&mut page, report);
-    material(&mut page, report, outputs, (area_law, loads));
-    page.model(&report.model, report.design.rim.is_some());
-    laser(&mut page, &report.laser, outputs);
-    page.finish(&report.name, &report.version)
+    page.fold("The search", |page| search(page, report));
+}
+
+/// What a reader should know of the numbers before anything is cut: what matters most, the rest folded.
+fn caveat(page: &mut Page, report: &DesignReport) {
+    let mut all: Vec<String> = Vec::new();
+    if report.material.synthetic_surface {
+        all.push("The area law behind these numbers rests on a synthetic surface, not on a measured one.".to_owned());
+    }
+    all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
+    all.extend(report.violations.iter().cloned());
+    let doubts = |load: &slipgrid_results::LoadReport| {
+        let at = plain(load.pressure_mpa);
+        load.doubts().into_iter().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
+    };
+    all.extend(report.confirmed.iter().flat_map(doubts));
+    let mut all = all.into_iter();
+    if let Some(first) = all.next() {
+        page.warning(&first);
+    }
+    let others: Vec<String> = all.collect();
+    if !others.is_empty() {
+        page.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
+    }
+}
+
+const fn target_caption(report: &DesignReport) -> &'static str {
+    if report.conditions.is_some() {
+        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
+         highest value over all conditions"
+    } else {
+        "Target band, predicted, confirmed and flat values against pressure"
+    }
 }
 
 fn verdict(page: &mut Page, report: &DesignReport) {
@@ -61,7 +133,7 @@ fn verdict(page: &mut Page, report: &DesignReport) {
         chance(page, found);
     }
     if let Some(advice) = &report.advice {
-        advised(page, advice);
+        page.paragraph(&sentence(&advice.words));
     }
     if let Some(flat) = &report.flat {
         let words = &flat.words;
@@ -78,15 +150,6 @@ fn verdict(page: &mut Page, report: &DesignReport) {
         _ => (MISSED, "Target not met before the evaluations allowed were spent; nearest design below"),
     };
     page.marked(class, &format!("{words}{scope}."));
-    if report.material.synthetic_surface {
-        page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
-    }
-    for doubtful in &report.material.warnings {
-        page.warning(&format!("The material is doubtful: {doubtful}."));
-    }
-    for broken in &report.violations {
-        page.warning(broken);
-    }
 }
 
 /// The chance that a cut sample is on target, first of all.
@@ -97,9 +160,8 @@ fn chance(page: &mut Page, chance: &ChanceReport) {
     }
 }
 
-/// Whether to cut it as a series or as a trial.
-fn advised(page: &mut Page, advice: &AdviceReport) {
-    page.paragraph(&sentence(&advice.words));
+/// Textures that are likelier on target.
+fn rather(page: &mut Page, advice: &AdviceReport) {
     page.records(
         "Likelier on target, by what trials say of their own texture. Ratios are medians, with what 95 % of samples lie between.",
         &advice.rather,
@@ -145,12 +207,11 @@ fn chance_parts(page: &mut Page, chance: &ChanceReport) {
     );
 }
 
-fn dimensions(page: &mut Page, report: &DesignReport) {
-    page.heading("The design");
+/// What to cut.
+fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
     let design = &report.design;
-    let row = |name: &str, value: String, unit: &str| vec![name.to_owned(), value, unit.to_owned()];
-    let mut rows = vec![row("planform", design.planform.clone(), "")];
-    rows.extend(design.arrangement.iter().map(|arrangement| row("arrangement", arrangement.clone(), "")));
+    let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
+    rows.extend(design.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
     let lengths = [
         ("width", "µm", Some(design.width_um)),
         ("spacing (gap between cavities)", "µm", Some(design.spacing_um)),
@@ -160,30 +221,23 @@ fn dimensions(page: &mut Page, report: &DesignReport) {
         ("grooves turned by", "degrees", design.angle_deg),
         ("sliding direction turned by", "degrees", design.sliding_angle_deg),
     ];
-    rows.extend(lengths.into_iter().filter_map(|(name, unit, value)| Some(row(name, plain(known(value)?), unit))));
-    rows.extend(design.rim.iter().map(|rim| row("rims, as assumed", rim.words(), "")));
-    rows.push(row("share of a period", percent(design.areal_density, 2), "%"));
-    rows.push(row("share of the specimen's face", percent(report.specimen_areal_density, 2), "%"));
-    rows.extend(report.passes.map(|passes| row("passes", passes.to_string(), "over every line")));
-    rows.extend(report.bursts.map(|bursts| row("bursts", bursts.to_string(), "per spot")));
-    page.table(
-        "Exact as designed; what the laser makes of them is not known here.",
-        &["quantity", "value", "unit"],
-        &rows,
+    rows.extend(
+        lengths.into_iter().filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", plain(known(value)?))))),
     );
-    if let Some(selection) = &report.selection {
-        page.paragraph(&format!("The design was {}.", selection.words));
+    rows.extend(design.rim.iter().map(|rim| ("rims, as assumed", rim.words())));
+    rows.push(("cavities' share of a period", format!("{} %", percent(design.areal_density, 2))));
+    rows.push(("of the specimen's face", format!("{} %", percent(report.specimen_areal_density, 2))));
+    rows.extend(report.passes.map(|passes| ("passes over every line", passes.to_string())));
+    rows.extend(report.bursts.map(|bursts| ("bursts per spot", bursts.to_string())));
+    if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
+        rows.push(("cavities on the specimen", laid.iter().count().to_string()));
+        let minutes = laser_time_s(&laid, &report.laser).map(|seconds| seconds / 60.0);
+        rows.extend(minutes.map(|minutes| ("time under the laser", format!("{} min", number(minutes, 1)))));
     }
+    page.facts("What to cut", &rows);
 }
 
-fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
-    page.heading("Target, prediction, confirmation");
-    page.picture_of(outputs, "target.svg", if report.conditions.is_some() {
-        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
-         highest value over all conditions"
-    } else {
-        "Target band, predicted, confirmed and flat values against pressure"
-    });
+fn target(page: &mut Page, report: &DesignReport) {
     let wanted = &report.target;
     let rows: Vec<Vec<String>> = wanted
         .pressure_mpa
@@ -219,7 +273,7 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         &header,
         &rows,
     );
-    uncertainty::errors(page, &report.errors);
+    page.fold("What the errors are made of", |page| uncertainty::errors(page, &report.errors));
     if let Some(found) = &report.discrepancy {
         uncertainty::discrepancy(page, found);
     }
@@ -234,11 +288,6 @@ fn target(page: &mut Page, report: &DesignReport, outputs: &Outputs) {
         number(report.misfit.predicted, 2),
         number(report.misfit.confirmed, 2)
     ));
-    for load in &report.confirmed {
-        for doubt in load.doubts() {
-            page.warning(&format!("At {} MPa {doubt}.", plain(load.pressure_mpa)));
-        }
-    }
 }
 
 /// What became of the goal.
@@ -299,12 +348,10 @@ fn pictures(page: &mut Page, outputs: &Outputs, heading: &str, prefix: &str, wha
     if named.is_empty() {
         return;
     }
-    page.heading(heading);
-    page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str())));
+    page.fold(heading, |page| page.pictures(named.iter().map(|(svg, caption)| (svg.as_str(), caption.as_str()))));
 }
 
 fn search(page: &mut Page, report: &DesignReport) {
-    page.heading("The search");
     page.paragraph(&format!(
         "{} designs evaluated in {}, {} that could not be computed, seed {}.",
         report.evaluations,
@@ -342,7 +389,7 @@ fn search(page: &mut Page, report: &DesignReport) {
 
 /// Which limits and bounds keep designs from the target, where it is out of reach.
 fn why(page: &mut Page, explanation: &ExplanationReport) {
-    page.heading("Why the target is out of reach");
+    page.subheading("Why the target is out of reach");
     page.records(
         "Limits and bounds that bind, by the search's model: each relaxed alone, and what the target is then.",
         &explanation.binding,
@@ -403,7 +450,6 @@ fn table(page: &mut Page, table: &TableReport) {
 }
 
 fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law, loads): (Option<&AreaLaw>, &[Load])) {
-    page.heading("Material and calibration");
     let (name, source) = (&report.material.name, &report.material.source);
     if !name.is_empty() {
         page.paragraph(&if source.is_empty() { name.clone() } else { format!("{name}. Source: {source}.") });
@@ -419,7 +465,6 @@ fn material(page: &mut Page, report: &DesignReport, outputs: &Outputs, (area_law
 }
 
 fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
-    page.heading("For the laser");
     // By name, in the order of the alphabet.
     let Laser {
         depth_per_burst_um,
@@ -439,7 +484,7 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
         Exposure::Hatch => "hatch".to_owned(),
         Exposure::Mask => "mask".to_owned(),
     });
-    let rows: Vec<Vec<String>> = [
+    let rows: Vec<(&str, String)> = [
         ("depth_per_burst_um", depth_per_burst_um.map(plain)),
         ("exposure", exposure),
         ("hatch_um", hatch_um.map(plain)),
@@ -453,9 +498,9 @@ fn laser(page: &mut Page, laser: &Laser, outputs: &Outputs) {
         ("wavelength_nm", wavelength_nm.map(plain)),
     ]
     .into_iter()
-    .filter_map(|(name, value)| Some(vec![name.to_owned(), value?]))
+    .filter_map(|(name, value)| Some((name, value?)))
     .collect();
-    page.table("As the design gives it; units stand in the names.", &["quantity", "value"], &rows);
+    page.facts("The laser, as the design gives it; units stand in the names", &rows);
     if let Some(law) = ablation {
         page.paragraph(&format!(
             "Depth per burst d = delta ln(F / F_th): delta {} µm, F_th {} J/cm², at {} J/cm² {} µm ({} fluences).",

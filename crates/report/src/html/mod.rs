@@ -11,6 +11,7 @@
 mod background;
 mod conditions;
 mod design;
+mod explorer;
 pub mod page;
 mod section;
 mod uncertainty;

@@ -63,8 +63,14 @@ impl Page {
     }
 
     /// Appends an element and a line's end.
-    fn add(&mut self, element: &Markup) {
+    pub(super) fn add(&mut self, element: &Markup) {
         self.body.push_str(&element.0);
+        self.body.push('\n');
+    }
+
+    /// Scripts of the page's own, as they are.
+    pub(super) fn script(&mut self, text: &str) {
+        self.body.push_str(text);
         self.body.push('\n');
     }
 
@@ -76,6 +82,54 @@ impl Page {
     /// A heading.
     pub fn heading(&mut self, text: &str) {
         self.add(&html! { h2 { (Text(text)) } });
+    }
+
+    /// A heading within a part.
+    pub fn subheading(&mut self, text: &str) {
+        self.add(&html! { h3 { (Text(text)) } });
+    }
+
+    /// What `write` adds, under a heading; nothing where it adds nothing.
+    pub fn part(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
+        let before = std::mem::take(&mut self.body);
+        write(self);
+        let inside = std::mem::replace(&mut self.body, before);
+        if !inside.is_empty() {
+            self.heading(name);
+            self.body.push_str(&inside);
+        }
+    }
+
+    /// What `write` adds, folded away under a name; nothing where it adds nothing.
+    pub fn fold(&mut self, name: &str, write: impl FnOnce(&mut Self)) {
+        let before = std::mem::take(&mut self.body);
+        write(self);
+        let inside = std::mem::replace(&mut self.body, before);
+        if !inside.is_empty() {
+            self.add(&html! { details { summary { (Text(name)) } (NL) (PreEscaped(inside)) } });
+        }
+    }
+
+    /// Two parts side by side where there is room.
+    pub fn side_by_side(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
+        self.body.push_str("<div class=\"first\">\n<div>\n");
+        left(self);
+        self.body.push_str("</div>\n<div>\n");
+        right(self);
+        self.body.push_str("</div>\n</div>\n");
+    }
+
+    /// Names with their values; nothing where there are none.
+    pub fn facts(&mut self, caption: &str, rows: &[(&str, String)]) {
+        if rows.is_empty() {
+            return;
+        }
+        self.add(&html! {
+            table class="facts" { (NL)
+                caption { (Text(caption)) } (NL)
+                tbody { (NL) @for (name, value) in rows { tr { th scope="row" { (Text(name)) } td { (Text(value)) } } (NL) } }
+            }
+        });
     }
 
     /// A paragraph.
@@ -172,6 +226,23 @@ impl Page {
         if let Some(svg) = outputs.text(name) {
             self.picture(&svg, caption);
         }
+    }
+
+    /// The specimen's face alone, `extents_mm` wide and high, of the drawing `name` of `outputs`, whose legend stands elsewhere.
+    pub fn face_of(&mut self, outputs: &Outputs, name: &str, extents_mm: [f64; 2], caption: &str) {
+        let Some(svg) = outputs.text(name) else { return };
+        let centre =
+            svg.split("<g id=\"specimen\" transform=\"translate(").nth(1).and_then(|rest| rest.split(')').next());
+        let centre: Vec<f64> = centre.unwrap_or_default().split(' ').filter_map(|number| number.parse().ok()).collect();
+        let (Some(start), Some(end), &[x, y]) = (svg.find("<svg "), svg.find('>'), &centre[..]) else { return };
+        let [width, height] = extents_mm.map(|extent| 1.04 * extent);
+        let [left, top] = [x - 0.5 * width, y - 0.5 * height].map(|corner| number(corner, 4));
+        let open = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left} {top} {} {}\"",
+            number(width, 4),
+            number(height, 4)
+        );
+        self.picture(&format!("{}{open}{}", &svg[..start], &svg[end..]), caption);
     }
 
     /// Two periods of a pattern in vertical section; nothing where a length is not positive.

@@ -23,7 +23,6 @@ pub(super) fn sensitivities(page: &mut Page, found: &SensitivityReport) {
     if found.by_pressure.is_empty() {
         return;
     }
-    page.heading("What a micrometre changes");
     let Dimensions { width, spacing, depth } = found.step_um;
     page.records(
         &format!(
@@ -117,7 +116,6 @@ pub(super) fn discrepancy(page: &mut Page, found: &DiscrepancyReport) {
 
 /// What samples made after the design do.
 pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
-    page.heading("What samples will do");
     let within = |share: Option<f64>, error: Option<f64>| match known(share).zip(known(error)) {
         Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
         None => "-".to_owned(),
@@ -203,7 +201,7 @@ fn parts(page: &mut Page, all: &[PressureParts]) {
 
 /// Designs that no other beats in every goal.
 pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
-    page.heading("What can be had for what");
+    page.subheading("What can be had for what");
     if let Some(reason) = &found.none_because {
         page.paragraph(&format!("Nothing could be compared: {reason}."));
         return;

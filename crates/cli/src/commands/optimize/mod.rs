@@ -47,6 +47,7 @@ pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     goes_on_with(args.resuming());
 
     design.task.table |= args.table;
+    design.task.explorer = !args.no_explorer;
     complete(&mut design, &disk(), &Job::new(console))?;
     heed()?;
     let calibrated_s = started.elapsed().as_secs_f64();

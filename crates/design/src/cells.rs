@@ -1,0 +1,48 @@
+//! Steady cells of one texture, in every sliding direction.
+
+use slipgrid_monitor::Monitor;
+use slipgrid_optimize::ModelFailure;
+use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_springblock::{CellOutcome, Load, Scene, Status, SteadyCell};
+
+use crate::operating_conditions::turned;
+
+/// What solves steady cells at the loads of one sliding direction after the other.
+pub struct Solver {
+    pub each: Vec<(Option<f64>, SteadyCell)>,
+}
+
+impl Solver {
+    /// Of the loads of `scene`, as many in each of `directions_deg` as in the designs' own, which come first.
+    pub fn new(scene: &Scene, texture: &Texture, directions_deg: &[f64]) -> Self {
+        let each = std::iter::once(None).chain(directions_deg.iter().map(|&angle_deg| Some(angle_deg)));
+        let own = scene.loads.len() / (1 + directions_deg.len());
+        let cell = |(angle_deg, loads): (Option<f64>, &[Load])| {
+            (angle_deg, SteadyCell::of_texture(&Scene { loads: loads.to_vec(), ..scene.clone() }, texture))
+        };
+        Self { each: each.zip(scene.loads.chunks(own)).map(cell).collect() }
+    }
+
+    pub fn is_spatial(&self) -> bool {
+        self.each.first().is_some_and(|(_, cell)| cell.is_spatial())
+    }
+
+    /// The cells of `design` in every direction, until `monitor` has cancelled.
+    pub fn solve(&self, design: &Pattern, monitor: &dyn Monitor) -> Result<Vec<CellOutcome>, ModelFailure> {
+        let mut outcomes = Vec::new();
+        for (angle_deg, cell) in &self.each {
+            let turned = turned(design, *angle_deg);
+            let (bytes, most_bytes) = (cell.bytes(&turned), cell.most_bytes());
+            if bytes > most_bytes {
+                let reason = format!("its cell takes {bytes:.1e} bytes, more than {most_bytes:.1e}");
+                return Err(ModelFailure::Trial { reason });
+            }
+            let mut found = cell.solve_heeding(&turned, monitor);
+            if found.iter().any(|outcome| outcome.surface.status == Status::Cancelled) {
+                return Err(ModelFailure::Cancelled);
+            }
+            outcomes.append(&mut found);
+        }
+        Ok(outcomes)
+    }
+}

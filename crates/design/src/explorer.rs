@@ -1,0 +1,212 @@
+//! What any design within the bounds does, as a response surface that a page can ask: no search, no solver.
+//!
+//! Grooves are solved on a lattice of widths, spacings and depths. In space large blocks give the shape of the surface and a few cells
+//! in the layer's own blocks lift it to where it belongs. The error is measured at designs that are no nodes.
+
+use rayon::prelude::*;
+use slipgrid_optimize::{DesignSpace, ModelFailure};
+use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
+use slipgrid_units::LENGTH_UM;
+
+use crate::chance::{About, Chances};
+use crate::steady_model::SteadyModel;
+use crate::task::DesignTask;
+use slipgrid_monitor::{Monitor, Stage};
+
+/// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them, in the vertical plane; in space
+/// of large blocks, and of the layer's own.
+const PLANE_NODES: Nodes = Nodes { each: [8.0, 6.0, 3.4], most: [20, 20, 12] };
+const COARSE_NODES: Nodes = Nodes { each: [5.0, 4.0, 2.0], most: [12, 12, 7] };
+const FINE_NODES: Nodes = Nodes { each: [1.5, 1.5, 1.0], most: [5, 5, 4] };
+/// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
+const PLANE_CHECKS: [usize; 2] = [200, 1000];
+const SPACE_CHECKS: usize = 40;
+/// Most nodes that may have no answer: they get their neighbour's.
+const MOST_LEFT_OUT: f64 = 0.05;
+/// Draws behind the covariance of the errors.
+const DRAWS: usize = 2000;
+
+/// How many nodes an axis gets.
+struct Nodes {
+    each: [f64; 3],
+    most: [usize; 3],
+}
+
+/// How far the surface is from the solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfaceError {
+    /// Designs at which both were asked.
+    pub points: usize,
+    /// Median over them of the largest difference at any load, in the target's quantity.
+    pub median: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+/// A design's values anywhere within the bounds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explorer {
+    /// By width, spacing and depth in micrometres: the target's quantity of an endless pattern at each pressure.
+    pub values: ResponseSurface,
+    /// By the same: the logarithm of the largest local pressure over MPa, over the target's pressures.
+    pub log_peak: ResponseSurface,
+    /// By width and spacing, at any depth: share of a period that is cavity.
+    pub areal_density: ResponseSurface,
+    /// Its error against the solver.
+    pub error: SurfaceError,
+    /// What is added to the values, one a pressure: with it they are at the design found what was predicted of it.
+    pub offset: Vec<f64>,
+    /// Covariance of the values' errors at the design found, one row a pressure; empty where they are not known.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// Where the surface is anchored.
+pub struct Anchor<'a> {
+    /// The design found.
+    pub design: &'a Pattern,
+    /// What the corrected model says of it, the first a pressure.
+    pub values: &'a [f64],
+    /// What its errors are, where anything is known of them.
+    pub chances: Option<&'a Chances<'a>>,
+    /// Standard deviations of the values by how exactly they were computed.
+    pub numerical: &'a [f64],
+}
+
+/// What a node says: values, and the largest local pressure.
+type Answer = (Vec<f64>, f64);
+
+/// Solves the surface by `model` and measures its error; `None` where `bar` has cancelled, or too many designs cannot be computed.
+pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, bar: &Stage<'_>) -> Option<Explorer> {
+    let is_spatial = model.guide().is_some();
+    let axes = axes(&design.space, if is_spatial { &COARSE_NODES } else { &PLANE_NODES });
+    let texture = *design.space.texture();
+    let shares = if is_spatial { [0.2, 0.6, 0.2] } else { [0.8, 0.0, 0.2] };
+    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| ask(model, &texture, nodes, coarse, (bar, share));
+
+    let nodes = ResponseSurface::nodes(&axes);
+    let mut all = whole(ask(&nodes, is_spatial, shares[0])?, &axes)?;
+    if is_spatial {
+        let axes = self::axes(&design.space, &FINE_NODES);
+        let few = ResponseSurface::nodes(&axes);
+        let (fine, coarse) = (ask(&few, false, shares[1])?, ask(&few, true, 0.0)?);
+        let difference = fine.into_iter().zip(coarse).map(|(fine, coarse)| {
+            let ((fine, fine_peak), (coarse, peak)) = (fine?, coarse?);
+            Some((fine.iter().zip(&coarse).map(|(fine, coarse)| fine - coarse).collect(), fine_peak / peak))
+        });
+        let lift = surfaces(axes, &whole(difference.collect(), &axes)?);
+        for (at, (values, peak)) in nodes.iter().zip(&mut all) {
+            values.iter_mut().zip(lift.0.at(at)).for_each(|(value, lift)| *value += lift);
+            *peak *= lift.1.at(at)[0].exp();
+        }
+    }
+    let (values, log_peak) = surfaces(axes, &all);
+
+    let [fewest, most] = PLANE_CHECKS;
+    let count = if is_spatial { SPACE_CHECKS } else { nodes.len().clamp(fewest, most) };
+    let checks = checks(&axes, count, design.seed);
+    let mut off: Vec<f64> = ask(&checks, false, shares[2])?
+        .into_iter()
+        .zip(&checks)
+        .filter_map(|(answer, at)| {
+            let (exact, _) = answer?;
+            Some(exact.iter().zip(values.at(at)).map(|(exact, found)| (exact - found).abs()).fold(0.0, f64::max))
+        })
+        .collect();
+    let worst = off.iter().copied().fold(0.0, f64::max);
+    let error = SurfaceError { points: off.len(), median: median(&mut off)?, worst };
+
+    let own = lengths_um(anchor.design);
+    let offset = values.at(&own).iter().zip(anchor.values).map(|(found, predicted)| predicted - found).collect();
+    let density = |at: &[f64; 3]| pattern(&texture, at).map_or(0.0, |pattern| pattern.areal_density());
+    let [width, spacing, depth] = axes;
+    let level = [width, spacing, Axis { nodes: 1, ..depth }];
+    let densities = ResponseSurface::nodes(&level).iter().map(density).collect();
+    let covariance = covariance(anchor, design.seed).unwrap_or_default();
+    let areal_density = ResponseSurface::through(level, 1, densities);
+    Some(Explorer { values, log_peak, areal_density, error, offset, covariance })
+}
+
+fn axes(space: &DesignSpace, nodes: &Nodes) -> [Axis; 3] {
+    let bounds =
+        [space.width_m(), space.spacing_m(), space.depth_m()].map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
+    std::array::from_fn(|axis| {
+        let [from, to] = bounds[axis];
+        // At most some dozens: the cast is exact.
+        let wanted = 1 + (nodes.each[axis] * (to / from).ln()).ceil() as usize;
+        Axis::new(bounds[axis], wanted.min(nodes.most[axis]))
+    })
+}
+
+fn pattern(texture: &Texture, lengths_um: &[f64; 3]) -> Option<Pattern> {
+    let [width_m, spacing_m, depth_m] = lengths_um.map(|um| LENGTH_UM.to_si(um));
+    Pattern::new(*texture, width_m, spacing_m, depth_m).ok()
+}
+
+/// Width, spacing and depth of `pattern`, in micrometres.
+fn lengths_um(pattern: &Pattern) -> [f64; 3] {
+    [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()].map(|m| LENGTH_UM.from_si(m))
+}
+
+/// What the model says of each of `nodes`, in its guide's blocks where `coarse`, as `share` of a stage; `None` once it is cancelled.
+fn ask(
+    model: &SteadyModel,
+    texture: &Texture,
+    nodes: &[[f64; 3]],
+    coarse: bool,
+    (bar, share): (&Stage<'_>, f64),
+) -> Option<Vec<Option<Answer>>> {
+    let one = |lengths_um: &[f64; 3]| {
+        if bar.cancelled() {
+            return Err(ModelFailure::Cancelled);
+        }
+        bar.advance(share / nodes.len() as f64);
+        let answer = pattern(texture, lengths_um).map(|pattern| model.endless(&pattern, coarse));
+        match answer {
+            Some(Err(ModelFailure::Cancelled)) => Err(ModelFailure::Cancelled),
+            Some(Ok(answer)) => Ok(Some(answer)),
+            _ => Ok(None),
+        }
+    };
+    nodes.par_iter().map(one).collect::<Result<_, _>>().ok()
+}
+
+/// The answers, where a node has none that of the nearest node with the same width and spacing, else of the nearest before it.
+fn whole(answers: Vec<Option<Answer>>, axes: &[Axis; 3]) -> Option<Vec<Answer>> {
+    let missing = answers.iter().filter(|answer| answer.is_none()).count();
+    if missing as f64 > MOST_LEFT_OUT * answers.len() as f64 {
+        return None;
+    }
+    let depths = axes[2].nodes;
+    let mut found: Vec<Answer> = Vec::with_capacity(answers.len());
+    for (place, answer) in answers.iter().enumerate() {
+        let row = place / depths * depths;
+        let near = (row..row + depths).filter(|near| answers[*near].is_some()).min_by_key(|near| near.abs_diff(place));
+        let own = answer.clone().or_else(|| near.and_then(|near| answers[near].clone()));
+        found.push(own.or_else(|| found.last().cloned()).or_else(|| answers.iter().flatten().next().cloned())?);
+    }
+    Some(found)
+}
+
+/// Values, and logarithms of the largest pressures, through their nodes.
+fn surfaces(axes: [Axis; 3], all: &[Answer]) -> (ResponseSurface, ResponseSurface) {
+    let outputs = all.first().map_or(0, |(values, _)| values.len());
+    let values = all.iter().flat_map(|(values, _)| values.iter().copied()).collect();
+    let peaks = all.iter().map(|(_, peak_mpa)| peak_mpa.max(f64::MIN_POSITIVE).ln()).collect();
+    (ResponseSurface::through(axes, outputs, values), ResponseSurface::through(axes, 1, peaks))
+}
+
+/// Designs anywhere within the bounds, their logarithms evenly spread.
+fn checks(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
+    let mut normals = Normals::new(seed);
+    let mut at = |axis: &Axis| axis.from * (axis.to / axis.from).powf(normal_probability(normals.draw()));
+    (0..count).map(|_| [at(&axes[0]), at(&axes[1]), at(&axes[2])]).collect()
+}
+
+/// Covariance of the values' errors at the design found.
+fn covariance(anchor: &Anchor<'_>, seed: u64) -> Option<Vec<Vec<f64>>> {
+    let chances = anchor.chances.filter(|chances| chances.is_known())?;
+    let about = About { design: anchor.design, values: anchor.values, numerical: anchor.numerical };
+    let linear = chances.linearize(&about).ok()?;
+    Some(chances.covariance(&chances.draws(DRAWS, seed), &linear))
+}

@@ -1,0 +1,274 @@
+"use strict";
+(() => {
+  const data = JSON.parse(document.getElementById("explorer-data").textContent);
+  const root = document.getElementById("explorer");
+  const find = name => root.querySelector(`[data-${name}]`);
+  const all = name => [...root.querySelectorAll(`[data-${name}]`)];
+
+  // Response surfaces: tensor products of cubic B-splines in the logarithms of width, spacing and depth.
+  const unpack = packed => {
+    const bytes = Uint8Array.from(atob(packed.codes), letter => letter.charCodeAt(0));
+    const codes = new DataView(bytes.buffer), found = new Float64Array(bytes.length / 2);
+    for (let k = 0; k < found.length; k++) found[k] = packed.from + (packed.to - packed.from) * codes.getUint16(2 * k, true) / 65535;
+    return found;
+  };
+  const count = nodes => nodes === 1 ? 1 : nodes + 2;
+  const weights = (axis, length) => {
+    if (axis.nodes === 1) return [0, [1]];
+    const place = Math.min(Math.max(Math.log(length / axis.from) / Math.log(axis.to / axis.from), 0), 1) * (axis.nodes - 1);
+    const first = Math.min(Math.floor(place), axis.nodes - 2), t = place - first, s = 1 - t;
+    return [first, [s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6]];
+  };
+  const surface = (packed, axes, outputs) => {
+    const coefficients = unpack(packed), rows = count(axes[1].nodes), columns = count(axes[2].nodes);
+    return at => {
+      const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, at[k]));
+      const found = new Array(outputs).fill(0);
+      for (let i = 0; i < u.length; i++) for (let j = 0; j < v.length; j++) for (let k = 0; k < w.length; k++) {
+        const weight = u[i] * v[j] * w[k], start = (((a + i) * rows + b + j) * columns + c + k) * outputs;
+        for (let o = 0; o < outputs; o++) found[o] += weight * coefficients[start + o];
+      }
+      return found;
+    };
+  };
+  const axes = data.axes, loads = data.pressure_mpa.length;
+  const endless = surface(data.values, axes, loads), logPeak = surface(data.log_peak, axes, 1);
+  const density = surface(data.areal_density, [axes[0], axes[1], { nodes: 1 }], 1);
+
+  // The chance: draws of the errors of the design found, the same for every design.
+  const draws = (() => {
+    if (!data.covariance.length) return [];
+    const lower = data.covariance.map(() => new Array(loads).fill(0));
+    for (let i = 0; i < loads; i++) for (let j = 0; j <= i; j++) {
+      let sum = data.covariance[i][j];
+      for (let k = 0; k < j; k++) sum -= lower[i][k] * lower[j][k];
+      lower[i][j] = i === j ? Math.sqrt(Math.max(sum, 0)) : lower[j][j] > 0 ? sum / lower[j][j] : 0;
+    }
+    let state = 1;
+    const uniform = () => {
+      state = state + 0x6D2B79F5 | 0;
+      let mixed = Math.imul(state ^ state >>> 15, 1 | state);
+      mixed = mixed + Math.imul(mixed ^ mixed >>> 7, 61 | mixed) ^ mixed;
+      return ((mixed ^ mixed >>> 14) >>> 0) / 4294967296;
+    };
+    const normal = () => Math.sqrt(-2 * Math.log(1 - uniform())) * Math.cos(2 * Math.PI * uniform());
+    return Array.from({ length: 2000 }, () => {
+      const z = Array.from({ length: loads }, normal);
+      return lower.map(row => row.reduce((sum, entry, k) => sum + entry * z[k], 0));
+    });
+  })();
+  const isWithin = (value, load) => (data.lowest[load] === null || value >= data.lowest[load]) && (data.highest[load] === null || value <= data.highest[load]);
+  const chance = values => draws.length ? draws.filter(off => values.every((value, load) => isWithin(value + off[load], load))).length / draws.length : null;
+
+  const round = (value, step) => Math.round(value / step) * step;
+  const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
+  const describe = at => {
+    const values = endless(at).map((value, load) => value + data.offset[load]);
+    const share = density(at)[0], laser = data.laser;
+    const steps = depth => data.burst_um ? bursts(depth) : depth;
+    return {
+      at, values, share, peak: Math.exp(logPeak(at)[0]), chance: chance(values), bursts: bursts(at[2]),
+      minutes: laser ? laser.time_s / 60 * share / laser.areal_density * steps(at[2]) / steps(laser.depth_um) : null,
+    };
+  };
+  const broken = state => data.limits.filter(limit => {
+    const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.share, bearing: 1 - state.share, laser: state.minutes }[limit.kind];
+    return value !== null && (limit.is_most ? value > limit.bound * (1 + 1e-9) : value < limit.bound * (1 - 1e-9));
+  });
+  const misfit = values => Math.max(...values.map((value, load) => {
+    const low = data.lowest[load], high = data.highest[load];
+    if (low !== null && high !== null) return Math.abs(value - (low + high) / 2) / Math.max((high - low) / 2, 1e-12);
+    return low !== null ? (value >= low ? 0 : 2) : high !== null ? (value <= high ? 0 : 2) : 0;
+  }));
+
+  // Controls.
+  const STEPS = 1000;
+  let state = data.design.slice(), pressure = data.pressure_mpa[loads - 1];
+  const toStep = (axis, length) => Math.round(STEPS * Math.log(length / axis.from) / Math.log(axis.to / axis.from));
+  const toLength = (axis, step) => round(axis.from * (axis.to / axis.from) ** (step / STEPS), 0.1);
+  const set = (k, length) => {
+    if (!Number.isFinite(length)) return;
+    state[k] = Math.min(Math.max(length, axes[k].from), axes[k].to);
+    draw();
+  };
+  for (const slider of all("slider")) {
+    const k = +slider.dataset.slider;
+    slider.addEventListener("input", () => set(k, toLength(axes[k], +slider.value)));
+  }
+  for (const field of all("number")) field.addEventListener("change", () => set(+field.dataset.number, parseFloat(field.value)));
+  const pressing = find("pressure");
+  if (pressing) pressing.addEventListener("input", () => { pressure = +pressing.value; draw(); });
+  find("reset").addEventListener("click", () => { state = data.design.slice(); draw(); });
+
+  // A value at any pressure between those of the target, straight between them.
+  const between = (values, at) => {
+    let k = 0;
+    while (k < loads - 2 && at > data.pressure_mpa[k + 1]) k++;
+    if (loads === 1) return values[0];
+    const [from, to] = [data.pressure_mpa[k], data.pressure_mpa[k + 1]];
+    return values[k] + (values[k + 1] - values[k]) * (at - from) / (to - from);
+  };
+  const other = values => data.flat_mu ? values.map((value, load) => data.is_ratio ? value * data.flat_mu[load] : value / data.flat_mu[load]) : null;
+
+  // Pictures.
+  const svg = (name, attributes, text) => {
+    const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+    if (text !== undefined) made.textContent = text;
+    return made;
+  };
+  const ticks = (from, to, most) => {
+    const span = Math.max(to - from, 1e-9), power = 10 ** Math.floor(Math.log10(span / most));
+    const step = [1, 2, 5, 10].map(own => own * power).find(own => span / own <= most);
+    const found = [];
+    for (let at = Math.ceil(from / step - 1e-9) * step; at <= to + 1e-9 * step; at += step) found.push(+at.toPrecision(6));
+    return found;
+  };
+  const curve = shown => {
+    const chart = find("curve"), [width, height, left, right, top, bottom] = [460, 300, 58, 14, 12, 44];
+    const std = data.covariance.map((row, load) => Math.sqrt(row[load]));
+    const bounds = [...data.lowest, ...data.highest].filter(value => value !== null);
+    const values = [...shown.values.flatMap((value, load) => [value - (std[load] || 0), value + (std[load] || 0)]), ...bounds];
+    let [low, high] = [Math.min(...values), Math.max(...values)];
+    const room = Math.max(0.08 * (high - low), 0.005);
+    [low, high] = [low - room, high + room];
+    const reach = loads > 1 ? [data.pressure_mpa[0], data.pressure_mpa[loads - 1]] : [0.5 * data.pressure_mpa[0], 1.5 * data.pressure_mpa[0]];
+    const pad = 0.05 * (reach[1] - reach[0]);
+    const x = p => left + (width - left - right) * (p - reach[0] + pad) / (reach[1] - reach[0] + 2 * pad);
+    const y = v => top + (height - top - bottom) * (high - v) / (high - low);
+    const line = points => points.map(([p, v], k) => `${k ? "L" : "M"}${x(p).toFixed(1)} ${y(v).toFixed(1)}`).join("");
+    const parts = [svg("rect", { x: left, y: top, width: width - left - right, height: height - top - bottom, fill: "none", stroke: "#999" })];
+    for (const tick of ticks(low, high, 6)) parts.push(svg("path", { d: `M${left} ${y(tick)}H${width - right}`, stroke: "#ddd" }), svg("text", { x: left - 6, y: y(tick) + 4, "text-anchor": "end" }, tick));
+    for (const p of data.pressure_mpa) parts.push(svg("text", { x: x(p), y: height - bottom + 18, "text-anchor": "middle" }, p));
+    parts.push(svg("text", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, "nominal pressure in MPa"));
+    const wide = loads > 1 ? 0 : 0.3 * (reach[1] - reach[0]);
+    data.pressure_mpa.forEach((p, load) => {
+      const [from, to] = [data.lowest[load] ?? low, data.highest[load] ?? high];
+      if (data.lowest[load] === null && data.highest[load] === null) return;
+      const half = loads > 1 ? 9 : x(p + wide) - x(p);
+      parts.push(svg("rect", { x: x(p) - half, y: y(to), width: 2 * half, height: Math.max(y(from) - y(to), 1), fill: "#0072b2", opacity: 0.25 }));
+    });
+    const points = sign => data.pressure_mpa.map((p, load) => [p, shown.values[load] + sign * (std[load] || 0)]);
+    if (std.length && loads > 1) parts.push(svg("path", { d: line(points(1)) + line(points(-1).reverse()).replace("M", "L") + "z", fill: "#d55e00", opacity: 0.15 }));
+    parts.push(svg("path", { d: line(points(0)), fill: "none", stroke: "#b34700", "stroke-width": 2 }));
+    for (const [p, v] of points(0)) parts.push(svg("circle", { cx: x(p), cy: y(v), r: 4, fill: "#b34700" }));
+    if (loads > 1) parts.push(svg("path", { d: `M${x(pressure)} ${top}V${height - bottom}`, stroke: "#444", "stroke-dasharray": "4 3" }));
+    chart.replaceChildren(...parts);
+  };
+  const section = at => {
+    const [w, s, d] = at, scale = 420 / (2 * (w + s)), deep = d * scale, face = 30 + Math.max(46, deep + 16);
+    const start = (s / 2) * scale, pitch = (w + s) * scale;
+    let outline = `M20 20H440V${face}`;
+    for (const place of [1, 0]) outline += `H${20 + start + place * pitch + w * scale}V${face - deep}H${20 + start + place * pitch}V${face}`;
+    const drawing = find("section");
+    drawing.setAttribute("viewBox", `0 0 460 ${face + 30}`);
+    drawing.replaceChildren(
+      svg("path", { d: outline + "H20z", fill: "#cfe3f0", stroke: "#333" }), svg("path", { d: `M20 ${face + 2}H440`, stroke: "#333", "stroke-width": 3 }),
+      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} wide, ${fixed(s, 1)} apart, ${fixed(d, 1)} deep, in µm; both axes at one scale`));
+  };
+
+  // The map of two lengths.
+  const map = find("map"), context = map.getContext("2d"), pair = find("pair");
+  const free = axes.map((axis, k) => k).filter(k => axes[k].nodes > 1);
+  const COLUMNS = 96, ROWS = 72;
+  let plane = free.slice(0, 2), mapped = "";
+  const lengthAt = (k, share) => axes[k].from * (axes[k].to / axes[k].from) ** share;
+  const shareAt = (k, length) => Math.log(length / axes[k].from) / Math.log(axes[k].to / axes[k].from);
+  const drawMap = () => {
+    const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
+    const key = `${plane} ${hidden === undefined ? "" : state[hidden]}`;
+    const [cw, ch] = [map.width / COLUMNS, map.height / ROWS];
+    if (key !== mapped) {
+      mapped = key;
+      drawMap.cells = [];
+      for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
+        const at = state.slice();
+        at[h] = lengthAt(h, (column + 0.5) / COLUMNS);
+        at[v] = lengthAt(v, 1 - (row + 0.5) / ROWS);
+        const values = endless(at).map((value, load) => value + data.offset[load]), share = density(at)[0];
+        const off = misfit(values), own = { at, values, share, peak: Math.exp(logPeak(at)[0]), minutes: null };
+        drawMap.cells.push([off, broken(own).length > 0]);
+      }
+    }
+    drawMap.cells.forEach(([off, isBroken], place) => {
+      const column = place % COLUMNS, row = Math.floor(place / COLUMNS);
+      const light = Math.min(Math.log2(1 + Math.max(off - 1, 0)) / 5, 1);
+      context.fillStyle = off <= 1 ? (isBroken ? "#9fc5b4" : "#009e73") : `hsl(210 ${isBroken ? 8 : 35}% ${60 + 35 * light}%)`;
+      context.fillRect(column * cw, row * ch, cw + 1, ch + 1);
+      if (isBroken) {
+        context.strokeStyle = "rgba(80,40,0,.45)";
+        context.beginPath();
+        context.moveTo(column * cw, (row + 1) * ch);
+        context.lineTo((column + 1) * cw, row * ch);
+        context.stroke();
+      }
+    });
+    const mark = (at, fill, size, name) => {
+      const x = shareAt(h, at[h]) * map.width, y = (1 - shareAt(v, at[v])) * map.height;
+      context.beginPath();
+      if (name === "diamond") { context.moveTo(x, y - size); context.lineTo(x + size, y); context.lineTo(x, y + size); context.lineTo(x - size, y); context.closePath(); } else context.arc(x, y, size, 0, 7);
+      context.fillStyle = fill;
+      context.fill();
+      context.strokeStyle = "#fff";
+      context.lineWidth = 1.5;
+      context.stroke();
+      context.lineWidth = 1;
+    };
+    for (const point of data.points) mark(point.at, point.kind === "trial" ? "#7a0060" : "#555", 4, "disc");
+    mark(data.design, "#000", 8, "diamond");
+    mark(state, "#d55e00", 6, "disc");
+    find("across").textContent = `${axes[h].name} in µm: ${fixed(axes[h].from, 0)} (left) to ${fixed(axes[h].to, 0)}`;
+    find("up").textContent = `${axes[v].name} in µm: ${fixed(axes[v].from, 0)} (below) to ${fixed(axes[v].to, 0)}`;
+  };
+  map.addEventListener("click", event => {
+    const box = map.getBoundingClientRect(), [h, v] = plane;
+    state[h] = round(lengthAt(h, Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1)), 0.1);
+    state[v] = round(lengthAt(v, Math.min(Math.max(1 - (event.clientY - box.top) / box.height, 0), 1)), 0.1);
+    draw();
+  });
+  if (pair) pair.addEventListener("change", () => { plane = pair.value.split(",").map(Number); mapped = ""; draw(); });
+
+  // Readings.
+  const fixed = (value, digits) => value === null || value === undefined || !Number.isFinite(value) ? "-" : value.toFixed(digits);
+  const draw = () => {
+    const shown = describe(state), second = other(shown.values), limits = broken(shown);
+    for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
+    for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
+    if (pressing) pressing.value = pressure;
+    const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
+    say("at", `${fixed(pressure, 2)} MPa`);
+    say("first", fixed(between(shown.values, pressure), 4));
+    say("second", second ? fixed(between(second, pressure), 4) : "-");
+    say("chance", shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
+    say("peak", fixed(shown.peak, 1));
+    say("density", fixed(100 * shown.share, 1));
+    say("bursts", shown.bursts === null ? "-" : `${shown.bursts} (${fixed(shown.bursts * data.burst_um, 1)} µm)`);
+    say("minutes", fixed(shown.minutes, 1));
+    const on = misfit(shown.values) <= 1;
+    const words = limits.map(limit => limit.words);
+    say("verdict", `${on ? "On target by the model" : "Off target"}${words.length ? "; breaks " + words.join(", ") : ""}.`);
+    root.dataset.values = JSON.stringify(shown.values);
+    curve(shown);
+    section(state);
+    if (free.length > 1) drawMap();
+  };
+
+  // The design as a scene.
+  const copied = find("toml");
+  find("copy").addEventListener("click", () => {
+    let place = "";
+    copied.value = data.toml.split("\n").map(line => {
+      if (line.startsWith("[")) place = line;
+      const k = ["width_um", "spacing_um", "depth_um"].findIndex(key => place === "[pattern]" && line.startsWith(`${key} = `));
+      return k < 0 ? line : `${line.split(" = ")[0]} = ${fixed(state[k], 3)}`;
+    }).join("\n");
+    copied.hidden = false;
+    copied.focus();
+    copied.select();
+    if (navigator.clipboard) navigator.clipboard.writeText(copied.value).catch(() => {});
+  });
+  const named = find("limits");
+  if (named && data.limits.length) named.textContent = `: ${data.limits.map(limit => limit.words).join("; ")}`;
+  root.hidden = false;
+  draw();
+})();
