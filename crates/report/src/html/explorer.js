@@ -21,8 +21,8 @@
   };
   const surface = (packed, axes, outputs) => {
     const coefficients = unpack(packed), rows = count(axes[1].nodes), columns = count(axes[2].nodes);
-    return at => {
-      const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, at[k]));
+    const at = lengths => {
+      const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, lengths[k]));
       const found = new Array(outputs).fill(0);
       for (let i = 0; i < u.length; i++) for (let j = 0; j < v.length; j++) for (let k = 0; k < w.length; k++) {
         const weight = u[i] * v[j] * w[k], start = (((a + i) * rows + b + j) * columns + c + k) * outputs;
@@ -30,6 +30,26 @@
       }
       return found;
     };
+    // At every pair of lengths h along axis `one` and v along axis `two`, the third as in `lengths`: one axis after the other.
+    const strides = [rows * columns * outputs, columns * outputs, outputs], sizes = axes.map(axis => count(axis.nodes));
+    const plane = (lengths, one, two, hs, vs) => {
+      const third = 3 - one - two, [first, own] = weights(axes[third], lengths[third]), size = sizes[two];
+      const flat = new Float64Array(sizes[one] * size * outputs), lines = new Float64Array(hs.length * size * outputs);
+      for (let i = 0; i < sizes[one]; i++) for (let j = 0; j < size; j++) for (let k = 0; k < own.length; k++)
+        for (let o = 0; o < outputs; o++) flat[(i * size + j) * outputs + o] += own[k] * coefficients[i * strides[one] + j * strides[two] + (first + k) * strides[third] + o];
+      hs.forEach((h, x) => {
+        const [from, u] = weights(axes[one], h);
+        for (let i = 0; i < u.length; i++) for (let j = 0; j < size * outputs; j++) lines[x * size * outputs + j] += u[i] * flat[(from + i) * size * outputs + j];
+      });
+      const found = new Float64Array(hs.length * vs.length * outputs);
+      vs.forEach((v, y) => {
+        const [from, w] = weights(axes[two], v);
+        for (let x = 0; x < hs.length; x++) for (let j = 0; j < w.length; j++) for (let o = 0; o < outputs; o++)
+          found[(y * hs.length + x) * outputs + o] += w[j] * lines[(x * size + from + j) * outputs + o];
+      });
+      return found;
+    };
+    return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
   const endless = surface(data.values, axes, loads), logPeak = surface(data.log_peak, axes, 1);
@@ -63,11 +83,11 @@
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   const describe = at => {
-    const values = endless(at).map((value, load) => value + data.offset[load]);
-    const share = density(at)[0], laser = data.laser;
+    const values = endless.at(at).map((value, load) => value + data.offset[load]);
+    const share = density.at(at)[0], laser = data.laser;
     const steps = depth => data.burst_um ? bursts(depth) : depth;
     return {
-      at, values, share, peak: Math.exp(logPeak(at)[0]), chance: chance(values), bursts: bursts(at[2]),
+      at, values, share, peak: Math.exp(logPeak.at(at)[0]), chance: chance(values), bursts: bursts(at[2]),
       minutes: laser ? laser.time_s / 60 * share / laser.areal_density * steps(at[2]) / steps(laser.depth_um) : null,
     };
   };
@@ -174,35 +194,42 @@
   let plane = free.slice(0, 2), mapped = "";
   const lengthAt = (k, share) => axes[k].from * (axes[k].to / axes[k].from) ** share;
   const shareAt = (k, length) => Math.log(length / axes[k].from) / Math.log(axes[k].to / axes[k].from);
+  const colours = new Map();
+  const colour = (off, isBroken) => {
+    const level = off <= 1 ? 0 : 1 + Math.round(24 * Math.min(Math.log2(off) / 5, 1)), key = 2 * level + isBroken;
+    if (!colours.has(key)) {
+      const light = (level - 1) / 24, grey = isBroken ? 0.35 : 1;
+      const rgb = level === 0 ? (isBroken ? [159, 197, 180] : [0, 158, 115]) : [120, 150, 190].map(own => 245 - (245 - own) * (1 - light) * grey);
+      // Red first in memory, the least byte of a number.
+      const packed = dark => rgb.reduce((sum, own, place) => sum | Math.round(own * dark) << 8 * place, 0xff000000) >>> 0;
+      colours.set(key, [packed(1), packed(isBroken ? 0.6 : 1)]);
+    }
+    return colours.get(key);
+  };
+  let image = null;
   const drawMap = () => {
     const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
     const key = `${plane} ${hidden === undefined ? "" : state[hidden]}`;
-    const [cw, ch] = [map.width / COLUMNS, map.height / ROWS];
     if (key !== mapped) {
       mapped = key;
-      drawMap.cells = [];
+      const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
+      const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
+      const values = endless.plane(state, h, v, hs, vs), peaks = logPeak.plane(state, h, v, hs, vs);
+      const side = [h, v].includes(2) ? null : density.plane(state, h, v, hs, vs);
+      image = context.createImageData(map.width, map.height);
+      const pixels = new Uint32Array(image.data.buffer), at = state.slice(), own = new Array(loads), wide = map.width / COLUMNS;
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
-        const at = state.slice();
-        at[h] = lengthAt(h, (column + 0.5) / COLUMNS);
-        at[v] = lengthAt(v, 1 - (row + 0.5) / ROWS);
-        const values = endless(at).map((value, load) => value + data.offset[load]), share = density(at)[0];
-        const off = misfit(values), own = { at, values, share, peak: Math.exp(logPeak(at)[0]), minutes: null };
-        drawMap.cells.push([off, broken(own).length > 0]);
+        const cell = row * COLUMNS + column;
+        [at[h], at[v]] = [hs[column], vs[row]];
+        for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
+        const isBroken = broken({ at, peak: Math.exp(peaks[cell]), share: side ? side[cell] : density.at(at)[0], minutes: null }).length > 0;
+        const [plain, hatch] = colour(misfit(own), isBroken);
+        for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
+          pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
+        }
       }
     }
-    drawMap.cells.forEach(([off, isBroken], place) => {
-      const column = place % COLUMNS, row = Math.floor(place / COLUMNS);
-      const light = Math.min(Math.log2(1 + Math.max(off - 1, 0)) / 5, 1);
-      context.fillStyle = off <= 1 ? (isBroken ? "#9fc5b4" : "#009e73") : `hsl(210 ${isBroken ? 8 : 35}% ${60 + 35 * light}%)`;
-      context.fillRect(column * cw, row * ch, cw + 1, ch + 1);
-      if (isBroken) {
-        context.strokeStyle = "rgba(80,40,0,.45)";
-        context.beginPath();
-        context.moveTo(column * cw, (row + 1) * ch);
-        context.lineTo((column + 1) * cw, row * ch);
-        context.stroke();
-      }
-    });
+    context.putImageData(image, 0, 0);
     const mark = (at, fill, size, name) => {
       const x = shareAt(h, at[h]) * map.width, y = (1 - shareAt(v, at[v])) * map.height;
       context.beginPath();

@@ -223,7 +223,7 @@ fn controls(data: &Data) -> Markup {
                     figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
                 @if free.len() > 1 {
                     figure {
-                        div class="card" { canvas data-map width="512" height="384" role="img" aria-label="Where designs are on target; the sliders choose the same" {} }
+                        div class="card" { canvas data-map width="384" height="288" role="img" aria-label="Where designs are on target; the sliders choose the same" {} }
                         figcaption {
                             @if free.len() > 2 {
                                 select data-pair aria-label="What the map shows" {

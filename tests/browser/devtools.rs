@@ -1,0 +1,144 @@
+//! A page in headless Chromium, over the DevTools protocol.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use serde_json::{Value, json};
+use tungstenite::{Message, WebSocket};
+
+const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+
+/// A browser with one page.
+pub struct Page {
+    browser: Child,
+    _profile: tempfile::TempDir,
+    socket: WebSocket<TcpStream>,
+    session: String,
+    asked: u64,
+    /// What the page asked the network for, what it threw, and what its console says.
+    complaints: Vec<String>,
+}
+
+impl Page {
+    /// The file at `path`, loaded; `None` where there is no browser.
+    pub fn open(path: &Path) -> Option<Self> {
+        let profile = tempfile::tempdir().unwrap();
+        let mut browser = PROGRAMS.into_iter().find_map(|program| {
+            Command::new(program)
+                .args([
+                    "--headless=new",
+                    "--no-sandbox",
+                    "--disable-gpu",
+                    "--no-first-run",
+                    "--remote-debugging-port=0",
+                ])
+                .args(["--window-size=1280,800", "--disable-background-networking"])
+                .arg(format!("--user-data-dir={}", profile.path().display()))
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .ok()
+        })?;
+        let mut lines = BufReader::new(browser.stderr.take().unwrap()).lines();
+        let address = lines.find_map(|line| line.unwrap().strip_prefix("DevTools listening on ").map(str::to_owned));
+        std::thread::spawn(move || lines.for_each(drop));
+        let address = address.unwrap();
+        let host = address.strip_prefix("ws://").unwrap().split('/').next().unwrap();
+        let (socket, _) = tungstenite::client(&address, TcpStream::connect(host).unwrap()).unwrap();
+        let (session, complaints) = (String::new(), Vec::new());
+        let mut page = Self { browser, _profile: profile, socket, session, asked: 0, complaints };
+        let target = page.call("Target.createTarget", &json!({ "url": "about:blank" }));
+        let attached = page.call("Target.attachToTarget", &json!({ "targetId": target["targetId"], "flatten": true }));
+        page.session = attached["sessionId"].as_str().unwrap().to_owned();
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            page.call(&format!("{domain}.enable"), &json!({}));
+        }
+        page.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
+        while page.ask("document.readyState") != "complete" {}
+        Some(page)
+    }
+
+    fn call(&mut self, method: &str, params: &Value) -> Value {
+        self.asked += 1;
+        let mut message = json!({ "id": self.asked, "method": method, "params": params });
+        if !self.session.is_empty() {
+            message["sessionId"] = self.session.as_str().into();
+        }
+        self.socket.send(Message::text(message.to_string())).unwrap();
+        loop {
+            let Message::Text(text) = self.socket.read().unwrap() else { continue };
+            let told: Value = serde_json::from_str(&text).unwrap();
+            if told["id"] == self.asked {
+                assert!(told["error"].is_null(), "{method}: {told}");
+                return told["result"].clone();
+            }
+            self.note(&told);
+        }
+    }
+
+    fn note(&mut self, told: &Value) {
+        let params = &told["params"];
+        match told["method"].as_str().unwrap_or_default() {
+            "Runtime.exceptionThrown" => self.complaints.push(params["exceptionDetails"].to_string()),
+            "Runtime.consoleAPICalled" => self.complaints.push(params["args"].to_string()),
+            "Log.entryAdded" => self.complaints.push(params["entry"]["text"].to_string()),
+            "Network.requestWillBeSent" => {
+                let url = params["request"]["url"].as_str().unwrap_or_default();
+                if !(url.starts_with("file://") && url.ends_with(".html")) && !url.starts_with("data:") {
+                    self.complaints.push(format!("asked for {url}"));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The value of an expression of JavaScript.
+    pub fn ask(&mut self, expression: &str) -> Value {
+        let found = self.call("Runtime.evaluate", &json!({ "expression": expression, "returnByValue": true }));
+        assert!(found["exceptionDetails"].is_null(), "{expression}: {found}");
+        found["result"]["value"].clone()
+    }
+
+    /// Presses and releases a key.
+    pub fn press(&mut self, key: &str) {
+        let code = match key {
+            "Enter" => 13,
+            "ArrowLeft" => 37,
+            "ArrowRight" => 39,
+            other => panic!("{other} is not known here"),
+        };
+        let text = if key == "Enter" { "\r" } else { "" };
+        for kind in [if text.is_empty() { "rawKeyDown" } else { "keyDown" }, "keyUp"] {
+            let own = json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": code, "text": text });
+            self.call("Input.dispatchKeyEvent", &own);
+        }
+    }
+
+    /// Clicks at a place of the window.
+    pub fn click(&mut self, x: f64, y: f64) {
+        for kind in ["mousePressed", "mouseReleased"] {
+            let own = json!({ "type": kind, "x": x, "y": y, "button": "left", "clickCount": 1 });
+            self.call("Input.dispatchMouseEvent", &own);
+        }
+    }
+
+    /// Has the page believe that the reader prefers `scheme`, "light" or "dark".
+    pub fn scheme(&mut self, scheme: &str) {
+        let feature = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.call("Emulation.setEmulatedMedia", &json!({ "features": feature }));
+    }
+
+    /// What should not have happened.
+    pub fn complaints(&self) -> Vec<String> {
+        self.complaints.clone()
+    }
+}
+
+impl Drop for Page {
+    fn drop(&mut self) {
+        let _ = self.browser.kill();
+        let _ = self.browser.wait();
+    }
+}
