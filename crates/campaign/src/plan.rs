@@ -11,7 +11,7 @@ use slipgrid_calibrate::Selection;
 use slipgrid_design::{DesignError, DesignTask, lattice};
 use slipgrid_formats::calibrated::{Uncalibrated, complete};
 use slipgrid_formats::calibration::Calibration;
-use slipgrid_formats::confirmed_scene::DesignScene;
+use slipgrid_formats::confirmed_scene::steady_scene;
 use slipgrid_formats::design::Design;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::run::Overrides;
@@ -21,7 +21,6 @@ use slipgrid_formats::{Diagnostic, Document};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{SCHEMA, VERSION};
-use slipgrid_springblock::RunOptions;
 use slipgrid_studies::laboratories::{self, Job, Policy};
 use slipgrid_units::LENGTH_UM;
 use toml::{Spanned, Table, Value};
@@ -194,20 +193,8 @@ fn base(
 /// The steady scene of a period of `pattern`, at the loads of `task`.
 fn scene(task: &DesignTask, pattern: &Pattern) -> Result<String, DesignError> {
     let known = task.material.as_ref().ok_or_else(|| DesignError::Failed("the design has no material".to_owned()))?;
-    let run = RunOptions { seed: task.seed, dimensions: task.dimensions, ..RunOptions::default() };
-    let scene = DesignScene {
-        name: &task.name,
-        material: &known.material,
-        uncertainty: &known.uncertainty,
-        condition: task.condition.as_ref(),
-        pattern,
-        specimen: &task.specimen,
-        layer: &task.layer,
-        loads: &task.loads(&known.material)?.0,
-        speed_m_s: task.speed_m_s,
-        run: &run,
-    };
-    scene.to_toml().map_err(|error| DesignError::Failed(error.to_string()))
+    let (loads, _) = task.loads(&known.material)?;
+    steady_scene(task, known, &loads, pattern).map_err(|error| DesignError::Failed(error.to_string()))
 }
 
 /// The row of a pattern of a table.

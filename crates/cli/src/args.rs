@@ -50,6 +50,8 @@ pub enum Command {
     Simulate(SimulateArgs),
     /// Search the pattern that brings friction to a target, confirm it, and write what a laser needs
     Optimize(OptimizeArgs),
+    /// A page with sliders: what any design would do, before a search
+    Explore(ExploreArgs),
     /// Local friction coefficients from measurements on flat samples
     Calibrate(CalibrateArgs),
     /// The sample to cut next, with its chance to be on target by what trials say
@@ -141,6 +143,21 @@ pub struct OptimizeArgs {
     /// Print result.json instead of a summary
     #[arg(long)]
     pub json: bool,
+}
+
+/// `explore`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid explore designs/ldpe-lower-friction.toml\n  \
+    slipgrid explore ldpe.toml -o ldpe.html\n\n\
+    Steady solutions of a lattice of designs, interpolated; the page says how far that is from the solver. It needs\n\
+    neither the network nor slipgrid. Of a material: grooves at 0.65 to 2.6 MPa; a design file asks for anything else.")]
+pub struct ExploreArgs {
+    /// Design, material or calibration file
+    pub file: PathBuf,
+    /// The page
+    #[arg(long, short, value_name = "PAGE.html", default_value = "explore.html")]
+    pub output: PathBuf,
 }
 
 /// `calibrate`

@@ -9,19 +9,24 @@ use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_units::LENGTH_UM;
 
+use crate::DesignError;
 use crate::chance::{About, Chances};
+use crate::multi_fidelity::MultiFidelityLoop;
 use crate::steady_model::SteadyModel;
-use crate::task::DesignTask;
+use crate::task::{DesignTask, KnownMaterial};
+use crate::time_budget::TimeBudget;
+use crate::timings::Timings;
 use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_springblock::Load;
 
 /// Nodes along width, spacing and depth for each factor e between the bounds, and the most of them, in the vertical plane; in space
 /// of large blocks, and of the layer's own.
 const PLANE_NODES: Nodes = Nodes { each: [8.0, 6.0, 3.4], most: [20, 20, 12] };
 const COARSE_NODES: Nodes = Nodes { each: [5.0, 4.0, 2.0], most: [12, 12, 7] };
-const FINE_NODES: Nodes = Nodes { each: [1.5, 1.5, 1.0], most: [5, 5, 4] };
+const FINE_NODES: Nodes = Nodes { each: [3.0, 3.0, 1.5], most: [6, 6, 5] };
 /// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
 const PLANE_CHECKS: [usize; 2] = [200, 1000];
-const SPACE_CHECKS: usize = 40;
+const SPACE_CHECKS: usize = 100;
 /// Most nodes that may have no answer: they get their neighbour's.
 const MOST_LEFT_OUT: f64 = 0.05;
 /// Draws behind the covariance of the errors.
@@ -71,6 +76,51 @@ pub struct Anchor<'a> {
     pub chances: Option<&'a Chances<'a>>,
     /// Standard deviations of the values by how exactly they were computed.
     pub numerical: &'a [f64],
+}
+
+/// What a task's designs do, before any is searched.
+#[derive(Clone, Debug)]
+pub struct Explored {
+    /// The task.
+    pub task: DesignTask,
+    /// Its material.
+    pub material: KnownMaterial,
+    /// The design in the middle of the bounds.
+    pub pattern: Pattern,
+    /// The loads.
+    pub loads: Vec<Load>,
+    /// What any design does.
+    pub explorer: Explorer,
+}
+
+/// What the designs of `task` do at the condition that it is designed for, by the steady model alone.
+///
+/// # Errors
+/// [`DesignError`] for a task that is refused or that the monitor cancels, and where too many designs cannot be computed.
+pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explored, DesignError> {
+    let known = task.material.clone().ok_or_else(|| DesignError::refused("has no material"))?;
+    let mut task = task.clone();
+    task.check(&known)?;
+    let task = &task;
+    let (loads, _) = task.loads(&known.material)?;
+    let budget = TimeBudget::new(monitor, None);
+    let scene = (task, &known.material, loads.clone());
+    let found =
+        MultiFidelityLoop::new(scene.0, scene.1, scene.2, Vec::new(), budget, monitor, &mut Timings::default())?;
+    let middle = |[from, to]: [f64; 2]| (from * to).sqrt();
+    let space = &task.space;
+    let [width_m, spacing_m, depth_m] = [space.width_m(), space.spacing_m(), space.depth_m()].map(middle);
+    let pattern = Pattern::new(*space.texture(), width_m, spacing_m, depth_m)
+        .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
+    let values = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?.0;
+    let stage = budget.stage("explorer");
+    let anchor = Anchor { design: &pattern, values: &values, chances: None, numerical: &[] };
+    let explorer = explore(task, &found.model, &anchor, &stage);
+    stage.finish();
+    monitor.heed()?;
+    let explorer = explorer
+        .ok_or_else(|| DesignError::Failed("too many designs within the bounds cannot be computed".to_owned()))?;
+    Ok(Explored { task: task.clone(), material: known, pattern, loads, explorer })
 }
 
 /// What a node says: values, and the largest local pressure.

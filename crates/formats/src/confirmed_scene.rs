@@ -12,6 +12,7 @@ use crate::scene::{LoadFile, SampleFile, SceneFile};
 use crate::trials::LearnedFile;
 use crate::values::{Numbers, PathOr, number, number_list};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_design::{DesignTask, KnownMaterial};
 use slipgrid_discrepancy::Discrepancy;
 use slipgrid_export::Specimen;
 use slipgrid_results::{SCHEMA, VERSION};
@@ -52,6 +53,32 @@ pub struct DesignScene<'a> {
     pub speed_m_s: f64,
     /// How the confirming run was made.
     pub run: &'a RunOptions,
+}
+
+/// The steady scene of a period of `pattern` at the loads of `task`, of the material `known`, as TOML.
+///
+/// # Errors
+/// [`UnwritableScene`] if the values have no TOML form.
+pub fn steady_scene(
+    task: &DesignTask,
+    known: &KnownMaterial,
+    loads: &[Load],
+    pattern: &Pattern,
+) -> Result<String, UnwritableScene> {
+    let run = RunOptions { seed: task.seed, dimensions: task.dimensions, ..RunOptions::default() };
+    let scene = DesignScene {
+        name: &task.name,
+        material: &known.material,
+        uncertainty: &known.uncertainty,
+        condition: task.condition.as_ref(),
+        pattern,
+        specimen: &task.specimen,
+        layer: &task.layer,
+        loads,
+        speed_m_s: task.speed_m_s,
+        run: &run,
+    };
+    scene.to_toml()
 }
 
 impl DesignScene<'_> {

@@ -25,6 +25,7 @@ pub mod confirmed_scene;
 pub mod design;
 pub mod diagnostic;
 pub mod document;
+pub mod explored;
 pub mod file_kind;
 pub mod laser;
 pub mod limits;

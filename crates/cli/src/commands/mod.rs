@@ -6,6 +6,7 @@ mod area_law;
 mod calibrate;
 mod campaign;
 mod date;
+mod explore;
 mod export;
 mod new;
 mod next;
@@ -36,6 +37,7 @@ pub fn run(command: &Command, console: &mut Console<'_>) -> Result<u8, CliError>
         Command::AreaLaw(args) => area_law::run(args, console),
         Command::Surface(args) => surface::run(args, console),
         Command::Synthesize(args) => synthesize::run(args, console),
+        Command::Explore(args) => explore::run(args, console),
         Command::Export(args) => export::run(args, console),
         Command::Validate(args) => validate::run(args, console),
         Command::Accuracy(args) => accuracy::run(args, console),

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::{CALIBRATION, COMMANDS, FLAT, Place, SCENE, json, names};
+use crate::common::{CALIBRATION, COMMANDS, FLAT, Place, SCENE, json, names, small};
 use serde_json::Value;
 
 /// The object without what depends on time and threads.
@@ -384,4 +384,28 @@ fn help_shows_examples_for_every_command() {
         assert!(help.contains("--threads") && help.contains("--quiet"), "{help}");
     }
     assert_eq!(place.run(&["--version"]).stdout, format!("slipgrid {}\n", env!("CARGO_PKG_VERSION")).as_bytes());
+}
+
+#[test]
+fn a_page_explores_a_design_or_a_material_before_any_search() {
+    let material =
+        "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n";
+    let place = Place::with(&[("design.toml", &small()), ("material.toml", material), ("scene.toml", SCENE)]);
+    for (file, page) in [("design.toml", "explore.html"), ("material.toml", "m.html")] {
+        place.succeed(&["explore", file, "-o", page]);
+        let text = std::fs::read_to_string(place.path(page)).unwrap();
+        assert!(text.contains("id=\"explorer-data\"") && text.contains("nothing was searched"), "{page}");
+        // Written twice, the same.
+        place.succeed(&["explore", file, "-o", page]);
+        assert_eq!(text, std::fs::read_to_string(place.path(page)).unwrap());
+    }
+    let refused = place.run(&["explore", "scene.toml"]);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("seems to be a scene file"), "{refused:?}");
+    // Reports have the explorer, unless it is left out.
+    place.run(&["optimize", "design.toml", "-o", "with"]);
+    place.run(&["optimize", "design.toml", "-o", "without", "--no-explorer"]);
+    let has = |folder: &str| {
+        std::fs::read_to_string(place.path(folder).join("report.html")).unwrap().contains("explorer-data")
+    };
+    assert!(has("with") && !has("without"));
 }

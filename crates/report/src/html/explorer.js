@@ -95,6 +95,7 @@
     const value = { peak: state.peak, land: state.at[1], spot: state.at[0], density: state.share, bearing: 1 - state.share, laser: state.minutes }[limit.kind];
     return value !== null && (limit.is_most ? value > limit.bound * (1 + 1e-9) : value < limit.bound * (1 - 1e-9));
   });
+  const hasTarget = [...data.lowest, ...data.highest].some(bound => bound !== null);
   const misfit = values => Math.max(...values.map((value, load) => {
     const low = data.lowest[load], high = data.highest[load];
     if (low !== null && high !== null) return Math.abs(value - (low + high) / 2) / Math.max((high - low) / 2, 1e-12);
@@ -209,7 +210,7 @@
   let image = null;
   const drawMap = () => {
     const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
-    const key = `${plane} ${hidden === undefined ? "" : state[hidden]}`;
+    const key = `${plane} ${hidden === undefined ? "" : state[hidden]} ${hasTarget ? "" : pressure}`;
     if (key !== mapped) {
       mapped = key;
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
@@ -217,13 +218,17 @@
       const values = endless.plane(state, h, v, hs, vs), peaks = logPeak.plane(state, h, v, hs, vs);
       const side = [h, v].includes(2) ? null : density.plane(state, h, v, hs, vs);
       image = context.createImageData(map.width, map.height);
+      // Without a target: how low the value is at the pressure chosen, among those of the map.
+      const rank = [];
+      if (!hasTarget) for (let cell = 0; cell < COLUMNS * ROWS; cell++) rank.push(between(Array.from({ length: loads }, (_, load) => values[cell * loads + load]), pressure));
+      const [least, most] = rank.reduce(([a, b], own) => [Math.min(a, own), Math.max(b, own)], [Infinity, -Infinity]);
       const pixels = new Uint32Array(image.data.buffer), at = state.slice(), own = new Array(loads), wide = map.width / COLUMNS;
       for (let row = 0; row < ROWS; row++) for (let column = 0; column < COLUMNS; column++) {
         const cell = row * COLUMNS + column;
         [at[h], at[v]] = [hs[column], vs[row]];
         for (let load = 0; load < loads; load++) own[load] = values[cell * loads + load] + data.offset[load];
         const isBroken = broken({ at, peak: Math.exp(peaks[cell]), share: side ? side[cell] : density.at(at)[0], minutes: null }).length > 0;
-        const [plain, hatch] = colour(misfit(own), isBroken);
+        const [plain, hatch] = colour(hasTarget ? misfit(own) : 2 ** (0.1 + 4.9 * (rank[cell] - least) / Math.max(most - least, 1e-9)), isBroken);
         for (let y = row * wide; y < (row + 1) * wide; y++) for (let x = column * wide; x < (column + 1) * wide; x++) {
           pixels[y * map.width + x] = (x + y) % 8 === 0 ? hatch : plain;
         }
@@ -273,7 +278,8 @@
     say("minutes", fixed(shown.minutes, 1));
     const on = misfit(shown.values) <= 1;
     const words = limits.map(limit => limit.words);
-    say("verdict", `${on ? "On target by the model" : "Off target"}${words.length ? "; breaks " + words.join(", ") : ""}.`);
+    const aimed = hasTarget ? [on ? "On target by the model" : "Off target"] : [], breaks = words.length ? [`breaks ${words.join(", ")}`] : [];
+    say("verdict", [...aimed, ...breaks].join("; "));
     root.dataset.values = JSON.stringify(shown.values);
     curve(shown);
     section(state);

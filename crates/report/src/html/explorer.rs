@@ -4,9 +4,12 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
-use slipgrid_design::optimize::Bound;
-use slipgrid_design::{ConstraintQuantity, DesignOutcome, Explorer};
+use slipgrid_design::optimize::{Bound, Quantity};
+use slipgrid_design::records::TargetReport;
+use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer};
 use slipgrid_export::laser_time_s;
+use slipgrid_pattern::Pattern;
+use slipgrid_results::{PatternReport, VERSION};
 use slipgrid_statistics::ResponseSurface;
 use slipgrid_units::LENGTH_UM;
 
@@ -91,95 +94,143 @@ struct Data {
     toml: String,
 }
 
-/// What limits of `found` the page can check.
-fn limits(found: &DesignOutcome) -> Vec<LimitData> {
-    let task = &found.task;
-    let mut all = Vec::new();
-    let made = &task.constraints.limits;
-    for (kind, name, bound_m) in
-        [("land", "the smallest land", made.min_land_m), ("spot", "the laser's spot", made.spot_m)]
-    {
-        let Some(bound) = bound_m.map(|m| LENGTH_UM.from_si(m)) else { continue };
-        all.push(LimitData { kind, words: format!("{name}, {} µm", number(bound, 1)), bound, is_most: false });
+impl Data {
+    fn has_target(&self) -> bool {
+        self.lowest.iter().chain(&self.highest).any(Option::is_some)
     }
-    for (quantity, limit) in task.quantities.iter().zip(&task.constraints.quantities) {
-        let (kind, unit_si) = match quantity {
-            ConstraintQuantity::PeakPressure => ("peak", 1e6),
-            ConstraintQuantity::ArealDensity => ("density", 1.0),
-            ConstraintQuantity::BearingArea => ("bearing", 1.0),
-            ConstraintQuantity::LaserTime => ("laser", 60.0),
-            _ => continue,
-        };
-        let bound = limit.bound.limit();
-        if bound.is_finite() {
-            let is_most = matches!(limit.bound, Bound::AtMost(_));
-            let words = format!("{}, {}", limit.name, limit.tell(bound));
-            all.push(LimitData { kind, words, bound: bound / unit_si, is_most });
-        }
-    }
-    all
 }
 
-fn data(found: &DesignOutcome, explorer: &Explorer, outputs: &Outputs) -> Data {
-    let (report, task) = (&found.report, &found.task);
-    let axes = explorer.values.axes().iter().zip(LENGTHS);
-    let count = report.target.pressure_mpa.len();
-    let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
-    let flat_mu: Option<Vec<f64>> = report.confirmed.iter().map(|load| load.mu_flat).collect();
-    let laid = task.specimen.layout(found.pattern).ok();
-    let laser = laid.and_then(|laid| {
-        Some(LaserData {
-            time_s: laser_time_s(&laid, &task.laser)?,
-            areal_density: found.pattern.areal_density(),
-            depth_um: LENGTH_UM.from_si(found.pattern.depth_m()),
-        })
-    });
-    let listed = report.trade_offs.iter().flat_map(|found| &found.listed).map(|listed| &listed.design);
-    let point = |kind: &'static str| {
-        move |of: &slipgrid_results::PatternReport| PointData { kind, at: [of.width_um, of.spacing_um, of.depth_um] }
-    };
-    Data {
-        is_ratio: report.is_ratio(),
-        axes: axes.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect(),
-        pressure_mpa: report.target.pressure_mpa.clone(),
-        lowest: edge(&report.target.lowest),
-        highest: edge(&report.target.highest),
-        flat_mu: flat_mu.filter(|all| all.len() == count),
-        values: Packed::new(&explorer.values),
-        log_peak: Packed::new(&explorer.log_peak),
-        areal_density: Packed::new(&explorer.areal_density),
-        offset: explorer.offset.clone(),
-        covariance: explorer.covariance.iter().take(count).map(|row| row[..count.min(row.len())].to_vec()).collect(),
-        limits: limits(found),
-        burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
-        laser,
-        design: [report.design.width_um, report.design.spacing_um, report.design.depth_um],
-        points: listed.map(point("trade-off")).collect(),
-        toml: outputs.text("design.toml").unwrap_or_default(),
+/// What a page explores, with what is known of it.
+struct Subject<'a> {
+    task: &'a DesignTask,
+    pattern: &'a Pattern,
+    explorer: &'a Explorer,
+    /// The design found, where one was searched.
+    report: Option<&'a DesignReport>,
+    /// A scene of the pattern.
+    toml: String,
+}
+
+impl Subject<'_> {
+    /// What limits the page can check.
+    fn limits(&self) -> Vec<LimitData> {
+        let task = self.task;
+        let mut all = Vec::new();
+        let made = &task.constraints.limits;
+        for (kind, name, bound_m) in
+            [("land", "the smallest land", made.min_land_m), ("spot", "the laser's spot", made.spot_m)]
+        {
+            let Some(bound) = bound_m.map(|m| LENGTH_UM.from_si(m)) else { continue };
+            all.push(LimitData { kind, words: format!("{name}, {} µm", number(bound, 1)), bound, is_most: false });
+        }
+        for (quantity, limit) in task.quantities.iter().zip(&task.constraints.quantities) {
+            let (kind, unit_si) = match quantity {
+                ConstraintQuantity::PeakPressure => ("peak", 1e6),
+                ConstraintQuantity::ArealDensity => ("density", 1.0),
+                ConstraintQuantity::BearingArea => ("bearing", 1.0),
+                ConstraintQuantity::LaserTime => ("laser", 60.0),
+                _ => continue,
+            };
+            let bound = limit.bound.limit();
+            if bound.is_finite() {
+                let is_most = matches!(limit.bound, Bound::AtMost(_));
+                let words = format!("{}, {}", limit.name, limit.tell(bound));
+                all.push(LimitData { kind, words, bound: bound / unit_si, is_most });
+            }
+        }
+        all
+    }
+
+    fn data(&self) -> Data {
+        let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
+        let target: TargetReport = (&task.target).into();
+        let axes = explorer.values.axes().iter().zip(LENGTHS);
+        let count = target.pressure_mpa.len();
+        let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
+        let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
+        let flat_mu: Option<Vec<f64>> = confirmed.iter().map(|load| load.mu_flat).collect();
+        let laser = task.specimen.layout(*pattern).ok().and_then(|laid| {
+            Some(LaserData {
+                time_s: laser_time_s(&laid, &task.laser)?,
+                areal_density: pattern.areal_density(),
+                depth_um: LENGTH_UM.from_si(pattern.depth_m()),
+            })
+        });
+        let traded = self.report.and_then(|report| report.trade_offs.as_ref());
+        let listed = traded.iter().flat_map(|found| &found.listed).map(|listed| &listed.design);
+        let at = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
+        Data {
+            is_ratio: task.target.quantity() == Quantity::Ratio,
+            axes: axes.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect(),
+            lowest: edge(&target.lowest),
+            highest: edge(&target.highest),
+            pressure_mpa: target.pressure_mpa,
+            flat_mu: flat_mu.filter(|all| all.len() == count),
+            values: Packed::new(&explorer.values),
+            log_peak: Packed::new(&explorer.log_peak),
+            areal_density: Packed::new(&explorer.areal_density),
+            offset: explorer.offset.clone(),
+            covariance: explorer
+                .covariance
+                .iter()
+                .take(count)
+                .map(|row| row[..count.min(row.len())].to_vec())
+                .collect(),
+            limits: self.limits(),
+            burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
+            laser,
+            design: at(&pattern.into()),
+            points: listed.map(|design| PointData { kind: "trade-off", at: at(design) }).collect(),
+            toml: self.toml.clone(),
+        }
+    }
+
+    /// Adds what asks the surface.
+    fn add(&self, page: &mut Page) {
+        let data = self.data();
+        let Ok(json) = serde_json::to_string(&data) else { return };
+        // Nothing in it may end the element that holds it.
+        let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
+        let quantity = if data.is_ratio { "ratio" } else { "dynamic friction" };
+        let error = self.explorer.error;
+        let corrected = if self.report.is_some() {
+            "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
+             take the errors of the design found."
+        } else {
+            "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
+        };
+        let words = format!(
+            "What any design within the bounds would do, by a table of steady solutions: the {quantity} is off the solver's by {} in \
+             the median and {} at worst over {} designs drawn at random. {corrected}",
+            number(error.median, 4),
+            number(error.worst, 4),
+            error.points,
+        );
+        page.add(&html! { div class="screen" { h2 { "Explore" } p { (words) } (controls(&data)) } });
+        page.script(&format!(
+            "<script type=\"application/json\" id=\"explorer-data\">{json}</script>\n<script>\n{SCRIPT}</script>"
+        ));
     }
 }
 
 /// The explorer of `found`, where it was made.
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
-    let data = data(found, explorer, outputs);
-    let Ok(json) = serde_json::to_string(&data) else { return };
-    // Nothing in it may end the element that holds it.
-    let json = json.replace("</", "<\\/").replace("<!--", "<\\u0021--");
-    let quantity = if data.is_ratio { "ratio" } else { "dynamic friction" };
-    let error = explorer.error;
-    let words = format!(
-        "What any design within the bounds would do, by a table of steady solutions: the {quantity} is off the solver's by {} in the \
-         median and {} at worst over {} designs drawn at random. The pattern is taken as endless, corrected so that the design found has what \
-         was predicted of it. Error band and chance take the errors of the design found.",
-        number(error.median, 4),
-        number(error.worst, 4),
-        error.points,
-    );
-    page.add(&html! { div class="screen" { h2 { "Explore" } p { (words) } (controls(&data)) } });
-    page.script(&format!(
-        "<script type=\"application/json\" id=\"explorer-data\">{json}</script>\n<script>\n{SCRIPT}</script>"
-    ));
+    let toml = outputs.text("design.toml").unwrap_or_default();
+    Subject { task: &found.task, pattern: &found.pattern, explorer, report: Some(&found.report), toml }.add(page);
+}
+
+/// The page of what a task's designs do, before any is searched; `toml` is a scene of the design in the middle.
+#[must_use]
+pub fn exploration(found: &Explored, toml: String) -> String {
+    let Explored { task, material, pattern, explorer, .. } = found;
+    let mut page = Page::default();
+    page.title(&task.name);
+    if material.material.provenance.synthetic_surface {
+        page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
+    }
+    Subject { task, pattern, explorer, report: None, toml }.add(&mut page);
+    page.finish(&task.name, VERSION)
 }
 
 fn controls(data: &Data) -> Markup {
@@ -215,7 +266,7 @@ fn controls(data: &Data) -> Markup {
                     @if data.laser.is_some() { (reading("laser time", "minutes", "min")) }
                 }
                 p data-verdict aria-live="polite" {}
-                p { button type="button" data-reset { "Back to the design found" } " " button type="button" data-copy { "Copy as a scene file" } }
+                p { button type="button" data-reset { "Back to the start" } " " button type="button" data-copy { "Copy as a scene file" } }
                 textarea data-toml hidden readonly rows="8" aria-label="The design as a scene for slipgrid simulate" {}
             }
             div class="views" {
@@ -231,7 +282,8 @@ fn controls(data: &Data) -> Markup {
                                 }
                                 " "
                             }
-                            span data-across {} "; " span data-up {} ". Green: on target. Hatched: breaks a limit" span data-limits {} ". Diamond: the design found; grey: trade-offs; orange: chosen here. Click to choose."
+                            span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } ". Hatched: breaks a limit" span data-limits {}
+                            ". Diamond: where it started; orange: chosen here" @if !data.points.is_empty() { "; grey: trade-offs" } ". Click to choose."
                         }
                     }
                 }

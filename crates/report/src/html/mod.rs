@@ -3,6 +3,7 @@
 //! | function | page |
 //! |---|---|
 //! | [`design`] | what `optimize` found, from its record and pictures |
+//! | [`exploration`] | what any design of a task does, before any is searched |
 //! | [`page`] | the parts of any page |
 //!
 //! A page is drawn from a record by its type, shows what the record holds and leaves out what is `None`. It says neither
@@ -17,6 +18,7 @@ mod section;
 mod uncertainty;
 
 pub use design::design;
+pub use explorer::exploration;
 
 #[cfg(test)]
 mod fixture;

@@ -10,9 +10,10 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 /// Every command.
-pub const COMMANDS: [&str; 16] = [
+pub const COMMANDS: [&str; 17] = [
     "simulate",
     "optimize",
+    "explore",
     "calibrate",
     "next",
     "trials",

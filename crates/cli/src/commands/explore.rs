@@ -1,0 +1,27 @@
+//! `explore`: what any design of a material or a task does, as a page that answers while it is read.
+
+use slipgrid_design::explore_bounds;
+use slipgrid_formats::calibrated::complete;
+use slipgrid_formats::confirmed_scene::steady_scene;
+use slipgrid_formats::explored::explored;
+use slipgrid_report::html::exploration;
+
+use super::optimize::refused;
+use crate::args::ExploreArgs;
+use crate::input::disk;
+use crate::output::{Place, check_file, write_file};
+use crate::progress::Job;
+use crate::{CliError, Console, exit_code};
+
+/// Solves the surface and writes the page.
+pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
+    check_file(Place::output(&args.output), std::slice::from_ref(&args.file))?;
+    let mut design = explored(&disk(), &args.file)?;
+    complete(&mut design, &disk(), &Job::new(console))?;
+    let found = explore_bounds(&design.task, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
+    let toml = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
+    let toml = toml.map_err(|error| design.refuse_whole(error.to_string()))?;
+    write_file(&args.output, exploration(&found, toml).as_bytes())?;
+    console.answer(&format!("{}\n", args.output.display()))?;
+    Ok(exit_code::DONE)
+}
