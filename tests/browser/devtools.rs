@@ -86,7 +86,8 @@ impl Page {
             "Log.entryAdded" => self.complaints.push(params["entry"]["text"].to_string()),
             "Network.requestWillBeSent" => {
                 let url = params["request"]["url"].as_str().unwrap_or_default();
-                if !(url.starts_with("file://") && url.ends_with(".html")) && !url.starts_with("data:") {
+                let is_own = url.starts_with("data:") || (url.starts_with("file://") && url.ends_with(".html"));
+                if !is_own {
                     self.complaints.push(format!("asked for {url}"));
                 }
             }

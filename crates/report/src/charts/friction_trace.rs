@@ -64,7 +64,7 @@ pub fn friction_trace(chart: &FrictionTraceChart<'_>) -> Result<String, ChartErr
     let reach = |mean: Estimate| [-1.0, 1.0].map(|side| mean.value + side * mean.error.unwrap_or(0.0));
     let mu = points().map(|point| point[1]).chain(means().flat_map(reach));
     let room = VALUES[0] + if means().any(|mean| mean.error.is_some()) { VALUES[1] } else { 0.0 };
-    let y_axis = Axis::from_zero("friction coefficient", mu);
+    let y_axis = Axis::as_needed("friction coefficient", mu);
     picture(HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
         let frame = [LEFT, top, WIDTH - room, HEIGHT - 62.0];

@@ -30,6 +30,12 @@ impl Axis {
         Self::over(title, [0.0, if high > 0.0 { 1.06 * high } else { 1.0 }])
     }
 
+    /// An axis from zero where some of `values` are less than half of the greatest, else from about the least: what changes is seen.
+    pub(super) fn as_needed(title: &str, values: impl IntoIterator<Item = f64> + Clone) -> Self {
+        let [low, high] = extremes(values.clone());
+        if low > 0.5 * high { Self::around(title, values) } else { Self::from_zero(title, values) }
+    }
+
     /// An axis over exactly `range`.
     pub(super) fn over(title: &str, range: [f64; 2]) -> Self {
         let step = tick_step(range[1] - range[0]);

@@ -51,7 +51,7 @@ pub fn tribometer(chart: &TribometerChart<'_>) -> Result<String, ChartError> {
     }
     let end = points().map(|point| point[0]).fold(chart.window_s[1], f64::max);
     let mu = points().map(|point| point[1]).chain(chart.repeats.iter().map(|repeat| repeat.mu_dynamic));
-    let y_axis = Axis::from_zero("friction coefficient", mu);
+    let y_axis = Axis::as_needed("friction coefficient", mu);
     picture(HEIGHT, |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
         let frame = [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0];

@@ -15,6 +15,25 @@ use crate::Outputs;
 /// Class of a verdict that is no success.
 const MISSED: &str = "verdict missed";
 
+/// The words of the page that a reader from another field may not know.
+const TERMS: [(&str, &str); 9] = [
+    (
+        "chance",
+        "How likely a sample that is cut and measured lies within the tolerance at every pressure and condition.",
+    ),
+    (
+        "ratio",
+        "Dynamic friction of the patterned surface over that of the flat one, both at the same nominal pressure.",
+    ),
+    ("mu", "Dynamic coefficient of friction: friction force over normal force while sliding."),
+    ("nominal pressure", "Normal force over the whole face of the specimen, cavities included."),
+    ("predicted", "By the steady model that the search asks: the equilibrium of sliding, without time."),
+    ("confirmed", "By a run in time of the design on its specimen."),
+    ("areal density", "Share of the face that is cavity."),
+    ("burst", "One pass of laser pulses over a spot: it removes a fixed depth."),
+    ("trial", "A sample that was cut and measured to learn how far the model is off."),
+];
+
 /// The page of a design: from its `report`, the coefficients behind it, which are those of `loads` and of `area_law`, and the
 /// pictures and files in `outputs`; with an explorer where `found`, of which `report` is, has one.
 #[must_use]
@@ -32,6 +51,7 @@ pub fn design(
             verdict(page, report);
             dimensions(page, report, found);
             caveat(page, report);
+            page.terms(&TERMS);
         },
         |page| {
             page.picture_of(outputs, "target.svg", target_caption(report));
@@ -105,7 +125,7 @@ fn caveat(page: &mut Page, report: &DesignReport) {
     all.extend(report.violations.iter().cloned());
     let doubts = |load: &slipgrid_results::LoadReport| {
         let at = plain(load.pressure_mpa);
-        load.doubts().into_iter().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
+        load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
     all.extend(report.confirmed.iter().flat_map(doubts));
     let mut all = all.into_iter();

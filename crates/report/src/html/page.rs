@@ -132,6 +132,13 @@ impl Page {
         });
     }
 
+    /// Words with what they mean, folded away.
+    pub fn terms(&mut self, terms: &[(&str, &str)]) {
+        self.add(&html! {
+            details { summary { "What the words mean" } dl { (NL) @for (term, meaning) in terms { dt { (term) } dd { (meaning) } (NL) } } }
+        });
+    }
+
     /// A paragraph.
     pub fn paragraph(&mut self, text: &str) {
         self.add(&html! { p { (Text(text)) } });
