@@ -150,8 +150,8 @@ pub struct OptimizeArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
     slipgrid explore ldpe.toml -o ldpe.html\n\n\
-    Steady solutions of a lattice of designs, interpolated; the page says how far that is from the solver. It needs\n\
-    neither the network nor slipgrid. Of a material: grooves at 0.65 to 2.6 MPa; a design file asks for anything else.")]
+    Steady solutions of a lattice of designs, interpolated; the page says how far that is from the solver. It needs neither\n\
+    the network nor slipgrid. Of a material: grooves at 0.65 to 2.6 MPa; a design file asks for anything else.")]
 pub struct ExploreArgs {
     /// Design, material or calibration file
     pub file: PathBuf,

@@ -5,11 +5,15 @@ use std::sync::Mutex;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use slipgrid::design::{DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, next_trials, run};
+use slipgrid::design::{
+    DesignError, DesignOutcome, NextOptions, NextTrials, NoCache, explore_bounds, next_trials, run,
+};
 use slipgrid::formats::calibrated::{Uncalibrated, complete};
 use slipgrid::formats::calibration::Calibration;
+use slipgrid::formats::confirmed_scene::steady_scene;
 use slipgrid::formats::{Diagnostic, Document, design::Design as Read};
 use slipgrid::pattern::Pattern;
+use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 
@@ -99,6 +103,18 @@ impl Design {
             run(&read.task, &mut NoCache, watch).map_err(Undone::Design)
         })?;
         Ok(Designed { found: found.map_err(|undone| self.undone(py, &undone))? })
+    }
+
+    /// A page with sliders: what any design within the bounds does, before a search.
+    #[pyo3(signature = (progress=None))]
+    fn explore_html(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
+        let found = watched(py, progress, |watch| {
+            let (read, _) = self.completed(watch).map_err(Undone::Calibration)?;
+            explore_bounds(&read.task, watch).map_err(Undone::Design)
+        })?;
+        let found = found.map_err(|undone| self.undone(py, &undone))?;
+        let scene = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
+        Ok(exploration(&found, scene.map_err(|error| refused::failed(py, &error.to_string()))?))
     }
 
     /// The `count` samples to cut next; `candidates_um` are patterns of one's own, whose chance is asked for.

@@ -123,3 +123,10 @@ def test_frames_have_a_row_for_each_load() -> None:
     pandas = pytest.importorskip("pandas")
     frame = slipgrid.Scene(**SCENE).simulate().frame()
     assert isinstance(frame, pandas.DataFrame) and list(frame["pressure_mpa"]) == [0.65, 2.6]
+
+
+def test_the_page_with_sliders_is_that_of_the_command_line(program, tmp_path: Path) -> None:
+    (tmp_path / "small.toml").write_text(toml(DESIGN))
+    program("explore", "small.toml", "-o", "own.html")
+    page = slipgrid.Design.read(tmp_path / "small.toml").explore(tmp_path / "page.html")
+    assert page.read_bytes() == (tmp_path / "own.html").read_bytes()

@@ -9,12 +9,12 @@ use slipgrid_campaign::{Engine, Share};
 /// `campaign`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
-    slipgrid campaign plan designs/campaign-widths.toml -o out/widths\n  \
-    slipgrid campaign work out/widths\n  \
-    slipgrid campaign merge out/widths\n\n\
+    slipgrid campaign plan designs/campaign-rims.toml -o out/rims\n  \
+    slipgrid campaign work out/rims\n  \
+    slipgrid campaign merge out/rims\n\n\
     A campaign file names a scene or a design and what varies:\n  \
-    base = \"scene.toml\"              # or a design; or \"laboratories\", those of `accuracy --laboratories`\n  \
-    work = \"table\"                   # of a design: every design of whole blocks and bursts, each a steady scene\n  \
+    base = \"scene.toml\"              # or a design, or \"laboratories\"\n  \
+    work = \"table\"                   # every design of whole blocks and bursts\n  \
     [[grid]]                         # every combination of all grids\n  \
     key = \"pattern.width_um\"\n  \
     values = [40.0, 60.0]\n  \

@@ -360,6 +360,12 @@ class Design:
         """Searches the pattern, confirms it in time and explains; a calibration that the task names is fitted once."""
         return DesignResult(self._design.optimize(progress))
 
+    def explore(self, path: PathLike, progress: Progress | None = None) -> Path:
+        """Writes a page with sliders, what any design within the bounds does, before a search; as ``slipgrid explore``."""
+        path = Path(path)
+        path.write_bytes(self._design.explore_html(progress).encode())
+        return path
+
     def next(
         self,
         count: int = 1,

@@ -206,6 +206,9 @@ impl Subject<'_> {
             number(error.worst, 4),
             error.points,
         );
+        let is_all = self.task.also_at.is_empty() && self.task.directions.different_deg.is_empty();
+        let words =
+            if is_all { words } else { words + " Values and chance are those of the condition designed for alone." };
         page.add(&html! { div class="screen" { h2 { "Explore" } p { (words) } (controls(&data)) } });
         page.script(&format!(
             "<script type=\"application/json\" id=\"explorer-data\">{json}</script>\n<script>\n{SCRIPT}</script>"
