@@ -76,7 +76,11 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     let page = fs::read_to_string(place.path("out/all/report.html")).unwrap();
     let at = |what: &str| page.find(what).unwrap();
     assert!(at("chance that a cut sample is on target") < at("Target met by the model"));
-    assert!(at("Target met by the model") < at("The design</h2>") && at("The design</h2>") < at("Target, prediction"));
+    assert!(at("Target met by the model") < at("What to cut") && at("What to cut") < at("Why this design</h2>"));
+    assert!(
+        at("Why this design</h2>") < at("What samples will do</h2>")
+            && at("What samples will do</h2>") < at("Evidence</h2>")
+    );
 
     // Improvements of one search fall.
     let history = found["history"].as_array().unwrap();

@@ -33,9 +33,9 @@ const FONT_FACTOR: f64 = 1.24;
 const CHARACTER_WIDTH: f64 = 0.58;
 
 const TITLE_SIZE: f64 = 18.0;
-pub(super) const TEXT_SIZE: f64 = 14.0;
-pub(super) const SMALL_SIZE: f64 = 11.0;
-const LEGEND_HEIGHT: f64 = 22.0;
+pub(super) const TEXT_SIZE: f64 = 16.0;
+pub(super) const SMALL_SIZE: f64 = 12.5;
+const LEGEND_HEIGHT: f64 = 25.0;
 const SWATCH: f64 = 26.0;
 
 /// What stands beside a name in the legend.
