@@ -13,6 +13,7 @@ mod background;
 mod conditions;
 mod design;
 mod explorer;
+mod first_screen;
 pub mod page;
 mod section;
 mod uncertainty;

@@ -1,0 +1,145 @@
+//! What is seen first: the chance, what to cut, what to know, the target and the pattern.
+
+use slipgrid_design::records::ChanceReport;
+use slipgrid_design::{DesignOutcome, DesignReport};
+use slipgrid_export::laser_time_s;
+use slipgrid_units::LENGTH_MM;
+
+use super::page::{Page, known, number, percent, plain, sentence};
+use crate::Outputs;
+
+/// Class of a verdict that is no success.
+const MISSED: &str = "verdict missed";
+
+/// The words of the page that a reader from another field may not know.
+const TERMS: [(&str, &str); 9] = [
+    (
+        "chance",
+        "How likely a sample that is cut and measured lies within the tolerance at every pressure and condition.",
+    ),
+    (
+        "ratio",
+        "Dynamic friction of the patterned surface over that of the flat one, both at the same nominal pressure.",
+    ),
+    ("mu", "Dynamic coefficient of friction: friction force over normal force while sliding."),
+    ("nominal pressure", "Normal force over the whole face of the specimen, cavities included."),
+    ("predicted", "By the steady model that the search asks: the equilibrium of sliding, without time."),
+    ("confirmed", "By a run in time of the design on its specimen."),
+    ("areal density", "Share of the face that is cavity."),
+    ("burst", "One pass of laser pulses over a spot: it removes a fixed depth."),
+    ("trial", "A sample that was cut and measured to learn how far the model is off."),
+];
+
+/// The screen, of `report` and, where it is known, of what was `found`.
+pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Outputs, found: Option<&DesignOutcome>) {
+    page.side_by_side(
+        |page| {
+            verdict(page, report);
+            dimensions(page, report, found);
+            caveat(page, report);
+            page.terms(&TERMS);
+        },
+        |page| {
+            page.picture_of(outputs, "target.svg", target_caption(report));
+            let extents_mm = found.map(|found| found.task.specimen.outline.extents_m().map(|m| LENGTH_MM.from_si(m)));
+            let [along, across] = extents_mm.unwrap_or([0.0; 2]);
+            let words = format!("The specimen seen from above, {} mm by {} mm", plain(along), plain(across));
+            page.face_of(outputs, "pattern.svg", [along, across], &words);
+        },
+    );
+}
+
+fn verdict(page: &mut Page, report: &DesignReport) {
+    let scope = if report.section_model { " (by the vertical section, as grooves)" } else { "" };
+    if let Some(found) = &report.chance {
+        chance(page, found);
+    }
+    if let Some(advice) = &report.advice {
+        page.paragraph(&sentence(&advice.words));
+    }
+    if let Some(flat) = &report.flat {
+        let words = &flat.words;
+        page.marked(MISSED, &format!("No pattern: {words}. What follows is the pattern that lowers it least."));
+        return;
+    }
+    let (class, words) = match report.status.as_ref() {
+        "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits"),
+        "met" => ("verdict", "Target met by the model"),
+        "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below"),
+        _ if report.out_of_time => {
+            (MISSED, "The seconds allowed were spent before the search had ended; best design so far below")
+        }
+        _ => (MISSED, "Target not met before the evaluations allowed were spent; nearest design below"),
+    };
+    page.marked(class, &format!("{words}{scope}."));
+}
+
+/// The chance that a cut sample is on target, first of all.
+fn chance(page: &mut Page, chance: &ChanceReport) {
+    page.marked("chance", &sentence(&chance.words));
+    if let Some(share) = known(chance.value) {
+        page.bar(share);
+    }
+}
+
+/// What to cut.
+fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutcome>) {
+    let design = &report.design;
+    let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
+    rows.extend(design.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
+    let lengths = [
+        ("width", "µm", Some(design.width_um)),
+        ("spacing (gap between cavities)", "µm", Some(design.spacing_um)),
+        ("depth", "µm", Some(design.depth_um)),
+        ("length", "µm", design.length_um),
+        ("spacing across", "µm", design.spacing_across_um),
+        ("grooves turned by", "degrees", design.angle_deg),
+        ("sliding direction turned by", "degrees", design.sliding_angle_deg),
+    ];
+    rows.extend(
+        lengths.into_iter().filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", plain(known(value)?))))),
+    );
+    rows.extend(design.rim.iter().map(|rim| ("rims, as assumed", rim.words())));
+    rows.push(("cavities' share of a period", format!("{} %", percent(design.areal_density, 2))));
+    rows.push(("of the specimen's face", format!("{} %", percent(report.specimen_areal_density, 2))));
+    rows.extend(report.passes.map(|passes| ("passes over every line", passes.to_string())));
+    rows.extend(report.bursts.map(|bursts| ("bursts per spot", bursts.to_string())));
+    if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
+        rows.push(("cavities on the specimen", laid.iter().count().to_string()));
+        let minutes = laser_time_s(&laid, &report.laser).map(|seconds| seconds / 60.0);
+        rows.extend(minutes.map(|minutes| ("time under the laser", format!("{} min", number(minutes, 1)))));
+    }
+    page.facts("What to cut", &rows);
+}
+
+/// What a reader should know of the numbers before anything is cut: what matters most, the rest folded.
+fn caveat(page: &mut Page, report: &DesignReport) {
+    let mut all: Vec<String> = Vec::new();
+    if report.material.synthetic_surface {
+        all.push("The area law behind these numbers rests on a synthetic surface, not on a measured one.".to_owned());
+    }
+    all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
+    all.extend(report.violations.iter().cloned());
+    let doubts = |load: &slipgrid_results::LoadReport| {
+        let at = plain(load.pressure_mpa);
+        load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
+    };
+    all.extend(report.confirmed.iter().flat_map(doubts));
+    let mut all = all.into_iter();
+    if let Some(first) = all.next() {
+        page.warning(&first);
+    }
+    let others: Vec<String> = all.collect();
+    if !others.is_empty() {
+        page.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
+    }
+}
+
+const fn target_caption(report: &DesignReport) -> &'static str {
+    if report.conditions.is_some() {
+        "Target band, predicted, confirmed and flat values against pressure at the condition designed for; from the lowest to the \
+         highest value over all conditions"
+    } else {
+        "Target band, predicted, confirmed and flat values against pressure"
+    }
+}
