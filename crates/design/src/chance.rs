@@ -1,6 +1,9 @@
 //! The chance that a cut sample is on target, to first order: what scatters when it is cut, what is not known of the
 //! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
 
+mod inputs;
+mod sampled;
+
 use std::cell::RefCell;
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,6 +18,7 @@ use slipgrid_optimize::{
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Scene;
 
+use self::inputs::{Parts, diagonal, of_dimensions, percent, rms};
 use crate::DesignError;
 use crate::learned::LearnedDiscrepancy;
 use crate::operating_conditions::Further;
@@ -416,76 +420,6 @@ impl<'a> Chances<'a> {
     }
 }
 
-/// The steady model itself at every draw, about values that are known, with some of the inputs off.
-pub struct Sampled<'a> {
-    chances: &'a Chances<'a>,
-    about: About<'a>,
-    /// Ratios of the design by the steady model.
-    still: Vec<f64>,
-    /// What ratios are multiplied by before they are compared with the target.
-    scale: Vec<f64>,
-    discrepancy: Option<Drawn>,
-    of: &'a (dyn Fn(usize) -> bool + Sync),
-}
-
-impl<'a> Chances<'a> {
-    /// Share of `draws` of the steady model in which every value is accepted; a draw that cannot be computed is one that is not.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] where the design or every draw cannot be computed.
-    pub fn sampled(
-        &self,
-        about: &About<'_>,
-        draws: usize,
-        seed: u64,
-        of: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<Probability, ModelFailure> {
-        let still = self.still.steady(about.design)?.ratio;
-        let discrepancy = self.drawn(about.design)?;
-        let factor = |load: usize| discrepancy.as_ref().map_or(1.0, |drawn| drawn.medians[load].exp());
-        let scale = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
-        let discrepancy = discrepancy.filter(|drawn| of(drawn.first));
-        let model = Sampled { chances: self, about: *about, still, scale, discrepancy, of };
-        let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
-        Ok(drawn.probability(|values| self.target.accepts(values)))
-    }
-}
-
-impl UncertainModel for Sampled<'_> {
-    fn respond_at(&self, made: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let (chances, about) = (self.chances, &self.about);
-        let off = |place: usize| if (self.of)(place) { deviations[place - DIMENSIONS] } else { 0.0 };
-        let length = |axis: usize, made_m: f64, own_m: f64| if (self.of)(axis) { made_m } else { own_m };
-        let own = about.design;
-        let has_rims_off = chances.uncertainty.rim().is_some_and(|place| (self.of)(place));
-        let texture = if has_rims_off { made.texture() } else { own.texture() };
-        let made = Pattern::new(
-            texture.to_owned(),
-            length(0, made.width_m(), own.width_m()),
-            length(1, made.spacing_m(), own.spacing_m()),
-            length(2, made.depth_m(), own.depth_m()),
-        );
-        let trial = |reason: String| ModelFailure::Trial { reason };
-        let made = made.map_err(|error| trial(error.to_string()))?;
-        let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
-        let input = |load: usize| load % chances.inputs_of_loads;
-        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, input(load))).collect();
-        let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
-        let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
-        let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
-        let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
-        let value = |load: usize| {
-            let by = self.scale[load] * (ratio[load] - self.still[load]);
-            let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
-            value + about.numerical[load] * off(chances.first_numerical + load)
-        };
-        let values = (0..self.still.len()).map(value);
-        let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };
-        let all: Vec<f64> = (0..DIMENSIONS).map(|_| 0.0).chain(deviations.iter().copied()).collect();
-        Ok(values.zip(drawn.factors(&all)).map(|(value, factor)| value * factor).collect())
-    }
-}
-
 /// `model` in blocks half as large; `None` in space, where they are dear.
 fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignError> {
     let change = |scene: &Scene| {
@@ -494,62 +428,4 @@ fn fine<'a>(model: &SteadyModel<'a>) -> Result<Option<SteadyModel<'a>>, DesignEr
         Ok::<_, DesignError>(fine)
     };
     if model.is_spatial() { Ok(None) } else { model.beside(change).map(Some) }
-}
-
-/// Covariances under construction.
-struct Parts {
-    inputs: Vec<Input>,
-    blocks: Vec<Covariance>,
-    count: usize,
-}
-
-impl Parts {
-    /// Adds a block and returns the place of its first input.
-    fn add(&mut self, block: Covariance) -> usize {
-        let first = self.count;
-        self.count += block.len();
-        self.blocks.push(block);
-        first
-    }
-
-    fn name(&mut self, name: &'static str, known_to: String, places: Range<usize>) {
-        self.inputs.push(Input { name, known_to, places });
-    }
-}
-
-fn of_dimensions(tolerances: &Tolerances) -> Vec<Input> {
-    let named = ["width", "spacing", "depth"].into_iter().zip(tolerances.std_m).enumerate();
-    named
-        .filter(|(_, (_, std_m))| *std_m > 0.0)
-        .map(|(axis, (name, std_m))| Input {
-            name,
-            known_to: format!("made to {} um", tidy(LENGTH_UM.from_si(std_m))),
-            places: axis..axis + 1,
-        })
-        .collect()
-}
-
-/// Blocks along the diagonal.
-fn diagonal(blocks: &[Covariance]) -> Covariance {
-    let count = blocks.iter().map(Vec::len).sum();
-    let mut all = vec![vec![0.0; count]; count];
-    let mut first = 0;
-    for block in blocks {
-        for (row, entries) in block.iter().enumerate() {
-            all[first + row][first..first + block.len()].copy_from_slice(entries);
-        }
-        first += block.len();
-    }
-    all
-}
-
-/// Root mean square of the standard deviations on the diagonal.
-fn rms(covariance: &[Vec<f64>]) -> f64 {
-    let sum: f64 = covariance.iter().enumerate().map(|(place, row)| row[place]).sum();
-    (sum / covariance.len().max(1) as f64).sqrt()
-}
-
-fn percent(std: f64) -> String {
-    let percent = 100.0 * std;
-    if percent < 9.95 { format!("known to {percent:.1} %") } else { format!("known to {percent:.0} %") }
 }

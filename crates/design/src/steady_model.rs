@@ -1,5 +1,7 @@
 //! The model that the search asks: the steady cell, in as many dimensions as the design needs.
 
+mod coarse;
+
 use std::sync::Arc;
 
 use slipgrid_export::ExportError;
@@ -11,6 +13,7 @@ use slipgrid_springblock::{
     Extent, Fidelity, Load, LoadOutcome, MOST_DRAWS, RunOptions, Scene, Simulation, Status, simulate,
 };
 
+pub use self::coarse::LowFidelity;
 use crate::cells::Solver;
 use crate::confirmation::trusted;
 use crate::constraint_quantities::Limited;
@@ -260,26 +263,6 @@ impl<'a> SteadyModel<'a> {
         self.laid(design, open(self.answer(&self.asked, &self.solver, design)?)?)
     }
 
-    /// Values of an endless pattern at the loads of the condition designed for, as they are compared with the target but not
-    /// corrected, and the largest local pressure at any of them in MPa; by the guide where `coarse` and there is one.
-    ///
-    /// # Errors
-    /// [`ModelFailure`] where the design cannot be computed.
-    pub fn endless(&self, design: &Pattern, coarse: bool) -> Result<(Vec<f64>, f64), ModelFailure> {
-        let (scene, solver) = match self.guide.as_ref().filter(|_| coarse) {
-            Some((scene, solver)) => (scene, solver),
-            None => (&self.asked, &self.solver),
-        };
-        let mut answer = self.answer(scene, solver, design)?;
-        if let Some(learned) = &self.learned {
-            answer.modulus_sensitivity = learned.modulus_sensitivity(design)?;
-        }
-        let answer = open(answer)?;
-        let factors = self.factors_of(design, &answer);
-        let own = answer.ratio.iter().zip(&factors).take(self.scene.loads.len()).enumerate();
-        Ok((own.map(|(load, (ratio, factor))| ratio * self.scale(load) * factor).collect(), answer.peak_pressure_mpa))
-    }
-
     /// Largest local pressure of `design` at each load of each condition, in pascals.
     ///
     /// # Errors
@@ -494,19 +477,6 @@ fn open(answer: Answer) -> Result<Answer, ModelFailure> {
         return Err(ModelFailure::Trial { reason: "the cavity closes under load".to_owned() });
     }
     Ok(answer)
-}
-
-/// The model in larger blocks: the low-fidelity model of a search in space.
-pub struct LowFidelity<'a> {
-    model: &'a SteadyModel<'a>,
-    scene: &'a Scene,
-    solver: &'a Solver,
-}
-
-impl ForwardModel for LowFidelity<'_> {
-    fn respond(&self, design: &Pattern) -> Result<Response, ModelFailure> {
-        self.model.ask(self.scene, self.solver, design)
-    }
 }
 
 impl ForwardModel for SteadyModel<'_> {

@@ -16,6 +16,7 @@
 
 mod corrected;
 pub mod errors;
+mod pattern;
 pub mod rim;
 mod simulation;
 mod specimen;
@@ -24,10 +25,9 @@ mod timings;
 
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
+pub use pattern::PatternReport;
 pub use rim::RimReport;
-pub use simulation::{
-    LoadReport, MaterialReport, PatternReport, SimulationReport, load_reports, model_notes, warnings,
-};
+pub use simulation::{LoadReport, MaterialReport, SimulationReport, load_reports, model_notes, warnings};
 pub use specimen::SpecimenReport;
 pub use table::{Table, fixed, with_error};
 pub use timings::json_and_timings;

@@ -6,6 +6,8 @@
 //! ([`super::directions`]). Where chords do not contract (lands that tip, steep laws) they are
 //! replaced by tangents.
 
+mod contacts;
+
 use std::borrow::Cow;
 
 use slipgrid_material::AreaLaw;
@@ -34,10 +36,6 @@ const MOST_KEPT: usize = 160;
 const SLOPE_STEP: f64 = 1e-6;
 /// Rounds of lifting and landing blocks after which unilateral contact gives up.
 const MOST_CONTACT_ROUNDS: usize = 60;
-/// The same on a face with heights.
-const MOST_RAISED_ROUNDS: usize = 200;
-/// Forces out of balance, as in [`TOLERANCE`], with which contacts are told on and off there.
-const ROUGH_TOLERANCE: f64 = 1e-4;
 
 /// One load on a [`SpaceSteadyModel`].
 #[derive(Clone, Copy, Debug)]
@@ -315,16 +313,6 @@ impl<'a> Solver<'a> {
         self.directions.clear();
     }
 
-    /// Whether each contact yields.
-    fn yielding(&self) -> Vec<bool> {
-        self.interface.yielding(&self.state.unknowns, self.face).map(|height| height.is_some()).collect()
-    }
-
-    /// Whether each contact is off the counterface.
-    fn lifted(&self) -> Vec<bool> {
-        self.interface.lifted(&self.state.unknowns).map(|height| height.is_some()).collect()
-    }
-
     /// The equilibrium under `load`, and the solver that holds it where blocks have left the counterface: lifts
     /// those under tension and lands those that sink below it until none does.
     fn equilibrate(&mut self, load: &SpaceLoad) -> (End, Option<Self>) {
@@ -359,85 +347,6 @@ impl<'a> Solver<'a> {
         }
         end.status = Status::NotConverged;
         (end, latest)
-    }
-
-    /// The equilibrium under `load` on a face with heights, from the contacts on and off of the load before. Which contacts
-    /// these are is found with forces that are nearly balanced; the last iterations balance them wholly.
-    fn equilibrate_raised(&mut self, load: &SpaceLoad) -> End {
-        let area = self.interface.column_area();
-        self.face = Face {
-            raise: 1.0 / self.model.displacement_unit(load.pressure_pa),
-            limit: self.model.yield_pressure_pa.map_or(f64::INFINITY, |yield_pa| yield_pa / load.pressure_pa * area),
-        };
-        if self.yielding().contains(&true) {
-            // What has yielded is as high as it was pressed, and elastic from there on.
-            let lifted = self.lifted();
-            self.switch(&lifted, &vec![false; lifted.len()]);
-        } else {
-            self.observe();
-        }
-        let mut directions = 0;
-        self.tolerance = ROUGH_TOLERANCE;
-        for _ in 0..MOST_RAISED_ROUNDS {
-            let mut end = self.iterate(load);
-            directions += end.directions;
-            end.directions = directions;
-            if end.status == Status::Cancelled {
-                return end;
-            }
-            let (lifted, yields) = self.next_contacts();
-            let is_settled = lifted == self.lifted() && yields == self.yielding();
-            if is_settled && self.tolerance == TOLERANCE {
-                // What is no solution leaves the face as it was.
-                if end.status == Status::Converged {
-                    self.interface.to_mut().flatten(&self.state.unknowns, self.face);
-                }
-                return end;
-            }
-            if is_settled {
-                self.tolerance = TOLERANCE;
-                continue;
-            }
-            if end.status != Status::Converged || lifted.iter().all(|lifted| *lifted) {
-                return End { status: Status::NotConverged, ..end };
-            }
-            self.switch(&lifted, &yields);
-        }
-        let (_, residual) = self.residual(load);
-        End { status: Status::NotConverged, residual, directions }
-    }
-
-    /// The contacts that are off the counterface next, and those that yield.
-    fn next_contacts(&self) -> (Vec<bool>, Vec<bool>) {
-        let contacts = self.interface.surface().iter().filter(|surface| surface.contact.is_some());
-        let unknowns = &self.state.unknowns;
-        let heights = self.interface.lifted(unknowns).zip(self.interface.yielding(unknowns, self.face));
-        contacts
-            .zip(heights.zip(&self.state.normal))
-            .map(|(surface, ((off, yielding), normal))| {
-                let face = self.face.raise * surface.relief;
-                let limit = self.face.limit * surface.contact_share;
-                match (off, yielding) {
-                    (Some(height), _) => (height >= face, false),
-                    (None, Some(height)) => (false, height <= face),
-                    (None, None) => (*normal < 0.0, *normal > limit),
-                }
-            })
-            .unzip()
-    }
-
-    /// Goes on with the contacts off the counterface of which `lifted` says so, and those that `yields` names flattened.
-    fn switch(&mut self, lifted: &[bool], yields: &[bool]) {
-        let mut interface = self.model.interface.with_contacts(lifted, yields);
-        interface.take_heights(&self.interface);
-        let unknowns = interface.continued(&self.interface, &self.state.unknowns, self.face.raise);
-        let elastic = interface.elastic_unknowns();
-        self.response = interface.response();
-        self.state = State { unknowns, elastic: vec![0.0; elastic], normal: vec![0.0; interface.contacts()] };
-        self.interface = Cow::Owned(interface);
-        self.slope.clear();
-        self.directions.clear();
-        self.observe();
     }
 
     /// Iterates to the equilibrium under `load` from where the last one ended.

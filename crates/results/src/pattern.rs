@@ -1,0 +1,102 @@
+//! A texture as it is written.
+
+use serde::{Deserialize, Serialize};
+use slipgrid_pattern::{Arrangement, Pattern, Planform, Polygon};
+use slipgrid_units::{LENGTH_UM, tidy};
+
+use super::rim::RimReport;
+
+/// A texture.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PatternReport {
+    /// Width of a cavity along the sliding direction.
+    pub width_um: f64,
+    /// Gap between two cavities.
+    pub spacing_um: f64,
+    /// Depth of a cavity.
+    pub depth_um: f64,
+    /// Shape seen from above.
+    pub planform: String,
+    /// Extent of a rectangle across its row.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length_um: Option<f64>,
+    /// Corners of a polygon as `[x, y]`, anticlockwise, its bounding box about the origin.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vertices_um: Option<Vec<[f64; 2]>>,
+    /// Gap between rows, where it is not that along them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing_across_um: Option<f64>,
+    /// `staggered` or `hexagonal`, where rows are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<String>,
+    /// Grooves turned from lying across the specimen's x axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub angle_deg: Option<f64>,
+    /// Second family of crossing grooves turned from the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crossing_angle_deg: Option<f64>,
+    /// Sliding direction turned from the specimen's x axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sliding_angle_deg: Option<f64>,
+    /// Rims along the cavities' edges, where there are any.
+    #[serde(flatten)]
+    pub rim: Option<RimReport>,
+    /// Share of the surface that is cavity.
+    pub areal_density: f64,
+    /// Share of the section through the cavities' centres that is cavity.
+    pub section_density: f64,
+}
+
+impl From<&Pattern> for PatternReport {
+    /// The pattern as it is written: what is plain is left out.
+    fn from(pattern: &Pattern) -> Self {
+        let texture = pattern.texture();
+        let um = |length_m: f64| LENGTH_UM.from_si(length_m);
+        let turned = |angle_deg: f64| (angle_deg != 0.0).then(|| tidy(angle_deg));
+        let arrangement = texture.arrangement();
+        Self {
+            width_um: um(pattern.width_m()),
+            spacing_um: um(pattern.spacing_m()),
+            depth_um: um(pattern.depth_m()),
+            planform: texture.planform().name().to_owned(),
+            length_um: pattern.length_m().filter(|_| texture.planform() == Planform::Rectangle).map(um),
+            vertices_um: texture.outline().map(|outline| vertices_um(outline, pattern.width_m())),
+            spacing_across_um: texture.spacing_across_m().map(um),
+            arrangement: (arrangement != Arrangement::Square).then(|| arrangement.name().to_owned()),
+            angle_deg: turned(texture.groove_angle_deg()),
+            crossing_angle_deg: texture.crossing_angle_deg().map(tidy),
+            sliding_angle_deg: turned(texture.sliding_angle_deg()),
+            rim: texture.rim().and_then(RimReport::of),
+            areal_density: tidy(pattern.areal_density()),
+            section_density: tidy(pattern.section_density()),
+        }
+    }
+}
+
+/// Corners of an outline at its width, to 15 digits: as many as tell which outline it is.
+fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
+    let written = |share: f64| {
+        let at_um = share * LENGTH_UM.from_si(width_m);
+        format!("{at_um:.14e}").parse().unwrap_or(at_um)
+    };
+    outline.vertices().iter().map(|vertex| vertex.map(written)).collect()
+}
+
+impl PatternReport {
+    /// What the name of the planform leaves open, for people; empty where it is plain.
+    #[must_use]
+    pub fn texture_words(&self) -> String {
+        let lengths = [("long", self.length_um), ("between rows", self.spacing_across_um)];
+        let lengths = lengths.into_iter().filter_map(|(what, um)| um.map(|um| format!(", {um} um {what}")));
+        let angles = [
+            ("grooves turned by", self.angle_deg),
+            ("crossing at", self.crossing_angle_deg),
+            ("sliding at", self.sliding_angle_deg),
+        ];
+        let angles = angles.into_iter().filter_map(|(what, angle)| angle.map(|angle| format!(", {what} {angle} deg")));
+        let arrangement = self.arrangement.iter().map(|name| format!(", {name}"));
+        let corners = self.vertices_um.iter().map(|vertices| format!(", {} corners", vertices.len()));
+        let rim = self.rim.iter().map(|rim| format!(", {}", rim.words()));
+        lengths.chain(corners).chain(arrangement).chain(angles).chain(rim).collect()
+    }
+}
