@@ -1,5 +1,6 @@
 //! The fit itself.
 
+mod corrections;
 mod feasibility;
 mod fit_notes;
 mod profile_likelihood;
@@ -7,25 +8,20 @@ mod profile_likelihood;
 pub use feasibility::planned_steps;
 
 use slipgrid_material::{AreaLaw, LocalFriction};
-use slipgrid_springblock::{Monitor, Unwatched};
+use slipgrid_springblock::Monitor;
 
-use crate::flat_sample::{self, DynamicFlat, Pairs, Portion};
+use crate::flat_sample::{Pairs, Portion};
 use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Problem};
+use corrections::{Corrections, average_slopes, borrow_slopes, correct, flat_peaks};
 
-/// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: the second round
-/// confirms the first.
+/// Rounds of fit and dynamic runs at most. delta hardly depends on the coefficients: where no static peaks are fitted one
+/// round is enough.
 const MOST_ROUNDS: usize = 6;
 /// Change of the coefficients between rounds below which they are settled, relative; three standard
 /// errors of the dynamic runs where those are larger.
 const SETTLED: f64 = 5e-4;
-/// Slope of the static peak against mu_s below which it does not follow it: the noise of the two runs behind it.
-const LEAST_SLOPE: f64 = 0.05;
-/// Relative step of mu_s that finds how the static peak follows it: large against the noise of a
-/// peak (1e-3), small against the range in which the peak is nearly linear.
-const STATIC_STEP: f64 = 0.05;
-
 /// Fitted coefficients: of one measurement, or of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedPair {
@@ -175,23 +171,6 @@ impl Layout {
     }
 }
 
-/// Dynamic runs relative to what the fit can compute at once.
-struct Corrections {
-    /// Dynamic over steady friction.
-    delta: Vec<f64>,
-    relative_stderr: Vec<f64>,
-    /// How the static peak follows the local coefficient, where a peak was measured.
-    peaks: Vec<Option<PeakLine>>,
-}
-
-/// The static peak near the current coefficients: peak = at_current + slope (mu_s - current).
-#[derive(Clone, Copy, Debug)]
-struct PeakLine {
-    at_current: f64,
-    slope: f64,
-    current: f64,
-}
-
 /// Fits local coefficients to `problem`. A static peak that says nothing of mu_s is left out, and named in the notes.
 ///
 /// # Errors
@@ -250,15 +229,17 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
             Model { problem, layout: &layout, corrections: &found, emulator: &about }.fit(&parameters, round == 0)?;
         emulator = Some(about);
         let noise = found.relative_stderr.iter().copied().fold(0.0, f64::max);
-        settled = solution.as_ref().is_some_and(|before| {
-            let same = |i: usize| {
+        let size = |i: usize| if layout.log_scale == Some(i) { 1.0 } else { fitted.parameters[i].abs() };
+        // The scale is a logarithm: its change is relative as it is.
+        let same = |before: &Solution| {
+            (0..layout.count).all(|i| {
                 let change = (before.parameters[i] - fitted.parameters[i]).abs();
-                // The scale is a logarithm: its change is relative as it is.
-                let size = if layout.log_scale == Some(i) { 1.0 } else { fitted.parameters[i].abs() };
-                change < (SETTLED.max(3.0 * noise) * size).max(0.1 * fitted.standard_error(i).min(size))
-            };
-            (0..layout.count).all(same)
-        });
+                change < (SETTLED.max(3.0 * noise) * size(i)).max(0.1 * fitted.standard_error(i).min(size(i)))
+            })
+        };
+        settled = solution.as_ref().is_some_and(same)
+            || found.peaks.iter().all(Option::is_none)
+                && found.moved(problem, &layout, [&parameters, &fitted.parameters])? < SETTLED;
         parameters.clone_from(&fitted.parameters);
         solution = Some(fitted);
         corrections = Some(found);
@@ -274,32 +255,6 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     };
     let model = Model { problem, layout: &layout, corrections: &corrections, emulator: &emulator };
     Ok(Attempt::Fitted(Box::new(report(&model, &solution, settled)?)))
-}
-
-/// Peaks that do not follow mu_s, by measurement.
-fn flat_peaks(peaks: &[Option<PeakLine>]) -> Vec<usize> {
-    (0..peaks.len()).filter(|&i| peaks[i].is_some_and(|line| line.slope < LEAST_SLOPE)).collect()
-}
-
-/// Gives every peak the mean of its slopes in all rounds, which `slopes` keep by measurement: the two peaks of one draw behind
-/// a slope scatter by as much as they differ.
-fn average_slopes(peaks: &mut [Option<PeakLine>], slopes: &mut [Vec<f64>]) {
-    for (line, slopes) in peaks.iter_mut().zip(slopes) {
-        let Some(line) = line else { continue };
-        slopes.push(line.slope);
-        line.slope = slopes.iter().sum::<f64>() / slopes.len() as f64;
-    }
-}
-
-/// Gives peaks that do not follow mu_s the mean slope of the others: away from the solution a peak of one draw may fall where
-/// mu_s rises, which says nothing of it there.
-fn borrow_slopes(peaks: &mut [Option<PeakLine>]) {
-    let slopes: Vec<f64> =
-        peaks.iter().flatten().map(|line| line.slope).filter(|slope| *slope >= LEAST_SLOPE).collect();
-    let mean = slopes.iter().sum::<f64>() / slopes.len().max(1) as f64;
-    for line in peaks.iter_mut().flatten().filter(|line| line.slope < LEAST_SLOPE) {
-        line.slope = mean;
-    }
 }
 
 /// The model as the fit sees it: steady sliding by the emulator, dynamic runs by their corrections.
@@ -382,49 +337,6 @@ fn first_guess(problem: &Problem, layout: &Layout) -> Vec<f64> {
         sums[number] = (middle, 1.0);
     }
     sums.into_iter().map(|(sum, count): (f64, f64)| sum / count.max(1.0)).collect()
-}
-
-fn correct(
-    problem: &Problem,
-    layout: &Layout,
-    parameters: &[f64],
-    monitor: &dyn Monitor,
-) -> Result<Corrections, FitError> {
-    let pairs = layout.pairs(problem, parameters)?;
-    let (area_law, _) = layout.law(problem, parameters)?;
-    let problem = &Problem { area_law, ..problem.clone() };
-    let steady = flat_sample::steady(problem, &pairs)?;
-    let dynamic: Vec<DynamicFlat> = flat_sample::dynamic(problem, &pairs, monitor)?;
-    let peaks = peak_lines(problem, &pairs, &dynamic)?;
-    Ok(Corrections {
-        delta: dynamic.iter().zip(&steady).map(|(d, s)| d.mu_dynamic / s).collect(),
-        relative_stderr: dynamic.iter().map(|d| d.stderr / d.mu_dynamic).collect(),
-        peaks,
-    })
-}
-
-/// The slope of every measured static peak, by runs at slightly larger mu_s.
-fn peak_lines(problem: &Problem, pairs: &Pairs, dynamic: &[DynamicFlat]) -> Result<Vec<Option<PeakLine>>, FitError> {
-    if dynamic.iter().all(|d| d.mu_static.is_none()) {
-        return Ok(vec![None; dynamic.len()]);
-    }
-    let raised: Pairs = pairs
-        .iter()
-        .map(|pair| {
-            LocalFriction::new(pair.static_mean() * (1.0 + STATIC_STEP), pair.dynamic_mean(), pair.relative_std())
-        })
-        .collect::<Result<_, _>>()?;
-    let moved = flat_sample::dynamic(problem, &raised, &Unwatched)?;
-    Ok(dynamic
-        .iter()
-        .zip(&moved)
-        .zip(pairs)
-        .map(|((here, there), pair)| {
-            let (at_current, raised) = (here.mu_static?, there.mu_static?);
-            let current = pair.static_mean();
-            Some(PeakLine { at_current, slope: (raised - at_current) / (STATIC_STEP * current), current })
-        })
-        .collect())
 }
 
 fn report(model: &Model<'_>, solution: &Solution, settled: bool) -> Result<Fit, FitError> {

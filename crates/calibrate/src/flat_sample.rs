@@ -2,72 +2,92 @@
 
 use slipgrid_material::LocalFriction;
 use slipgrid_springblock::{
-    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate,
+    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate, warm_travel_m,
 };
 
 use crate::{FitError, Measurement, Problem};
 
-/// Travel of a dynamic run from steady sliding, in metres: a hundred stick-slip cycles of a block.
-/// Against four times the travel the mean moves by less than 0.03 %.
-const WARM_TRAVEL_M: f64 = 0.4e-6;
 /// Travel of a run from rest, which finds the static peak, in metres.
 const COLD_TRAVEL_M: f64 = 2e-6;
-
-/// Periods of the layer's first shear mode that a run is planned to last at least: an average must hold ten, of a record of
-/// which at most half is left out. At high speeds the travels above are over sooner.
+/// Periods of the layer's first shear mode that a run from rest is planned to last at least: an average must hold ten, of a
+/// record of which at most half is left out. At high speeds the travel above is over sooner.
 const LEAST_PERIODS: f64 = 40.0;
-
-/// Travel over what takes the layer to the onset of sliding above which it is long enough: what comes before the onset may be half
-/// of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
+/// Travel from rest over what shears the layer to the onset of sliding above which it is long enough: what comes before the
+/// onset may be half of it, and the block that holds longest has a sixth more friction than the mean of a thousand.
 const ENOUGH: f64 = 1.9;
-/// Travel of a run that would be too short, from rest, over what shears the layer to the onset of sliding: at most half of
-/// it is left out of the average.
+/// Travel of a run from rest that would be too short, over what shears the layer to the onset: at most half of it is left out
+/// of the average.
 const COLD_ONSETS: f64 = 2.5;
-/// The same from steady sliding, over what takes the layer from the dynamic to the static friction.
-const WARM_ONSETS: f64 = 4.0;
 
-/// Travel of a dynamic run of `measured` with the coefficients `pair`, in metres: the usual one, or what
-/// [`LEAST_PERIODS`] or the onset of sliding take at high speeds and loads.
+/// Standard error of a run from the sheared layer over the standard deviation of its measurement.
+const OF_MEASURED: f64 = 0.1;
+/// Least and greatest standard error that is asked of such a run, over dynamic friction.
+const STDERR: [f64; 2] = [2e-4, 1e-3];
+
+/// Travel that a dynamic run of `measured` with the coefficients `pair` is planned for, in metres.
 fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> f64 {
-    let elastic = &problem.elastic;
+    let (elastic, area_law) = (&problem.elastic, problem.area_law.as_ref());
+    if measured.static_peak.is_none() {
+        let load = load(problem, measured, *pair);
+        return warm_travel_m((elastic, area_law), &problem.layer, &[load], measured.speed_m_s);
+    }
     // G = 3 E / 8, c_s = sqrt(G / rho)
     let shear_modulus_pa = 0.375 * elastic.youngs_modulus_pa();
     let shear_wave_m_s = (shear_modulus_pa / elastic.density_kg_m3()).sqrt();
     // T = 4 h / c_s
     let period_s = 4.0 * problem.layer.height_m / shear_wave_m_s;
-    let (usual_m, onsets, mu) = if measured.static_peak.is_some() {
-        (COLD_TRAVEL_M, COLD_ONSETS, pair.static_mean())
-    } else {
-        (WARM_TRAVEL_M, WARM_ONSETS, (pair.static_mean() - pair.dynamic_mean()).max(0.0))
-    };
-    let factor = problem.area_law.as_ref().map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
-    // u = mu f P h / G
-    let onset_m = mu * factor * problem.pressure_pa(measured) / shear_modulus_pa * problem.layer.height_m;
-    let travel_m = usual_m.max(LEAST_PERIODS * period_s * measured.speed_m_s);
-    if travel_m > ENOUGH * onset_m { travel_m } else { onsets * onset_m }
+    let factor = area_law.map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
+    // u = mu_s f P h / G
+    let onset_m =
+        pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa * problem.layer.height_m;
+    let travel_m = COLD_TRAVEL_M.max(LEAST_PERIODS * period_s * measured.speed_m_s);
+    if travel_m > ENOUGH * onset_m { travel_m } else { COLD_ONSETS * onset_m }
 }
 
 fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> RunOptions {
+    let [least, most] = STDERR;
+    let wanted = (OF_MEASURED * measured.mu_dynamic_std / measured.mu_dynamic).clamp(least, most);
     RunOptions {
         fidelity: Fidelity::Dynamic,
         warm_start: measured.static_peak.is_none(),
         sliding_m: travel_m(problem, measured, pair),
+        mu_stderr: measured.static_peak.is_none().then_some(wanted),
         ..RunOptions::default()
     }
 }
 
-/// Time steps of the dynamic run of each measurement.
-pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
-    let of = |(measured, pair): (&Measurement, &LocalFriction)| {
-        let run = run_options(problem, measured, pair);
-        slipgrid_springblock::planned_steps(&scene(
-            problem,
-            measured.speed_m_s,
-            vec![load(problem, measured, *pair)],
-            run,
-        ))
+/// The measurement whose run stands for each: of those at the same load and speed, without a peak, the one of the median
+/// coefficient. What time adds to steady sliding follows load and speed; at the same ones it moves by parts in ten thousand
+/// over a quarter of friction (`one_run_stands_for_all_at_its_load_and_speed`).
+pub fn representatives(problem: &Problem, pairs: &Pairs) -> Vec<usize> {
+    let setting = |i: usize| {
+        let measured = &problem.measurements[i];
+        (measured.static_peak.is_none(), problem.pressure_pa(measured), measured.speed_m_s)
     };
-    problem.measurements.iter().zip(pairs).map(of).collect()
+    let of = |i: usize| {
+        if problem.measurements[i].static_peak.is_some() {
+            // A peak takes its own run, but for the same coefficients.
+            return (0..i).find(|&j| setting(j) == setting(i) && pairs[j] == pairs[i]).unwrap_or(i);
+        }
+        let mut alike: Vec<usize> = (0..pairs.len()).filter(|&j| setting(j) == setting(i)).collect();
+        alike.sort_by(|&a, &b| pairs[a].dynamic_mean().total_cmp(&pairs[b].dynamic_mean()));
+        let median = alike[(alike.len() - 1) / 2];
+        // Of equals the first.
+        alike.into_iter().filter(|&j| pairs[j] == pairs[median]).min().unwrap_or(median)
+    };
+    (0..pairs.len()).map(of).collect()
+}
+
+/// Time steps of the dynamic run of each measurement; 0 where another's stands for it.
+pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
+    let representatives = representatives(problem, pairs);
+    let of = |i: usize| {
+        let (measured, pair) = (&problem.measurements[i], &pairs[i]);
+        let run = run_options(problem, measured, pair);
+        let scene = scene(problem, measured.speed_m_s, vec![load(problem, measured, *pair)], run);
+        if representatives[i] == i { slipgrid_springblock::planned_steps(&scene) } else { 0 }
+    };
+    (0..pairs.len()).map(of).collect()
 }
 
 /// Coefficients at each measurement.
@@ -103,7 +123,8 @@ pub fn steady(problem: &Problem, pairs: &Pairs) -> Result<Vec<f64>, FitError> {
 
 fn slid(pressure_pa: f64, surface: &SurfaceOutcome) -> Result<f64, FitError> {
     match (surface.status, surface.mu_dynamic) {
-        (Status::Converged, Some(mu)) => Ok(mu),
+        // A standard error that is larger than asked for is booked as it is.
+        (Status::Converged | Status::StderrNotReached, Some(mu)) => Ok(mu),
         (Status::Cancelled, _) => Err(FitError::Cancelled),
         (status, _) => Err(FitError::NoSliding { number: 1, pressure_pa, status: status.name() }),
     }
@@ -120,33 +141,35 @@ pub struct DynamicFlat {
     pub mu_static: Option<f64>,
 }
 
-/// Dynamic runs of the flat sample, one per measurement. Runs start from steady sliding, but from rest
-/// where a static peak was measured.
-pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Result<Vec<DynamicFlat>, FitError> {
+/// Dynamic runs of the flat sample at the measurements that stand for themselves in `representatives`; the others have those
+/// of their representative. Runs start from a sheared layer, but from rest where a static peak was measured.
+pub fn dynamic(
+    problem: &Problem,
+    pairs: &Pairs,
+    representatives: &[usize],
+    monitor: &dyn Monitor,
+) -> Result<Vec<DynamicFlat>, FitError> {
     let count = problem.measurements.len();
     let mut found = vec![DynamicFlat::default(); count];
-    // Measurements that differ in nothing the model sees, as humidities do under one pair, share a run.
-    let seen = |i: usize| {
-        let measured = &problem.measurements[i];
-        (problem.pressure_pa(measured), measured.speed_m_s, measured.static_peak.is_some(), pairs[i])
-    };
-    let run_of: Vec<usize> = (0..count).map(|i| (0..i).find(|&j| seen(j) == seen(i)).unwrap_or(i)).collect();
-    let mut done: Vec<bool> = (0..count).map(|i| run_of[i] != i).collect();
-    while let Some(first) = done.iter().position(|done| !done) {
-        // One scene for all measurements of the same speed, kind of start and travel.
-        let kind = |i: usize| {
-            let measured = &problem.measurements[i];
-            (measured.speed_m_s, measured.static_peak.is_some(), travel_m(problem, measured, &pairs[i]))
-        };
-        let speed_m_s = problem.measurements[first].speed_m_s;
-        let group: Vec<usize> = (first..count).filter(|&i| !done[i] && kind(i) == kind(first)).collect();
+    let mut left: Vec<usize> = (0..count).filter(|&i| representatives[i] == i).collect();
+    let runs = left.len() as f64;
+    while let Some(&first) = left.first() {
+        // One scene for all measurements of the same speed and kind of start.
+        let kind = |i: usize| (problem.measurements[i].speed_m_s, problem.measurements[i].static_peak.is_some());
+        let (group, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|&&i| kind(i) == kind(first));
+        left = others;
+        let (speed_m_s, _) = kind(first);
+        let each = group.iter().map(|&i| run_options(problem, &problem.measurements[i], &pairs[i]));
+        let run = each.reduce(|all, own| RunOptions {
+            sliding_m: all.sliding_m.max(own.sliding_m),
+            mu_stderr: all.mu_stderr.zip(own.mu_stderr).map(|(all, own)| all.min(own)),
+            ..all
+        });
+        let run = run.unwrap_or_default();
         let loads = group.iter().map(|&i| load(problem, &problem.measurements[i], pairs[i])).collect();
-        let run = run_options(problem, &problem.measurements[first], &pairs[first]);
-        let runs = (0..count).filter(|&i| run_of[i] == i).count();
-        let portion = Portion { whole: monitor, share: group.len() as f64 / runs as f64 };
+        let portion = Portion { whole: monitor, share: group.len() as f64 / runs };
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
-            done[i] = true;
             found[i] = DynamicFlat {
                 mu_dynamic: slid(outcome.pressure_pa, &outcome.surface).map_err(|error| error.at(i))?,
                 stderr: outcome.surface.mu_dynamic_stderr.unwrap_or(0.0),
@@ -154,10 +177,7 @@ pub fn dynamic(problem: &Problem, pairs: &Pairs, monitor: &dyn Monitor) -> Resul
             };
         }
     }
-    for i in 0..count {
-        found[i] = found[run_of[i]];
-    }
-    Ok(found)
+    Ok(representatives.iter().map(|&i| found[i]).collect())
 }
 
 /// A part of the work that a monitor watches.

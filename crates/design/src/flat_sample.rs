@@ -2,7 +2,7 @@
 
 use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
-use crate::confirmation::{WARM_TRAVEL_M, trusted};
+use crate::confirmation::{trusted, warm_travel_m};
 use crate::specimen::{SpecimenError, simulate_on};
 use crate::time_budget::TimeBudget;
 
@@ -12,7 +12,7 @@ pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Opt
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
     let run = RunOptions {
         warm_start: true,
-        sliding_m: WARM_TRAVEL_M,
+        sliding_m: warm_travel_m(scene, false),
         extent: Extent::Sample,
         dimensions: None,
         ..scene.run

@@ -11,7 +11,7 @@ use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation
 use crate::DesignError;
 use crate::cache_key::cache_key;
 use crate::chance::Chances;
-use crate::confirmation::WARM_TRAVEL_M;
+use crate::confirmation::warm_travel_m;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
@@ -101,11 +101,13 @@ impl<'a> MultiFidelityLoop<'a> {
             dimensions: if is_spatial { design.dimensions } else { Some(2) },
             ..RunOptions::default()
         };
-        // Nobody asked for static friction: start where sliding is about to begin.
-        let warm =
-            RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m: WARM_TRAVEL_M, ..from_rest };
-        let confirming = if design.from_rest { from_rest } else { warm };
-        let scene = design.flat_scene(material, loads, confirming);
+        let mut scene = design.flat_scene(material, loads, from_rest);
+        if !design.from_rest {
+            // Nobody asked for static friction: start where sliding is about to begin.
+            let sliding_m = warm_travel_m(&scene, is_spatial);
+            scene.run = RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m, ..from_rest };
+        }
+        let confirming = scene.run;
         let started_s = monitor.seconds();
         let flat_mu = match design.target.quantity() {
             Quantity::Ratio => None,

@@ -60,7 +60,7 @@ mod space;
 mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
-pub use dynamics::{MOST_STEPS, WAVE_DEFICIT};
+pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, warm_travel_m};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};

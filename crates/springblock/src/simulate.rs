@@ -277,7 +277,7 @@ fn dynamic(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneErro
     describe_extent(scene, &mut model);
     describe_draws(scene, &mut model);
     if scene.run.warm_start {
-        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
+        model.push("warm start: the layer sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction".to_owned());
     }
     if let Some(nearest) = nearest.filter(|_| corrections.iter().any(|c| *c != 0.0)) {
         model.push(format!(

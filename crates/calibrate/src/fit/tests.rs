@@ -1,8 +1,10 @@
+use super::corrections::PeakLine;
 use super::*;
+use crate::flat_sample;
 use crate::synthetic_noise::Noise;
 use crate::{AreaLawScale, Measurement, StaticPeak};
 use slipgrid_material::{AreaLaw, Elastic};
-use slipgrid_springblock::Layer;
+use slipgrid_springblock::{Layer, Unwatched};
 
 /// A short specimen, so that dynamic runs take milliseconds.
 fn problem(coefficients: Coefficients) -> Problem {
@@ -38,14 +40,15 @@ fn measured_by_the_model(problem: &mut Problem, dynamic_mean: f64, with_peaks: b
         }
     }
     let pairs = vec![pair; problem.measurements.len()];
-    let found = flat_sample::dynamic(problem, &pairs, &Unwatched).unwrap();
+    let alone: Vec<usize> = (0..pairs.len()).collect();
+    let found = flat_sample::dynamic(problem, &pairs, &alone, &Unwatched).unwrap();
     for (measured, found) in problem.measurements.iter_mut().zip(&found) {
         measured.mu_dynamic = found.mu_dynamic;
         measured.static_peak = measured.static_peak.map(|peak| StaticPeak { mu: found.mu_static.unwrap(), ..peak });
     }
 }
 
-/// 0.4 um at 20 mm/s last ten periods of this layer.
+/// Travel that holds 25 periods of this layer at 2 mm/s holds two and a half at 20 mm/s.
 #[test]
 fn fast_measurements_are_averaged_as_long_as_slow_ones() {
     for with_peaks in [false, true] {
@@ -314,7 +317,7 @@ fn a_heavy_load_is_given_the_travel_that_its_onset_takes() {
     problem.measurements[0].mu_dynamic = 0.25;
     problem.measurements[0].static_peak = Some(StaticPeak { mu: 0.26, std: 0.002 });
     let pairs = vec![LocalFriction::new(0.3, 0.25, 0.05).unwrap()];
-    let found = flat_sample::dynamic(&problem, &pairs, &Unwatched).unwrap();
+    let found = flat_sample::dynamic(&problem, &pairs, &[0], &Unwatched).unwrap();
     assert!(found[0].mu_static.unwrap() > found[0].mu_dynamic, "{found:?}");
 }
 
@@ -324,6 +327,12 @@ fn planned_steps_are_those_that_a_run_takes() {
     let problem = problem(Coefficients::Single);
     let pair = LocalFriction::new(0.22, 0.2, 0.05).unwrap();
     let planned = flat_sample::planned_steps(&problem, &vec![pair; 3]);
+    let travel_m = slipgrid_springblock::warm_travel_m(
+        (&problem.elastic, problem.area_law.as_ref()),
+        &problem.layer,
+        &[Load { pressure_pa: 0.637e6, friction: pair }],
+        2e-3,
+    );
     let scene = Scene {
         elastic: problem.elastic,
         area_law: None,
@@ -336,10 +345,39 @@ fn planned_steps_are_those_that_a_run_takes() {
             fidelity: Fidelity::Dynamic,
             extent: Extent::Sample,
             warm_start: true,
-            sliding_m: 0.4e-6,
+            sliding_m: travel_m,
             ..RunOptions::default()
         },
     };
     let ran = simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps;
     assert_eq!(planned, [ran; 3]);
+}
+
+#[test]
+fn one_run_stands_for_all_at_its_load_and_speed() {
+    let mut problem = problem(Coefficients::PerCondition);
+    problem.layer = Layer { length_m: 2e-3, height_m: 100e-6, ..problem.layer };
+    // Runs are to be as exact as they can be.
+    problem.measurements.iter_mut().for_each(|measured| measured.mu_dynamic_std = 1e-4);
+    let of = |factor: f64| vec![LocalFriction::new(0.3 * factor, 0.27 * factor, 0.05).unwrap(); 3];
+    let deltas = |pairs: &Pairs| -> Vec<[f64; 2]> {
+        let runs = flat_sample::dynamic(&problem, pairs, &[0, 1, 2], &Unwatched).unwrap();
+        let steady = flat_sample::steady(&problem, pairs).unwrap();
+        runs.iter().zip(&steady).map(|(run, steady)| [run.mu_dynamic / steady, run.stderr / steady]).collect()
+    };
+    let own = deltas(&of(1.0));
+    for factor in [0.88_f64, 1.13] {
+        for ([at, stderr], [own, own_stderr]) in deltas(&of(factor)).iter().zip(&own) {
+            let allowed = corrections::STANDING_FOR * (own - 1.0) * factor.ln().abs() + stderr.hypot(*own_stderr);
+            assert!((own - 1.0) > 5e-3 && (at - own).abs() < 3.0 * allowed, "{at} {own} {allowed:e}");
+            assert!(allowed < 1e-3, "{allowed:e}");
+        }
+    }
+    // Of three humidities the middle one is run; a peak takes its own run.
+    problem.measurements = vec![problem.measurements[0]; 3];
+    let pairs: Pairs = [1.0, 1.2, 1.1].iter().flat_map(|&factor| of(factor).pop()).collect();
+    assert_eq!(flat_sample::representatives(&problem, &pairs), [2, 2, 2]);
+    assert_eq!(flat_sample::planned_steps(&problem, &pairs)[..2], [0, 0]);
+    problem.measurements[1].static_peak = Some(StaticPeak { mu: 0.3, std: 0.01 });
+    assert_eq!(flat_sample::representatives(&problem, &pairs), [0, 1, 0]);
 }

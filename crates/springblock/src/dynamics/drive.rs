@@ -7,7 +7,8 @@ use super::recorder::{Recorder, WindowMean};
 use super::scales::Scales;
 use crate::Monitor;
 use crate::outcome::{DynamicCost, InterfacePoint, Status, SurfaceOutcome};
-use crate::scene::Scene;
+use crate::scene::{Layer, Load, Scene};
+use slipgrid_material::{AreaLaw, Elastic};
 
 /// Intervals in which the planned run is recorded.
 const BINS: u64 = 2000;
@@ -30,6 +31,37 @@ pub const MOST_STEPS: u64 = 100_000_000;
 /// Periods of the layer's first shear mode that an average must hold: one mode alone swings mu by a
 /// tenth, and its mean over n periods departs by up to 1/(pi n) of that.
 const LEAST_PERIODS: f64 = 10.0;
+
+/// Periods of the layer's first shear mode, and slips of a block, that a warm run is planned for at least: with the usual
+/// layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients off by 0.04 %
+/// (`short_runs_agree_with_long_ones`).
+const WARM_PERIODS: f64 = 25.0;
+const WARM_SLIPS: f64 = 25.0;
+
+/// Travel of the bulk that a run from the sheared layer needs for a mean, in metres, rounded up to nanometres:
+///
+/// ```text
+/// u = max(25 T v, 25 d),     T = 4 h / c_s,  c_s = sqrt(3 E / (8 rho)),     d = 2 (mu_s - mu_d) f(P) P l / E
+/// ```
+///
+/// with the layer's height h, its first shear mode's period T, and the slip d of a block of size l, the largest over `loads`.
+#[must_use]
+pub fn warm_travel_m(
+    (elastic, area_law): (&Elastic, Option<&AreaLaw>),
+    layer: &Layer,
+    loads: &[Load],
+    speed_m_s: f64,
+) -> f64 {
+    let stiffness_pa = elastic.youngs_modulus_pa();
+    let period_s = 4.0 * layer.height_m / (0.375 * stiffness_pa / elastic.density_kg_m3()).sqrt();
+    let slip_m = |load: &Load| {
+        let drop = (load.friction.static_mean() - load.friction.dynamic_mean()).max(0.0);
+        let factor = area_law.map_or(1.0, |law| law.factor(load.pressure_pa));
+        2.0 * drop * factor * load.pressure_pa / stiffness_pa * layer.block_m
+    };
+    let slips_m = WARM_SLIPS * loads.iter().map(slip_m).fold(0.0, f64::max);
+    ((WARM_PERIODS * period_s * speed_m_s).max(slips_m) * 1e9).ceil().max(1.0) * 1e-9
+}
 
 /// Steps that a run is planned to take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -44,7 +44,7 @@ mod strip_leapfrog;
 mod strip_workers;
 mod sweep;
 
-pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT};
+pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT, warm_travel_m};
 pub use run::{DynamicRun, Scheme, usual_step_s};
 pub use space::{SpaceRun, SpaceScheme};
 

@@ -168,8 +168,9 @@ impl DynamicRun<'_> {
         self.lattice.contacts().map(|column| [(column as f64 + 0.5) * self.scene.layer.block_m, 0.0])
     }
 
-    /// Displacements of steady sliding over l, by row and column.
-    fn steady_displacements(&self) -> Vec<[f64; 2]> {
+    /// Displacements over l, by row and column, of the layer in equilibrium with friction as in sliding, every block at a
+    /// random moment of its stick-slip.
+    fn sheared_displacements(&self) -> Vec<[f64; 2]> {
         let run = &self.scene.run;
         let model = SteadyModel::new(
             self.lattice.clone(),
@@ -177,22 +178,19 @@ impl DynamicRun<'_> {
             self.scene.elastic.youngs_modulus_pa(),
             run.liftoff,
         );
-        let dynamic_mu: Vec<f64> = draws::draw(&self.load.friction, self.seed, self.lattice.nx())
-            .iter()
-            .map(|drawn| drawn.dynamic_mu)
-            .collect();
+        let drawn = draws::draw(&self.load.friction, self.seed, self.lattice.nx());
         model.displacements(&SteadyLoad {
             pressure_pa: self.load.pressure_pa,
-            dynamic_mu: &dynamic_mu,
+            dynamic_mu: &draws::caught(&drawn, self.seed),
             area_law: self.scene.area_law.as_ref(),
         })
     }
 
-    /// Displacements that the run begins with, by row and column: those of steady sliding, or of a layer that touches with the
-    /// highest of its face and bears nothing; `None` for one that lies flat.
+    /// Displacements that the run begins with, by row and column: those of sliding, or of a layer that touches with the highest
+    /// of its face and bears nothing; `None` for one that lies flat.
     fn start(&self) -> Option<Vec<[f64; 2]>> {
         if self.scene.run.warm_start {
-            return Some(self.steady_displacements());
+            return Some(self.sheared_displacements());
         }
         let contacts = || self.lattice.contacts().map(|i| self.lattice.columns()[i].relief);
         let highest = contacts().fold(f64::NEG_INFINITY, f64::max);

@@ -314,7 +314,7 @@ fn in_time(
         scene.layer.block_m * 1e6,
     ));
     if scene.run.warm_start {
-        model.push("warm start from the sheared steady equilibrium, at rest: no ramp, no static friction".to_owned());
+        model.push("warm start: the layer sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction".to_owned());
     }
     let youngs_modulus_pa = scene.elastic.youngs_modulus_pa();
     let models: Vec<SteadyModel> = lattices
