@@ -8,9 +8,9 @@ mod profile_likelihood;
 pub use feasibility::planned_steps;
 
 use slipgrid_material::{AreaLaw, LocalFriction};
-use slipgrid_springblock::Monitor;
+use slipgrid_monitor::{Monitor, Part};
 
-use crate::flat_sample::{Pairs, Portion};
+use crate::flat_sample::Pairs;
 use crate::flat_sample_emulator::Emulator;
 use crate::least_squares::{LeastSquares, Solution};
 use crate::{Coefficients, FitError, Problem};
@@ -211,8 +211,9 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let mut corrections = None;
     let mut settled = false;
     let mut solution: Option<Solution> = None;
-    // Progress counts on the usual two rounds of dynamic runs.
-    let portion = Portion { whole: monitor, share: 0.5 };
+    // Progress counts on one round of dynamic runs, on two where peaks are fitted.
+    let rounds = if problem.measurements.iter().any(|measured| measured.static_peak.is_some()) { 2.0 } else { 1.0 };
+    let portion = Part::new(monitor, 1.0 / rounds);
     let mut slopes = vec![Vec::new(); problem.measurements.len()];
     for round in 0..MOST_ROUNDS {
         let mut found = correct(problem, &layout, &parameters, &portion)?;

@@ -1,6 +1,7 @@
 //! The flat sample in the spring-block model, for many loads at once.
 
 use slipgrid_material::LocalFriction;
+use slipgrid_monitor::Part;
 use slipgrid_springblock::{
     Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate, warm_travel_m,
 };
@@ -167,7 +168,7 @@ pub fn dynamic(
         });
         let run = run.unwrap_or_default();
         let loads = group.iter().map(|&i| load(problem, &problem.measurements[i], pairs[i])).collect();
-        let portion = Portion { whole: monitor, share: group.len() as f64 / runs };
+        let portion = Part::new(monitor, group.len() as f64 / runs);
         let simulation = simulate(&scene(problem, speed_m_s, loads, run), &portion)?;
         for (&i, outcome) in group.iter().zip(&simulation.loads) {
             found[i] = DynamicFlat {
@@ -178,26 +179,4 @@ pub fn dynamic(
         }
     }
     Ok(representatives.iter().map(|&i| found[i]).collect())
-}
-
-/// A part of the work that a monitor watches.
-pub struct Portion<'a> {
-    /// The monitor of the whole work.
-    pub whole: &'a dyn Monitor,
-    /// Share of the whole.
-    pub share: f64,
-}
-
-impl Monitor for Portion<'_> {
-    fn seconds(&self) -> f64 {
-        self.whole.seconds()
-    }
-
-    fn advance(&self, share: f64) {
-        self.whole.advance(self.share * share);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.whole.cancelled()
-    }
 }

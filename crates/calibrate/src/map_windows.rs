@@ -6,7 +6,7 @@ use slipgrid_statistics::mean_and_std;
 use slipgrid_topography::HeightMap;
 
 use crate::area_law::{AreaLawRequest, area_curve, area_law};
-use crate::flat_sample::Portion;
+use slipgrid_monitor::Part;
 
 /// Windows along either side where nobody asks for another number.
 pub const DEFAULT_WINDOWS: usize = 2;
@@ -73,7 +73,7 @@ pub fn window_spread(
     let pixels = [windows[0].rows(), windows[0].cols()];
     let mut factors = Vec::new();
     let mut slopes = Vec::new();
-    let monitor = Portion { whole: monitor, share: 1.0 / windows.len() as f64 };
+    let monitor = Part::new(monitor, 1.0 / windows.len() as f64);
     for window in &windows {
         let Some(factor) = factors_of(window, request, &monitor)? else { return Ok(None) };
         factors.push(factor);

@@ -10,8 +10,8 @@ use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
 
 use crate::area_law::area_law;
-use crate::flat_sample::Portion;
 use crate::{CalibrationError, CalibrationTask, Measurement};
+use slipgrid_monitor::Part;
 
 /// Step of ln E behind the sensitivity: small against the modulus's own error, large against rounding.
 const LOG_MODULUS_STEP: f64 = 0.02;
@@ -54,7 +54,7 @@ impl Model<'_> {
         pairs: &[Pair],
         monitor: &dyn Monitor,
     ) -> Result<Vec<Option<[f64; 2]>>, CalibrationError> {
-        let third = Portion { whole: monitor, share: 1.0 / 3.0 };
+        let third = Part::new(monitor, 1.0 / 3.0);
         let steps = [-LOG_MODULUS_STEP, 0.0, LOG_MODULUS_STEP];
         let all: Vec<Vec<Option<f64>>> =
             steps.par_iter().map(|&step| self.ratios_at(step, pairs, &third)).collect::<Result<_, _>>()?;

@@ -9,10 +9,10 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_pattern::{Pattern, ReliefMap};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use crate::flat_sample::Portion;
 use crate::patterned_samples::{Model, Pair, pairs};
 use crate::surface_findings::surface_findings;
 use crate::{CalibrationError, CalibrationTask, Measurement, Surface};
+use slipgrid_monitor::Part;
 
 /// A sample that was cut, and measured unless it is pending.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +55,7 @@ pub fn learn(
     monitor: &dyn Monitor,
 ) -> Result<Discrepancy, CalibrationError> {
     let measured: Vec<&CutSample> = task.trials.samples.iter().filter(|sample| !sample.measured.is_empty()).collect();
-    let monitor = Portion { whole: monitor, share: 1.0 / measured.len().max(1) as f64 };
+    let monitor = Part::new(monitor, 1.0 / measured.len().max(1) as f64);
     let trials = measured.into_iter().map(|sample| trial(task, sample, law, &monitor));
     let trials = trials.collect::<Result<Vec<Trial>, CalibrationError>>()?;
     let modulus = tidy(task.modulus_relative_std().unwrap_or(0.0));
@@ -106,7 +106,7 @@ fn trial(
     monitor: &dyn Monitor,
 ) -> Result<Trial, CalibrationError> {
     let axes: Vec<usize> = (0..3).filter(|axis| cut.dimensions_std_m[*axis] > 0.0).collect();
-    let monitor = Portion { whole: monitor, share: 1.0 / (1 + axes.len()) as f64 };
+    let monitor = Part::new(monitor, 1.0 / (1 + axes.len()) as f64);
     let model = |pattern: Pattern| Model { task, law, pattern, relief: cut.relief.clone() };
     let pairs = pairs(task, &cut.measured);
     let ends = Ends::new(&pairs);

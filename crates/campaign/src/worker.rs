@@ -12,7 +12,7 @@ use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_formats::source::Source;
 use slipgrid_formats::{Diagnostic, Document};
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Memory, Monitor};
 use slipgrid_results::{SCHEMA, SimulationReport, json_and_timings};
 use slipgrid_studies::StudyError;
 use slipgrid_studies::laboratories::{Bench, Job, Options, Policy, Start};
@@ -145,6 +145,10 @@ impl Monitor for Quiet<'_> {
 
     fn seconds(&self) -> f64 {
         self.0.seconds()
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        self.0.memory()
     }
 }
 

@@ -35,6 +35,10 @@ pub struct Arguments {
     /// Threads to compute with; all cores by default. Results do not depend on it
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// Compute everything anew; otherwise fits and runs in time that were made before are taken from the folder that
+    /// SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
+    #[arg(long, global = true)]
+    pub no_cache: bool,
     /// No progress bar and no notes; results still go to stdout
     #[arg(long, short, global = true)]
     pub quiet: bool,

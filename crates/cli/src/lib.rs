@@ -3,7 +3,6 @@
 //! | module | role |
 //! |---|---|
 //! | [`args`] | flags and help |
-//! | [`input`] | files opened, or refused with what was expected |
 //! | [`interruption`] | Ctrl-C |
 //! | [`lock`] | one run at a time for one folder of results |
 //! | [`output`] | files written whole or not at all |
@@ -23,7 +22,6 @@ pub mod args;
 pub mod commands;
 
 mod error;
-pub mod input;
 pub mod interruption;
 pub mod lock;
 
@@ -37,6 +35,7 @@ use std::path::Path;
 use clap::{CommandFactory, FromArgMatches};
 
 pub use error::CliError;
+use slipgrid_disk::KeptResults;
 use slipgrid_formats::diagnostic::printable_lines;
 use slipgrid_report::Outputs;
 
@@ -66,6 +65,8 @@ pub struct Console<'a> {
     pub quiet: bool,
     /// Threads that compute.
     pub threads: usize,
+    /// Results of earlier runs.
+    pub kept: Option<KeptResults>,
 }
 
 impl Console<'_> {
@@ -126,6 +127,20 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
+    run_with(args, out, err, None)
+}
+
+/// The same with `kept`, results of earlier runs, where the flags do not forbid it.
+pub fn run_with<I, T>(
+    args: I,
+    out: &mut (dyn Write + Send),
+    err: &mut (dyn Write + Send),
+    kept: Option<KeptResults>,
+) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
     // A number below zero is out of range, not an unknown flag.
     let mut command = args::Arguments::command()
         .mut_subcommands(|command| command.mut_args(|argument| argument.allow_negative_numbers(true)));
@@ -150,9 +165,10 @@ where
         }
     };
     let quiet = arguments.quiet;
+    let kept = kept.filter(|_| !arguments.no_cache);
     let threads = pool.current_num_threads();
     let (ended, told) = pool.install(|| {
-        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads };
+        let mut console = Console { out: &mut *out, err: &mut *err, quiet, threads, kept };
         let ended = commands::run(&arguments.command, &mut console);
         let told = console.out.flush();
         (ended, told)

@@ -11,7 +11,8 @@ fn main() -> ExitCode {
     if !is_ignored(SIGINT) {
         let _ = slipgrid_cli::interruption::install();
     }
-    slipgrid_cli::run(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr()).into()
+    let kept = slipgrid_disk::KeptResults::of_this_program();
+    slipgrid_cli::run_with(std::env::args_os(), &mut std::io::stdout(), &mut std::io::stderr(), kept).into()
 }
 
 /// Whether the program was started to ignore `signal`, as far as the system says.

@@ -8,12 +8,11 @@ use std::time::{Duration, SystemTime};
 
 use crate::CliError;
 use crate::interruption;
+use slipgrid_disk::UNFINISHED;
 use slipgrid_formats::Diagnostic;
 use slipgrid_report::written::{HEAD, begins_as_ours};
 use slipgrid_report::{Content, Outputs};
 
-/// Name of a file that is not finished, at its beginning and end.
-const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
 /// Age at which an unfinished file belongs to a run that was killed: writing takes milliseconds.
 const ABANDONED: Duration = Duration::from_secs(600);
 
@@ -96,16 +95,6 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     file.persist(path).map_err(|error| failed(error.error))?;
     interruption::wrote(path);
     Ok(())
-}
-
-/// Has a file appear whole, making its folder if needed, without a look at what stands there.
-///
-/// # Errors
-/// What the system said.
-pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    fs::create_dir_all(parent(path))?;
-    let file = unfinished(parent(path), &Content::Bytes(bytes.to_vec()))?;
-    file.persist(path).map(drop).map_err(|error| error.error)
 }
 
 /// A place for results, as the command line names it.

@@ -6,8 +6,9 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use slipgrid_disk::KeptResults;
 use slipgrid_formats::diagnostic::printable_lines;
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Memory, Monitor};
 
 use crate::{Console, interruption};
 
@@ -21,6 +22,7 @@ pub struct Job<'a> {
     /// Share of the stage that is done, as the bits of an f64.
     done: AtomicU64,
     notes: Option<Mutex<&'a mut (dyn Write + Send)>>,
+    kept: Option<&'a KeptResults>,
 }
 
 impl<'a> Job<'a> {
@@ -34,7 +36,8 @@ impl<'a> Job<'a> {
         }
         let err: &'a mut (dyn Write + Send) = console.err;
         let notes = (!console.quiet).then(|| Mutex::new(err));
-        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), notes }
+        let kept = console.kept.as_ref();
+        Self { bar, start: Instant::now(), done: AtomicU64::new(0.0_f64.to_bits()), notes, kept }
     }
 }
 
@@ -76,6 +79,10 @@ impl Monitor for Job<'_> {
             let _ = writeln!(to, "{}", printable_lines(text));
         }
     }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        self.kept.map(|kept| kept as &dyn Memory)
+    }
 }
 
 #[cfg(test)]
@@ -85,7 +92,7 @@ mod tests {
     #[test]
     fn shares_from_many_threads_add_up() {
         let (mut out, mut err) = (Vec::new(), Vec::new());
-        let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 1 };
+        let mut console = Console { out: &mut out, err: &mut err, quiet: true, threads: 1, kept: None };
         let job = Job::new(&mut console);
         std::thread::scope(|scope| {
             for _ in 0..4 {

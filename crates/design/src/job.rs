@@ -1,6 +1,6 @@
 //! The job, from a task to a design: search, confirm, explain.
 
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, model_notes};
@@ -79,6 +79,8 @@ pub fn run(
     cache: &mut dyn EvaluationCache,
     monitor: &dyn Monitor,
 ) -> Result<DesignOutcome, DesignError> {
+    // Confirming runs share flat samples, also where the caller remembers nothing.
+    let monitor = &Remembering::new(monitor);
     // A solve that was given up is no failure of the step that asked for it.
     every_step(task, cache, monitor).map_err(|error| match error {
         DesignError::Failed(_) if monitor.cancelled() => DesignError::Cancelled,

@@ -67,7 +67,7 @@ pub struct DesignTask {
 }
 
 /// A material, and how well it is known.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct KnownMaterial {
     /// The material.
     pub material: Material,

@@ -7,15 +7,18 @@ use slipgrid_calibrate::{CalibrationError, CalibrationOutcome, CalibrationTask, 
 use slipgrid_design::KnownMaterial;
 use slipgrid_discrepancy::Discrepancy;
 use slipgrid_material::{Material, Provenance};
-use slipgrid_monitor::Monitor;
+use slipgrid_monitor::{Key, Monitor};
 use slipgrid_springblock::Layer;
 
 use crate::altitude_map::law_warnings;
 use crate::calibration::Calibration;
 use crate::design::Design;
 use crate::diagnostic::Diagnostic;
+use crate::document::Document;
+use crate::material_uncertainty::read_known;
 use crate::refused_calibration::refuse;
 use crate::source::Source;
+use crate::written_material::material_toml;
 
 /// Why there is no material.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -50,9 +53,41 @@ pub fn complete(
     task.loads(&measured).map_err(|refused| design.refuse(&refused))?;
     let conditions = task.condition.iter().chain(&task.also_at).copied().collect();
     let selection = Selection { conditions, pressures_pa: task.pressures_pa() };
-    let (_, found) = calibrate(&calibration, &path, files, (task.layer, task.seed), selection, monitor)?;
-    design.task.material = Some(KnownMaterial { material: found.material, uncertainty: found.uncertainty });
+    let sample = (task.layer, task.seed);
+    design.task.material = Some(known_material(&calibration, &path, files, sample, selection, monitor)?);
     Ok(Some(calibration))
+}
+
+/// The material that `calibration` gives: recalled as the file that it was written to, or calibrated now.
+fn known_material(
+    calibration: &Calibration,
+    path: &Path,
+    files: &Source,
+    sample: (Layer, u64),
+    selection: Selection,
+    monitor: &dyn Monitor,
+) -> Result<KnownMaterial, Uncalibrated> {
+    let key = Key::of("material", &calibration.task(files, sample, selection.clone())?);
+    let recalled = monitor.memory().and_then(|memory| memory.recall(&key));
+    if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
+        return Ok(known);
+    }
+    let (task, found) = calibrate(calibration, path, files, sample, selection, monitor)?;
+    let known = KnownMaterial { material: found.material.clone(), uncertainty: found.uncertainty.clone() };
+    // Only what reads back as it was written is kept.
+    if let (Some(memory), Ok(text)) = (monitor.memory(), material_toml(&task, &found))
+        && read_kept(text.clone()).as_ref() == Some(&known)
+    {
+        memory.keep(&key, text.as_bytes());
+    }
+    Ok(known)
+}
+
+/// The material that a kept file holds.
+fn read_kept(text: String) -> Option<KnownMaterial> {
+    let document = Document::new("kept.toml", text);
+    let (material, uncertainty) = read_known(&document, &document.parse().ok()?, &(0..0)).ok()?;
+    Some(KnownMaterial { material, uncertainty })
 }
 
 /// The material as measured, before anything is fitted.

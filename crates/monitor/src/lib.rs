@@ -2,7 +2,7 @@
 //!
 //! No library of slipgrid reads a clock, prints, or knows of signals: a [`Monitor`] does all of it, and the same one
 //! goes from the command line, a page or a Python package through every stage of a job. A [`Stage`] is one part of the
-//! job that may have a time limit of its own.
+//! job that may have a time limit of its own. A caller that lends a [`Memory`] has nothing computed twice.
 //!
 //! ```
 //! use slipgrid_monitor::{Monitor, Stage};
@@ -21,6 +21,10 @@
 //! button.0.store(true, Ordering::Relaxed);
 //! assert!(stage.cancelled() && !stage.is_out_of_time());
 //! ```
+
+mod memory;
+
+pub use memory::{InMemory, Key, Memory};
 
 /// Progress, cancelling and time. Every method has a default: a monitor answers what it cares for.
 pub trait Monitor: Sync {
@@ -56,6 +60,11 @@ pub trait Monitor: Sync {
 
     /// Something worth a line to a person while the work goes on.
     fn note(&self, _text: &str) {}
+
+    /// What the caller remembers of earlier computations; the results are the same without.
+    fn memory(&self) -> Option<&dyn Memory> {
+        None
+    }
 }
 
 /// The monitor has cancelled the work.
@@ -118,6 +127,10 @@ macro_rules! passed_on {
         fn note(&self, text: &str) {
             self.$to.note(text);
         }
+
+        fn memory(&self) -> Option<&dyn Memory> {
+            self.$to.memory()
+        }
     };
 }
 
@@ -156,6 +169,54 @@ impl Monitor for Part<'_> {
 
     fn cancelled(&self) -> bool {
         self.stage.cancelled()
+    }
+}
+
+/// A monitor that remembers what the one behind it does not, for as long as it lives.
+pub struct Remembering<'a> {
+    behind: &'a dyn Monitor,
+    own: InMemory,
+}
+
+impl<'a> Remembering<'a> {
+    /// `behind` with a memory of its own, where that has none.
+    #[must_use]
+    pub fn new(behind: &'a dyn Monitor) -> Self {
+        Self { behind, own: InMemory::default() }
+    }
+}
+
+impl Monitor for Remembering<'_> {
+    fn stage(&self, name: &str) {
+        self.behind.stage(name);
+    }
+
+    fn detail(&self, text: &str) {
+        self.behind.detail(text);
+    }
+
+    fn stage_ended(&self) {
+        self.behind.stage_ended();
+    }
+
+    fn advance(&self, share: f64) {
+        self.behind.advance(share);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.behind.cancelled()
+    }
+
+    fn seconds(&self) -> f64 {
+        self.behind.seconds()
+    }
+
+    fn note(&self, text: &str) {
+        self.behind.note(text);
+    }
+
+    fn memory(&self) -> Option<&dyn Memory> {
+        Some(self.behind.memory().unwrap_or(&self.own))
     }
 }
 

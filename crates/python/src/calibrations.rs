@@ -13,7 +13,7 @@ use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
-use crate::disk::disk;
+use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
 

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipgrid::campaign::{Campaign as Shared, Planned, Results, Task, Worker, plan};
 
-use crate::disk::disk;
+use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
 

@@ -17,7 +17,7 @@ use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 
-use crate::disk::disk;
+use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::{Watch, watched};
 

@@ -16,7 +16,6 @@
 mod calibrations;
 mod campaigns;
 mod designs;
-mod disk;
 mod maps;
 mod refused;
 mod scenes;

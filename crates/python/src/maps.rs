@@ -15,7 +15,7 @@ use slipgrid::topography::{
     ReadOptions, Sides, SpectrumWindow,
 };
 
-use crate::disk::disk;
+use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
 

@@ -16,7 +16,7 @@ use slipgrid::report::files;
 use slipgrid::results::{SimulationReport, json_and_timings};
 use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 
-use crate::disk::disk;
+use slipgrid_disk::disk;
 use crate::refused;
 use crate::threads::pool;
 use crate::watched::watched;

@@ -1,5 +1,7 @@
 //! What a simulation found: recorded history and observables, one record per load.
 
+mod bytes;
+
 use slipgrid_material::AreaLaw;
 
 /// How a run ended.

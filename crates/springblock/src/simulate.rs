@@ -18,7 +18,7 @@ use crate::Monitor;
 use crate::cell::{SteadyCell, condensing_cell, raised_model};
 use crate::columns::{self, Column};
 use crate::draws;
-use crate::dynamics::{DynamicRun, Plan, Scheme};
+use crate::dynamics::{DynamicRun, Plan, Scheme, remembered, settings};
 use crate::error::SceneError;
 use crate::lattice::Lattice;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
@@ -318,7 +318,9 @@ fn integrate(
             let load = &scene.loads[task / (surfaces * draws)];
             let (lattice, scheme) = (&lattices[surface], schemes[surface]);
             let (seed, stderr_share) = (seed_of(scene, draw), stderr_share(scene));
-            DynamicRun { scene, load, lattice, scheme, threads, share, seed, stderr_share }.run(monitor)
+            let run = DynamicRun { scene, load, lattice, scheme, threads, share, seed, stderr_share };
+            let content = (settings(scene), load, lattice, scheme, seed, stderr_share);
+            remembered(monitor, &content, share, || run.run(monitor))
         })
         .collect();
     Ok((collect(scene, surfaces, corrections, outcomes), schemes[0]))

@@ -13,10 +13,10 @@ use slipgrid_studies::laboratories;
 use super::announcement::say;
 use super::date;
 use crate::args::AccuracyArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// Runs every row and reports.
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

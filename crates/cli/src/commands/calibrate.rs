@@ -3,10 +3,10 @@
 use slipgrid_calibrate::Selection;
 
 use crate::args::CalibrateArgs;
-use crate::input::disk;
 use crate::output::{Place, check_file, check_folder, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 use slipgrid_formats::calibrated::calibrate;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::DEFAULT_SPECIMEN;

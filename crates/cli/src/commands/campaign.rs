@@ -7,10 +7,10 @@ use std::time::SystemTime;
 use slipgrid_campaign::{CampaignError, Folder, Share, plan};
 
 use crate::args::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
-use crate::input::{Disk, disk};
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::{Disk, disk};
 
 /// Plans, works or merges.
 pub fn run(args: &CampaignArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

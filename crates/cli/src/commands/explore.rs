@@ -8,10 +8,10 @@ use slipgrid_report::html::exploration;
 
 use super::optimize::refused;
 use crate::args::ExploreArgs;
-use crate::input::disk;
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// Solves the surface and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

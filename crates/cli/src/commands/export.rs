@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use crate::args::ExportArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
 use slipgrid_design::StoredDesign;
+use slipgrid_disk::disk;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::source::read_text;

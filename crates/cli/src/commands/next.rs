@@ -10,10 +10,10 @@ use slipgrid_results::VERSION;
 
 use super::optimize::refused;
 use crate::args::NextArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// What is written for each sample.
 const FILES: [&str; 2] = ["pattern.*", "process.toml"];

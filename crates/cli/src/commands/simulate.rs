@@ -4,12 +4,12 @@ use super::announcement::announce;
 use slipgrid_monitor::Stage;
 
 use crate::args::SimulateArgs;
-use crate::input::disk;
 use crate::interruption::{enter, heed};
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_design::simulate_on;
+use slipgrid_disk::disk;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
 use slipgrid_report::files;

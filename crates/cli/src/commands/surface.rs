@@ -30,7 +30,7 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     }
     let options = map_options(&args.reading)?;
     let section_m = args.section_um.map(|um| checked("--section-um", um, LENGTH_UM.or_least())).transpose()?;
-    let read = open(&crate::input::disk(), &args.map, &options.read)?;
+    let read = open(&slipgrid_disk::disk(), &args.map, &options.read)?;
     let refuse = |error: MapError| Diagnostic::file(&args.map, error.to_string());
     // Cavities are sought on the map as it was measured: their own form, their own missing points.
     let measured = args.cavities.then(|| {

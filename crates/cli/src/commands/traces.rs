@@ -23,16 +23,16 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     }
     let conditions = match &args.files[..] {
         [file] if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) => {
-            let calibration = Calibration::read(&crate::input::disk(), file)?;
+            let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
             if calibration.traces.is_empty() {
                 return Err(Diagnostic::file(file, "has no table [traces]").expected("one, or exports instead").into());
             }
             calibration.traces
         }
         [folder] if folder.is_dir() => {
-            return Err(FileKind::Calibration.refuse_folder(&crate::input::disk(), folder).into());
+            return Err(FileKind::Calibration.refuse_folder(&slipgrid_disk::disk(), folder).into());
         }
-        _ => vec![analyse_condition(&crate::input::disk(), &setup(args)?, &condition(args)?)?],
+        _ => vec![analyse_condition(&slipgrid_disk::disk(), &setup(args)?, &condition(args)?)?],
     };
     if let Some(folder) = &args.output {
         let outputs = traces::files(&conditions)?;

@@ -7,10 +7,10 @@ use slipgrid_report::trials::TrialsReport;
 
 use super::calibrate::DEFAULT_SEED;
 use crate::args::TrialsArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// Compares every trial with the model and reports.
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {

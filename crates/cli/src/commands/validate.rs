@@ -9,10 +9,10 @@ use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
 
 use super::area_law::checked;
 use crate::args::ValidateArgs;
-use crate::input::disk;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// Lengths of the pattern: ten centimetres are more than any specimen.
 const PATTERN_UM: Quantity = LENGTH_UM.at_most(1e5);

@@ -203,8 +203,8 @@ fn mistaken_units_and_sizes_are_refused_at_once() {
 fn what_is_merely_unusual_is_told() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let text = CALIBRATION.replace("youngs_modulus_gpa = 0.38", "youngs_modulus_gpa = 380.0");
-    let read = Calibration::from_document(&Document::within(&slipgrid_cli::input::disk(), place.path("c.toml"), text))
-        .unwrap();
+    let read =
+        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text)).unwrap();
     assert!(
         read.told.len() == 1 && read.told[0].contains("c.toml:4: material.youngs_modulus_gpa: 380.0 is unusual"),
         "{:?}",
@@ -212,7 +212,7 @@ fn what_is_merely_unusual_is_told() {
     );
     assert!(read.told[0].contains("in MPa, that would be 0.38 GPa"), "{:?}", read.told);
     let usual =
-        Calibration::from_document(&Document::within(&slipgrid_cli::input::disk(), place.path("c.toml"), CALIBRATION))
+        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), CALIBRATION))
             .unwrap();
     assert_eq!(usual.told, [""; 0]);
     // A scene is told on stderr and solved.
@@ -234,7 +234,7 @@ fn pressure_follows_from_the_area_of_every_shape_of_specimen() {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let read = |keys: &str| {
         let text = CALIBRATION.replace("radius_mm = 5.0", keys);
-        Calibration::from_document(&Document::within(&slipgrid_cli::input::disk(), place.path("c.toml"), text))
+        Calibration::from_document(&Document::within(&slipgrid_disk::disk(), place.path("c.toml"), text))
             .map_err(|refused| refused.to_string())
     };
     let quarter_pi = std::f64::consts::FRAC_PI_4;

@@ -40,7 +40,7 @@ fn workers_that_are_killed_lose_the_task_in_hand() {
         place.succeed(&["campaign", "merge", "alone"]).contains("42 tasks: 42 done, 0 refused, 0 failed, 0 missing")
     );
     for number in 0..10_u64 {
-        let mut worker = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+        let mut worker = crate::common::program();
         worker.current_dir(place.path("")).args(["campaign", "work", "killed", "--threads", "1"]);
         let mut worker = worker.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         std::thread::sleep(Duration::from_millis(5 + 37 * number % 60));

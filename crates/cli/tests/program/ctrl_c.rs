@@ -11,7 +11,7 @@ use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
 const ENDED: Duration = Duration::from_secs(30);
 
 fn start(place: &Place, args: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    let mut command = crate::common::program();
     command.current_dir(place.path("")).args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
 

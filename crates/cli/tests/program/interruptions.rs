@@ -25,6 +25,7 @@ const EXPORT: [&str; 6] = ["export", "result.json", "--format", "dxf,svg,csv,cor
 /// Runs a shell command line in the folder with the program as `$0`.
 fn shell(place: &Place, line: &str) -> std::process::Output {
     let mut command = Command::new("sh");
+    command.env("SLIPGRID_CACHE", "");
     command.current_dir(place.path("")).args(["-c", line, env!("CARGO_BIN_EXE_slipgrid")]).output().unwrap()
 }
 
@@ -140,7 +141,7 @@ fn a_run_killed_at_any_moment_leaves_whole_files_or_none() {
                     fs::write(place.path("out").join(name), before).unwrap();
                 }
             }
-            let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+            let mut command = crate::common::program();
             command.current_dir(place.path("")).args(EXPORT).stdout(Stdio::null());
             let mut run = command.spawn().unwrap();
             std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * f64::from(kill) / f64::from(KILLS - 1)));

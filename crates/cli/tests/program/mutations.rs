@@ -194,7 +194,7 @@ fn scene(text: &str) -> Result<SceneInput, String> {
 fn spoil_everything(times: usize, seed: u64) {
     let place = Place::with(&[("flat.csv", FLAT)]);
     let string = |refused: slipgrid_formats::Diagnostic| refused.to_string();
-    let near = |text: &str| Document::within(&slipgrid_cli::input::disk(), place.path("x.toml"), text);
+    let near = |text: &str| Document::within(&slipgrid_disk::disk(), place.path("x.toml"), text);
     let folder = place.path("x.toml").display().to_string();
     let table = place.path("flat.csv").display().to_string();
     let local = |refused: slipgrid_formats::Diagnostic| refused.to_string().replace(&folder, "x.toml");

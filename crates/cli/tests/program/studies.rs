@@ -100,7 +100,7 @@ fn a_spoiled_study_is_refused_by_its_line_or_used_and_never_ends_the_program() {
 
 /// The program, begun and not waited for.
 fn begin(place: &Place, args: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    let mut command = crate::common::program();
     command.current_dir(place.path("")).args(args).stdout(Stdio::null()).stderr(Stdio::null());
     command.spawn().unwrap()
 }

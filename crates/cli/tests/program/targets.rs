@@ -1,7 +1,7 @@
 //! Kinds of targets and limits, budgets in seconds, and studies that a killed run is resumed from.
 
 use std::fs;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::time::Duration;
 
 use crate::common::{DESIGN, Place, names, result, small};
@@ -104,7 +104,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     let lines = study.lines().count();
 
     // Killed as soon as something has been answered.
-    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    let mut command = crate::common::program();
     command.current_dir(place.path("")).args(["optimize", "a.toml", "-o", "cut"]).stdout(Stdio::null());
     let mut child = command.stderr(Stdio::null()).spawn().unwrap();
     let path = place.path("cut.study.jsonl");

@@ -18,6 +18,7 @@
 //! | `recorder` | history and averages |
 //! | `stationary` | where a record becomes stationary |
 //! | `drive` | an integrator from start to end |
+//! | `remembered` | runs that were made before |
 //! | `run` | one run in the plane |
 //! | `space` | the cell in space |
 
@@ -31,6 +32,7 @@ mod engine;
 mod leapfrog;
 mod protocol;
 mod recorder;
+mod remembered;
 mod rows;
 mod run;
 mod runge_kutta;
@@ -45,6 +47,7 @@ mod strip_workers;
 mod sweep;
 
 pub use drive::{MOST_STEPS, Plan, WAVE_DEFICIT, warm_travel_m};
+pub use remembered::{remembered, settings};
 pub use run::{DynamicRun, Scheme, usual_step_s};
 pub use space::{SpaceRun, SpaceScheme};
 

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
-use crate::dynamics::{SpaceRun, SpaceScheme};
+use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
 use crate::scene::Scene;
@@ -141,7 +141,7 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         .into_par_iter()
         .map(|task| {
             let (load, draw, surface) = (task / (surfaces * draws), task / surfaces % draws, task % surfaces);
-            SpaceRun {
+            let run = SpaceRun {
                 scene,
                 load: &scene.loads[load],
                 lattice: lattices[surface],
@@ -151,8 +151,9 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
                 seed: seed_of(scene, draw),
                 stderr_share: stderr_share(scene),
                 start: starts[load * surfaces + surface].as_deref(),
-            }
-            .run(monitor)
+            };
+            let content = (settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
+            remembered(monitor, &content, run.share, || run.run(monitor))
         })
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);

@@ -11,13 +11,13 @@ use slipgrid_optimize::Status;
 use slipgrid_report::{ReportError, files};
 
 use crate::args::OptimizeArgs;
-use crate::input::disk;
 use crate::interruption::{goes_on_with, heed};
 use crate::lock::Lock;
 use crate::output::{self, Place, check_folder};
 use crate::progress::Job;
 use crate::study_file::StudyFile;
 use crate::{CliError, Console, exit_code};
+use slipgrid_disk::disk;
 
 /// What is written.
 const FILES: [&str; 11] = [

@@ -143,6 +143,13 @@ coefficients = "per-condition"
 /// Measurements for [`CALIBRATION`].
 pub const FLAT: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n50,2,15,0.248,0.002\n";
 
+/// The program, which takes nothing from the results of the user's earlier runs.
+pub fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+    command.env("SLIPGRID_CACHE", "");
+    command
+}
+
 /// A folder with input files, in which the program is run.
 pub struct Place {
     folder: TempDir,
@@ -190,7 +197,7 @@ impl Place {
     }
 
     pub fn run(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_slipgrid"));
+        let mut command = program();
         command.current_dir(self.folder.path()).args(args).output().unwrap()
     }
 

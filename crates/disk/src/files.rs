@@ -1,16 +1,21 @@
-//! Files as the system has them, for readers of files.
+//! Files on disk.
 
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use slipgrid::formats::source::{Entry, Files, Source};
+use slipgrid_campaign::Store;
+use slipgrid_formats::source::{Entry, Files, Source};
 
-#[derive(Clone, Copy, Debug)]
-struct Disk;
+use crate::put;
 
-/// The disk.
+/// Files as the system has them.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+/// The disk, for readers of files.
+#[must_use]
 pub fn disk() -> Source {
     Arc::new(Disk)
 }
@@ -26,8 +31,13 @@ impl Files for Disk {
 
     fn entry(&self, path: &Path) -> io::Result<Entry> {
         let found = fs::metadata(path)?;
-        let kind = if found.is_dir() { Entry::Folder } else { Entry::Other };
-        Ok(if found.is_file() { Entry::File } else { kind })
+        Ok(if found.is_dir() {
+            Entry::Folder
+        } else if found.is_file() {
+            Entry::File
+        } else {
+            Entry::Other
+        })
     }
 
     fn names(&self, folder: &Path) -> Vec<String> {
@@ -37,5 +47,11 @@ impl Files for Disk {
 
     fn canonical(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+impl Store for Disk {
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        put(path, bytes)
     }
 }

@@ -1,0 +1,75 @@
+//! Results kept from one run to the next change nothing but the time.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::{CALIBRATION, DESIGN, FLAT, Place, program};
+
+/// A short sample whose material is calibrated first.
+fn place() -> Place {
+    let start = DESIGN.find("[material]").unwrap();
+    let end = start + DESIGN[start..].find("[target]").unwrap();
+    let calibrated = "material = \"calibration.toml\"\ncondition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\n";
+    let design = format!("{}{calibrated}{}", &DESIGN[..start], &DESIGN[end..])
+        .replace("diameter_mm = 10.0", "diameter_mm = 2.0")
+        .replace("[0.65, 2.6]", "[0.65]")
+        .replace("value = 0.9", "value = 0.95")
+        .replace("tolerance = 0.01", "tolerance = 0.03");
+    Place::with(&[("design.toml", &design), ("calibration.toml", CALIBRATION), ("flat.csv", FLAT)])
+}
+
+/// Runs the design into the folder `out`, with the results in `cache`.
+fn optimize(place: &Place, out: &str, cache: &Path, flags: &[&str]) {
+    let mut command = program();
+    let run = command.current_dir(place.path("")).env("SLIPGRID_CACHE", cache);
+    let ended = run.args(["optimize", "design.toml", "-o", out, "-q"]).args(flags).output().unwrap();
+    assert!(matches!(ended.status.code(), Some(0 | 3 | 4)), "{}", String::from_utf8_lossy(&ended.stderr));
+}
+
+/// Every file of a folder of results but the times.
+fn files(place: &Place, out: &str) -> Vec<(String, Vec<u8>)> {
+    let names = crate::common::names(&place.path(out)).into_iter().filter(|name| name != "timings.json");
+    names.map(|name| (name.clone(), fs::read(place.path(out).join(name)).unwrap())).collect()
+}
+
+#[test]
+fn kept_results_give_the_same_bytes_as_computed_ones() {
+    let place = place();
+    let cache = place.path("cache");
+    optimize(&place, "first", &cache, &[]);
+    let kept = crate::common::names(&cache);
+    assert!(kept.iter().any(|name| name.starts_with("material-")), "{kept:?}");
+    assert!(kept.iter().filter(|name| name.starts_with("run-")).count() >= 3, "{kept:?}");
+    let first = files(&place, "first");
+    assert!(first.len() > 10);
+
+    optimize(&place, "again", &cache, &[]);
+    assert_eq!(files(&place, "again"), first);
+    assert_eq!(crate::common::names(&cache), kept, "nothing is computed twice");
+
+    // Broken files are computed anew.
+    for (number, name) in kept.iter().enumerate() {
+        let bytes = fs::read(cache.join(name)).unwrap();
+        fs::write(cache.join(name), &bytes[..bytes.len() * number / kept.len()]).unwrap();
+    }
+    optimize(&place, "broken", &cache, &[]);
+    assert_eq!(files(&place, "broken"), first);
+
+    let none = place.path("none");
+    optimize(&place, "without", &none, &["--no-cache", "--threads", "1"]);
+    assert_eq!(files(&place, "without"), first);
+    assert!(!none.exists());
+}
+
+#[test]
+fn two_programs_may_share_the_results() {
+    let place = place();
+    let cache = place.path("cache");
+    std::thread::scope(|scope| {
+        for out in ["one", "two"] {
+            let (place, cache) = (&place, &cache);
+            scope.spawn(move || optimize(place, out, cache, &[]));
+        }
+    });
+    assert_eq!(files(&place, "one"), files(&place, "two"));
+}

@@ -1,0 +1,54 @@
+//! What front doors share of the system: [`Disk`] reads and writes files for libraries that know none, and [`KeptResults`] is
+//! a folder of results by their content, so that nothing is computed twice.
+//!
+//! Only this crate and the front doors themselves touch files. A kept result is the one that would be computed, to the last
+//! bit; a run with an empty folder, or without one, gives the same bytes:
+//!
+//! ```
+//! use slipgrid_disk::KeptResults;
+//! use slipgrid_monitor::{Key, Memory};
+//!
+//! let place = tempfile::tempdir().unwrap();
+//! let kept = KeptResults::new(place.path().join("cache"), "this build", 1 << 20);
+//! let key = Key::of("run", &(0.65e6, "flat"));
+//! assert_eq!(kept.recall(&key), None);
+//! kept.keep(&key, b"mu = 0.2488");
+//! assert_eq!(kept.recall(&key).as_deref(), Some(&b"mu = 0.2488"[..]));
+//! // Another build of the program may compute other numbers.
+//! assert_eq!(KeptResults::new(place.path().join("cache"), "another build", 1 << 20).recall(&key), None);
+//! ```
+
+mod files;
+mod kept_results;
+
+pub use files::{Disk, disk};
+pub use kept_results::KeptResults;
+
+use std::fs;
+use std::io;
+use std::io::Write;
+use std::path::Path;
+
+/// Name of a file that is not finished, at its beginning and end.
+pub const UNFINISHED: (&str, &str) = (".slipgrid-", ".part");
+
+/// Has a file appear whole, making its folder if needed, without a look at what stands there: it is written under another name
+/// beside its place, then renamed.
+///
+/// # Errors
+/// What the system said.
+pub fn put(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Before the user's mask: temporary files are otherwise private.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1).tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_data()?;
+    file.persist(path).map(drop).map_err(|error| error.error)
+}
