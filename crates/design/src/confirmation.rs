@@ -17,16 +17,11 @@ pub(super) const LEAST_CONTACTS: f64 = 400.0;
 /// Share of the tolerance up to which the error of blocks is left as it is.
 const OF_TOLERANCE: f64 = 0.2;
 
-/// Travel that runs in space are planned for, over that of runs in the plane: their blocks start alike and take longer to
-/// fall out of step.
-const IN_SPACE: f64 = 4.0;
-
 /// Travel that a run of `scene` from the sheared layer is planned for, in metres. It goes on until its mean is stationary and
 /// its standard error small enough.
-pub(super) fn warm_travel_m(scene: &Scene, is_spatial: bool) -> f64 {
+pub(super) fn warm_travel_m(scene: &Scene) -> f64 {
     let law = (&scene.elastic, scene.area_law.as_ref());
-    let travel_m = slipgrid_springblock::warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s);
-    if is_spatial { IN_SPACE * travel_m } else { travel_m }
+    slipgrid_springblock::warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s)
 }
 
 /// Whether both surfaces of `load` slid to a mean that means something.
@@ -90,7 +85,7 @@ impl MultiFidelityLoop<'_> {
                 let run = self.confirming;
                 let mut scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
                 if run.warm_start {
-                    scene.run.sliding_m = warm_travel_m(&scene, self.model.is_spatial());
+                    scene.run.sliding_m = warm_travel_m(&scene);
                 }
                 let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
                     .map_err(|error| DesignError::refused(error.to_string()))?;

@@ -12,7 +12,7 @@ pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Opt
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
     let run = RunOptions {
         warm_start: true,
-        sliding_m: warm_travel_m(scene, false),
+        sliding_m: warm_travel_m(scene),
         extent: Extent::Sample,
         dimensions: None,
         ..scene.run

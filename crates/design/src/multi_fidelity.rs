@@ -104,7 +104,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let mut scene = design.flat_scene(material, loads, from_rest);
         if !design.from_rest {
             // Nobody asked for static friction: start where sliding is about to begin.
-            let sliding_m = warm_travel_m(&scene, is_spatial);
+            let sliding_m = warm_travel_m(&scene);
             scene.run = RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m, ..from_rest };
         }
         let confirming = scene.run;

@@ -69,6 +69,14 @@ pub fn caught(coefficients: &[Coefficients], seed: u64) -> Vec<f64> {
         .collect()
 }
 
+/// The same of `count` blocks that all have mean coefficients, over the mean dynamic one.
+#[must_use]
+pub fn caught_in_mean(friction: &LocalFriction, seed: u64, count: usize) -> Vec<f64> {
+    let (static_mu, dynamic_mu) = (friction.static_mean(), friction.dynamic_mean());
+    let caught = caught(&vec![Coefficients { static_mu, dynamic_mu }; count], seed);
+    caught.into_iter().map(|mu| mu / dynamic_mu).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -123,9 +123,8 @@ pub struct RunOptions {
     pub step_s: Option<f64>,
     /// Damping frequency gamma over sqrt(k/m).
     pub damping: f64,
-    /// Start a dynamic run from a layer sheared as in sliding instead of from an unloaded one. Blocks start at rest, in the
-    /// plane each at a random moment of its stick-slip: steady sliding itself would go on for micrometres before stick-slip
-    /// sets in.
+    /// Start a dynamic run from a layer sheared as in sliding instead of from an unloaded one. Blocks start at rest, each
+    /// at a random moment of its stick-slip: steady sliding itself would go on for micrometres before stick-slip sets in.
     pub warm_start: bool,
     /// Spring law of dynamic runs; linear for `dynamic` and exact for `reference` when absent.
     pub springs: Option<Springs>,

@@ -24,7 +24,7 @@ fn difference(mu: f64, block_um: f64) -> [f64; 2] {
     let rows = (80.0 / block_um).round() as usize;
     let model =
         SpaceSteadyModel::new(SpaceLattice::cell(&pattern, block_um * 1e-6, rows), block_um * 1e-6, 0.38e9, false);
-    let load = SpaceLoad { pressure_pa: 1e6, dynamic_mu: mu, area_law: None, direction: [1.0, 0.0] };
+    let load = SpaceLoad { pressure_pa: 1e6, dynamic_mu: mu, relative_mu: None, area_law: None, direction: [1.0, 0.0] };
     let outcome = model.solve(&load);
     assert!(matches!(outcome.status, Status::Converged | Status::NoFriction), "{:?}", outcome.residual);
     // Means over squares of 10 um.

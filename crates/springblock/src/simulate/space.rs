@@ -9,6 +9,7 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
+use crate::draws;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
@@ -131,7 +132,11 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
         .map(|task| {
             let (load, lattice) = (&scene.loads[task / surfaces], lattices[task % surfaces]);
             scene.run.warm_start.then(|| {
-                steady_model(scene, lattice).displacements(&SpaceLoad::of_mean(load, scene.area_law.as_ref(), pattern))
+                let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), pattern);
+                let model = steady_model(scene, lattice);
+                let [nx, ny] = lattice.columns();
+                let phases = draws::caught_in_mean(&load.friction, scene.run.seed, nx * ny);
+                model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
             })
         })
         .collect();
@@ -217,7 +222,7 @@ fn statements(
     describe_draws(scene, &mut model);
     if scene.run.warm_start {
         model.push(
-            "warm start from the sheared steady equilibrium of mean coefficients, at rest: no ramp, no static friction"
+            "warm start: the cell sheared as in sliding, every block at rest at a random moment of its stick-slip; no ramp, no static friction"
                 .to_owned(),
         );
     }

@@ -44,6 +44,8 @@ pub struct SpaceLoad<'a> {
     pub pressure_pa: f64,
     /// Local dynamic coefficient.
     pub dynamic_mu: f64,
+    /// Coefficient of each contact over `dynamic_mu`, in the order of contacts; 1 where absent.
+    pub relative_mu: Option<&'a [f64]>,
     /// Area law; `None` is Amontons-Coulomb.
     pub area_law: Option<&'a AreaLaw>,
     /// Unit vector of the sliding direction, which friction opposes.
@@ -54,7 +56,7 @@ impl<'a> SpaceLoad<'a> {
     /// `load` with its mean dynamic coefficient, along the sliding direction of `pattern`.
     pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, pattern: &Pattern) -> Self {
         let (dynamic_mu, direction) = (load.friction.dynamic_mean(), pattern.sliding_direction());
-        Self { pressure_pa: load.pressure_pa, dynamic_mu, area_law, direction }
+        Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
     }
 }
 
@@ -180,14 +182,15 @@ impl SpaceSteadyModel {
         pressure_pa / (0.4 * self.youngs_modulus_pa)
     }
 
-    /// Friction on a contact of the share `share` at the normal force `normal`. Where contact may open, tension lasts
+    /// Friction on contact `number`, of the share `share`, at the normal force `normal`. Where contact may open, tension lasts
     /// only until the block is lifted, and friction goes on below zero without a kink.
-    fn friction(&self, load: &SpaceLoad, share: f64, normal: f64) -> f64 {
+    fn friction(&self, load: &SpaceLoad, number: usize, share: f64, normal: f64) -> f64 {
         let normal = if self.liftoff { normal } else { normal.max(0.0) };
         // p = F_n / (a l^2), forces in units of P l^2
         let pressure_pa = normal / (share * self.interface.column_area()) * load.pressure_pa;
         let factor = load.area_law.map_or(1.0, |law| law.factor(pressure_pa));
-        load.dynamic_mu * factor * normal
+        let relative_mu = load.relative_mu.map_or(1.0, |each| each[number]);
+        load.dynamic_mu * relative_mu * factor * normal
     }
 
     /// Shares of the contacts, in their order.
@@ -261,8 +264,10 @@ impl<'a> Solver<'a> {
         let elastic = self.state.elastic.len();
         let mut residual: Vec<f64> = self.state.elastic.iter().map(|value| -value).collect();
         let friction = &self.state.unknowns[elastic..];
-        for ((share, normal), friction) in self.model.shares().zip(&self.state.normal).zip(friction) {
-            residual.push(self.model.friction(load, share, *normal) - friction);
+        for (number, ((share, normal), friction)) in
+            self.model.shares().zip(&self.state.normal).zip(friction).enumerate()
+        {
+            residual.push(self.model.friction(load, number, share, *normal) - friction);
         }
         let sum: f64 = residual.iter().map(|value| value.abs()).sum();
         let size = sum / self.interface.load();
@@ -299,15 +304,19 @@ impl<'a> Solver<'a> {
     /// Slopes of friction: at the nominal pressure, or at the present normal forces.
     fn set_slopes(&mut self, load: &SpaceLoad, tangent: bool) {
         let (model, area) = (self.model, self.model.interface.column_area());
-        let slope_at = |share: f64, normal: f64| {
+        let slope_at = |number: usize, share: f64, normal: f64| {
             let step = SLOPE_STEP * (share * area);
-            let [ahead, behind] = [normal + step, normal - step].map(|n| model.friction(load, share, n));
+            let [ahead, behind] = [normal + step, normal - step].map(|n| model.friction(load, number, share, n));
             (ahead - behind) / (2.0 * step)
         };
+        let contacts = self.state.normal.len();
         self.slope = if tangent {
-            model.shares().zip(&self.state.normal).map(|(share, normal)| slope_at(share, *normal)).collect()
+            let each = model.shares().zip(&self.state.normal).enumerate();
+            each.map(|(number, (share, normal))| slope_at(number, share, *normal)).collect()
+        } else if load.relative_mu.is_some() {
+            (0..contacts).map(|number| slope_at(number, 1.0, area)).collect()
         } else {
-            vec![slope_at(1.0, area); self.state.normal.len()]
+            vec![slope_at(0, 1.0, area); contacts]
         };
         self.tangent = tangent;
         self.directions.clear();

@@ -12,7 +12,13 @@ fn model(pattern: &Pattern, block_um: f64, layer_um: f64) -> SpaceSteadyModel {
 }
 
 pub(super) fn load<'a>(pressure_mpa: f64, law: Option<&'a AreaLaw>) -> SpaceLoad<'a> {
-    SpaceLoad { pressure_pa: pressure_mpa * 1e6, dynamic_mu: 0.27, area_law: law, direction: [1.0, 0.0] }
+    SpaceLoad {
+        pressure_pa: pressure_mpa * 1e6,
+        dynamic_mu: 0.27,
+        relative_mu: None,
+        area_law: law,
+        direction: [1.0, 0.0],
+    }
 }
 
 fn ratio(pattern: &Pattern, block_um: f64) -> f64 {

@@ -207,7 +207,8 @@ fn a_steady_equilibrium_stays_where_it_is() {
     let law = AreaLaw::new(vec![0.7e6, 1.3e6, 2.6e6, 10e6], vec![1.0, 0.96, 0.9, 0.6]).unwrap();
     let unit_pa = 0.4 * 0.38e9;
     for direction in [[1.0, 0.0], [0.0, -1.0], [0.6, 0.8]] {
-        let load = SpaceLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, area_law: Some(&law), direction };
+        let load =
+            SpaceLoad { pressure_pa: 2.6e6, dynamic_mu: 0.27, relative_mu: None, area_law: Some(&law), direction };
         let displacement = model.displacements(&load);
         // Friction at rest may reach what the contact slides at.
         let equal = vec![Coefficients { static_mu: 0.27000001, dynamic_mu: 0.27 }; 144];
