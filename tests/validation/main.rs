@@ -15,3 +15,4 @@ mod excess;
 mod finite_elements;
 mod rims;
 mod steady_against_dynamic;
+mod work_precision;

@@ -4,6 +4,8 @@
 //! For directions p_k with orthonormal images q_k = A p_k, the least residual over their span takes one
 //! scalar product each: whatever was learnt of A for one right-hand side serves all later ones.
 
+use multiversion::multiversion;
+
 /// Search directions of a linear operator, their images, and what else is linear in them.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
@@ -23,6 +25,10 @@ pub struct Direction {
 
 /// An image that loses all but this share of its length against the others adds only rounding.
 const DEPENDENT: f64 = 1e-13;
+/// Share of its length that an image must keep for one pass against the others to leave it orthogonal to 1e-14.
+const ENOUGH: f64 = 0.1;
+/// Directions that are taken off another at a time.
+const AT_ONCE: usize = 4;
 
 impl Directions {
     /// Directions kept.
@@ -39,18 +45,19 @@ impl Directions {
     /// Adds `direction`, its image of any length; `None` if that depends on those of the others.
     pub fn add(&mut self, mut direction: Direction) -> Option<&Direction> {
         let before = norm(&direction.image);
-        // Twice is enough against rounding.
-        for _ in 0..2 {
-            for kept in &self.kept {
-                let share = dot(&kept.image, &direction.image);
-                subtract(&mut direction.image, share, &kept.image);
-                subtract(&mut direction.step, share, &kept.step);
-                subtract(&mut direction.normal, share, &kept.normal);
-            }
+        let mut shares = vec![0.0; self.kept.len()];
+        let mut after = self.orthogonalize(&mut direction.image, &mut shares);
+        // What is left of an image that lost most of its length is rounding in part; twice is enough.
+        if after < ENOUGH * before {
+            after = self.orthogonalize(&mut direction.image, &mut shares);
         }
-        let after = norm(&direction.image);
         if after.is_nan() || after <= DEPENDENT * before {
             return None;
+        }
+        // The step and its normal forces follow their image, several directions at a time.
+        for (kept, shares) in self.kept.chunks(AT_ONCE).zip(shares.chunks(AT_ONCE)) {
+            subtract_all(&mut direction.step, shares, kept, |kept| &kept.step);
+            subtract_all(&mut direction.normal, shares, kept, |kept| &kept.normal);
         }
         for values in [&mut direction.image, &mut direction.step, &mut direction.normal] {
             values.iter_mut().for_each(|value| *value /= after);
@@ -58,9 +65,40 @@ impl Directions {
         self.kept.push(direction);
         self.kept.last()
     }
+
+    /// Takes from `image` what it has of the others' images, adds their shares to `shares`, and returns the length left.
+    fn orthogonalize(&self, image: &mut [f64], shares: &mut [f64]) -> f64 {
+        for (kept, of_kept) in self.kept.iter().zip(shares) {
+            let share = dot(&kept.image, image);
+            subtract(image, share, &kept.image);
+            *of_kept += share;
+        }
+        norm(image)
+    }
+}
+
+/// `values` less the `shares` of what `part` takes of each of at most [`AT_ONCE`] directions.
+fn subtract_all(values: &mut [f64], shares: &[f64], kept: &[Direction], part: fn(&Direction) -> &Vec<f64>) {
+    if let ([a, b, c, d], [p, q, r, s]) = (shares, kept) {
+        subtract_four(values, [*a, *b, *c, *d], [p, q, r, s].map(|kept| &part(kept)[..]));
+    } else {
+        for (share, kept) in shares.iter().zip(kept) {
+            subtract(values, *share, part(kept));
+        }
+    }
+}
+
+/// a -= sum of shares b, in the order of the shares.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn subtract_four(a: &mut [f64], shares: [f64; AT_ONCE], b: [&[f64]; AT_ONCE]) {
+    let [p, q, r, s] = b;
+    for ((((a, p), q), r), s) in a.iter_mut().zip(p).zip(q).zip(r).zip(s) {
+        *a = *a - shares[0] * p - shares[1] * q - shares[2] * r - shares[3] * s;
+    }
 }
 
 /// a . b in eight partial sums of fixed order: the same with any vector width.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];
@@ -80,6 +118,7 @@ pub fn norm(a: &[f64]) -> f64 {
 }
 
 /// a -= share b.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 pub fn subtract(a: &mut [f64], share: f64, b: &[f64]) {
     for (a, b) in a.iter_mut().zip(b) {
         *a -= share * b;
