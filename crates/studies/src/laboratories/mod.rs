@@ -11,17 +11,17 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::Hyperparameters;
+use slipgrid_discrepancy::{Discrepancy, Scenarios, Wanted};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
 use crate::StudyError;
-use physics::{LOADS, Solved};
+use physics::{LOADS, Solved, loads};
 use policy::{Known, candidate, covariances, learned, wanted};
 use truth::Laboratory;
 
 pub use policy::Policy;
-pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, StartReport};
+pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, Reliability, StartReport};
 pub use truth::Mechanism;
 
 /// What a laboratory knows before its first cut.
@@ -79,6 +79,8 @@ pub struct Job {
     pub policy: Policy,
     /// Which laboratory: its truth and its errors.
     pub number: usize,
+    /// What its target is.
+    pub target: TargetOf,
 }
 
 impl Job {
@@ -86,9 +88,38 @@ impl Job {
     #[must_use]
     pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
         let starts = Start::ALL.into_iter().flat_map(|start| policies.iter().map(move |policy| (start, *policy)));
-        let of = |(start, policy)| (0..options.laboratories).map(move |number| Self { start, policy, number });
+        let of = |(start, policy)| {
+            (0..options.laboratories).map(move |number| Self { start, policy, number, target: TargetOf::Reached })
+        };
         starts.flat_map(of).collect()
     }
+
+    /// The mixture in every laboratory from every start, whatever its target.
+    #[must_use]
+    pub fn of_any_target(options: &Options) -> Vec<Self> {
+        let all = Self::all(options, &[Policy::Mixture]);
+        all.into_iter().map(|job| Self { target: TargetOf::Any, ..job }).collect()
+    }
+}
+
+/// Of whose truth a laboratory's target says something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetOf {
+    /// Some texture truly reaches it, which no policy is told.
+    Reached,
+    /// Whether a texture reaches it or not.
+    Any,
+}
+
+/// A chance that was said of a cut, and whether it came true.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Said {
+    /// Chance that the cut sample is on target.
+    pub chance: f64,
+    /// The same by one who also knows that some texture reaches the target.
+    pub where_reached: f64,
+    /// Whether it was on target.
+    pub came_true: bool,
 }
 
 /// What one laboratory's way to the target was.
@@ -96,8 +127,8 @@ impl Job {
 pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
     pub trials: Option<usize>,
-    /// Of every cut by the mixture: the chance that was said, and whether it came true.
-    pub chances: Vec<(f64, bool)>,
+    /// Of every cut by the mixture, or by who knows the form: what was said, and whether it came true.
+    pub chances: Vec<Said>,
     /// Of every ratio measured then, the share of what was predicted that lay below it.
     pub below: Vec<f64>,
 }
@@ -116,7 +147,10 @@ pub struct Bench {
 pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
     let bench = Bench::new(options, monitor)?;
     let stage = Stage::new(monitor, "laboratories", None);
-    let jobs = Job::all(options, policies);
+    let mut jobs = Job::all(options, policies);
+    if policies.contains(&Policy::Mixture) {
+        jobs.extend(Job::of_any_target(options));
+    }
     let share = 1.0 / jobs.len().max(1) as f64;
     let ways: Vec<Way> = jobs
         .par_iter()
@@ -131,12 +165,16 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
     Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
 }
 
+/// Most trials of a laboratory whose target may be reached by no texture.
+const ANY_TRIALS: usize = 3;
+/// Truths drawn for the chance that some texture reaches a target.
+const SCENARIOS: usize = 200;
 /// Share of the tolerance within which some texture must truly reach a target.
 const REACHED: f64 = 0.7;
 
-/// A target that says nothing of the truth but that a texture reaches it: a ratio at the middle pressures and how much it falls
+/// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures and how much it falls
 /// with pressure, at random.
-fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
+fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
     let mut uniform = || normal_probability(normals.draw());
     for _ in 0..10_000 {
         let (middle, fall) = (0.65 + 0.45 * uniform(), 0.08 * uniform());
@@ -147,7 +185,7 @@ fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
         let is_near = |truth: &[f64; LOADS]| {
             truth.iter().zip(&wanted).all(|(truth, wanted)| (truth - wanted).abs() <= REACHED * truth::TOLERANCE)
         };
-        if truths.iter().any(is_near) {
+        if of == TargetOf::Any || truths.iter().any(is_near) {
             return wanted;
         }
     }
@@ -181,17 +219,34 @@ impl Bench {
         self.textures.len()
     }
 
+    /// Chance that some texture reaches `target`, by truths drawn from `discrepancy`: at least one of them counts.
+    fn reached(&self, discrepancy: &Discrepancy, target: &[f64; LOADS]) -> f64 {
+        let near = REACHED * truth::TOLERANCE;
+        let wanted = Wanted {
+            lower: target.iter().map(|ratio| ratio - near).collect(),
+            upper: target.iter().map(|ratio| ratio + near).collect(),
+        };
+        let scenarios = Scenarios::new(discrepancy, SCENARIOS, 1);
+        let mut reached = [false; SCENARIOS];
+        for of in &self.textures {
+            let on = scenarios.on_target(&candidate(of, &[]), &loads(), &wanted);
+            reached.iter_mut().zip(on).for_each(|(reached, on)| *reached |= on);
+        }
+        let count = reached.iter().filter(|reached| **reached).count();
+        count.max(1) as f64 / SCENARIOS as f64
+    }
+
     /// The way of one laboratory to its target.
     ///
     /// # Errors
     /// [`StudyError::Failed`] where nothing can be learned from its trials.
     pub fn way(&self, job: Job) -> Result<Way, StudyError> {
-        let (Self { options, textures, covariances }, Job { start, policy, number }) = (self, job);
+        let (Self { options, textures, covariances }, Job { start, policy, number, .. }) = (self, job);
         let mechanism = job.mechanism();
         let mut laboratory = Laboratory::new(mechanism, number, options.seed);
         let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
         let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
-        let target = target(&truths, &mut normals);
+        let target = target(&truths, job.target, &mut normals);
         let wanted = wanted(&target);
         let (mut cut, mut trials) = (Vec::new(), Vec::new());
         let first = match start {
@@ -208,7 +263,11 @@ impl Bench {
             cut.push(place);
         }
         let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
-        for count in 1..=options.most_trials {
+        let most = match job.target {
+            TargetOf::Reached => options.most_trials,
+            TargetOf::Any => options.most_trials.min(ANY_TRIALS),
+        };
+        for count in 1..=most {
             let known = Known {
                 textures,
                 covariances,
@@ -223,10 +282,12 @@ impl Bench {
             let made = laboratory.cut(of);
             let is_on_target =
                 (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
-            if policy == Policy::Mixture {
-                let predictor = learned(&Hyperparameters::default(), &trials)?;
-                let prediction = predictor.of(&candidate(of, &covariances[place]));
-                found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
+            if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
+                let discrepancy = learned(&hyper, &trials)?;
+                let prediction = discrepancy.at(&loads()).of(&candidate(of, &covariances[place]));
+                let chance = wanted.score(&prediction, &of.ratio).chance;
+                let where_reached = (chance / self.reached(&discrepancy, &target)).min(1.0);
+                found.chances.push(Said { chance, where_reached, came_true: is_on_target });
                 // Errors of the measurement: its own and the flat sample's.
                 let errors: Vec<f64> = (0..LOADS * LOADS)
                     .map(|entry| {

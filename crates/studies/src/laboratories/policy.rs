@@ -1,8 +1,6 @@
 //! How a laboratory may choose what it cuts next.
 
-use slipgrid_discrepancy::{
-    Candidate, Conditions, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
-};
+use slipgrid_discrepancy::{Candidate, Conditions, Discrepancy, Form, Hyperparameters, Trial, Wanted, choose};
 use slipgrid_statistics::Normals;
 
 use super::physics::{LOADS, Solved, loads};
@@ -82,10 +80,9 @@ pub fn wanted(target: &[f64; LOADS]) -> Wanted {
 ///
 /// # Errors
 /// [`StudyError`] for trials that mean nothing.
-pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
+pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Discrepancy, StudyError> {
     let failed = |error: slipgrid_discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
-    let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
-    Ok(found.at(&loads()))
+    Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)
 }
 
 /// Hyperparameters of a Gaussian process of the dimensions: no form.
@@ -134,6 +131,15 @@ pub struct Known<'a> {
 }
 
 impl Policy {
+    /// What one who chooses by the chance believes before any trial, where that is the mixture or the known `form`.
+    pub fn hyperparameters(self, form: Option<Form>) -> Option<Hyperparameters> {
+        match self {
+            Self::Mixture => Some(Hyperparameters::default()),
+            Self::Form => Some(form.map_or_else(Hyperparameters::default, of_form)),
+            _ => None,
+        }
+    }
+
     /// Place of the texture to cut next.
     ///
     /// # Errors
@@ -153,15 +159,14 @@ impl Policy {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
         let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
-            let predictor = learned(hyper, known.trials)?;
+            let predictor = learned(hyper, known.trials)?.at(&loads());
             let of =
                 |place: usize| is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]));
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
         };
         let found = match self {
-            Self::Mixture => by_chance(&Hyperparameters::default())?,
+            Self::Mixture | Self::Form => by_chance(&self.hyperparameters(known.form).unwrap_or_default())?,
             Self::Process => by_chance(&process())?,
-            Self::Form => by_chance(&known.form.map_or_else(Hyperparameters::default, of_form))?,
             Self::Improvement => improvement(known)?,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),
@@ -181,7 +186,7 @@ impl Policy {
 
 /// The largest expected fall of the least misfit so far, the worst of all loads, by the Gaussian process.
 fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
-    let predictor = learned(&process(), known.trials)?;
+    let predictor = learned(&process(), known.trials)?.at(&loads());
     let misfit = |ratios: &dyn Fn(usize) -> f64| {
         (0..LOADS).map(|load| (ratios(load) - known.target[load]).abs() / TOLERANCE).fold(0.0, f64::max)
     };
