@@ -11,12 +11,11 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::{Discrepancy, Scenarios, Wanted};
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
 use crate::StudyError;
-use physics::{LOADS, Solved, loads};
+use physics::{LOADS, Solved};
 use policy::{Known, candidate, covariances, learned, wanted};
 use truth::Laboratory;
 
@@ -102,24 +101,13 @@ impl Job {
     }
 }
 
-/// Of whose truth a laboratory's target says something.
+/// What a laboratory's target says of the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetOf {
     /// Some texture truly reaches it, which no policy is told.
     Reached,
-    /// Whether a texture reaches it or not.
+    /// Nothing: no texture may reach it.
     Any,
-}
-
-/// A chance that was said of a cut, and whether it came true.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Said {
-    /// Chance that the cut sample is on target.
-    pub chance: f64,
-    /// The same by one who also knows that some texture reaches the target.
-    pub where_reached: f64,
-    /// Whether it was on target.
-    pub came_true: bool,
 }
 
 /// What one laboratory's way to the target was.
@@ -127,8 +115,8 @@ pub struct Said {
 pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
     pub trials: Option<usize>,
-    /// Of every cut by the mixture, or by who knows the form: what was said, and whether it came true.
-    pub chances: Vec<Said>,
+    /// Of every cut by the mixture, or by who knows the form: the chance that was said, and whether it came true.
+    pub chances: Vec<(f64, bool)>,
     /// Of every ratio measured then, the share of what was predicted that lay below it.
     pub below: Vec<f64>,
 }
@@ -167,13 +155,11 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
 
 /// Most trials of a laboratory whose target may be reached by no texture.
 const ANY_TRIALS: usize = 3;
-/// Truths drawn for the chance that some texture reaches a target.
-const SCENARIOS: usize = 200;
 /// Share of the tolerance within which some texture must truly reach a target.
 const REACHED: f64 = 0.7;
 
-/// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures and how much it falls
-/// with pressure, at random.
+/// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures
+/// and how much it falls with pressure, at random.
 fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
     let mut uniform = || normal_probability(normals.draw());
     for _ in 0..10_000 {
@@ -217,23 +203,6 @@ impl Bench {
     #[must_use]
     pub const fn textures(&self) -> usize {
         self.textures.len()
-    }
-
-    /// Chance that some texture reaches `target`, by truths drawn from `discrepancy`: at least one of them counts.
-    fn reached(&self, discrepancy: &Discrepancy, target: &[f64; LOADS]) -> f64 {
-        let near = REACHED * truth::TOLERANCE;
-        let wanted = Wanted {
-            lower: target.iter().map(|ratio| ratio - near).collect(),
-            upper: target.iter().map(|ratio| ratio + near).collect(),
-        };
-        let scenarios = Scenarios::new(discrepancy, SCENARIOS, 1);
-        let mut reached = [false; SCENARIOS];
-        for of in &self.textures {
-            let on = scenarios.on_target(&candidate(of, &[]), &loads(), &wanted);
-            reached.iter_mut().zip(on).for_each(|(reached, on)| *reached |= on);
-        }
-        let count = reached.iter().filter(|reached| **reached).count();
-        count.max(1) as f64 / SCENARIOS as f64
     }
 
     /// The way of one laboratory to its target.
@@ -283,11 +252,8 @@ impl Bench {
             let is_on_target =
                 (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
             if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
-                let discrepancy = learned(&hyper, &trials)?;
-                let prediction = discrepancy.at(&loads()).of(&candidate(of, &covariances[place]));
-                let chance = wanted.score(&prediction, &of.ratio).chance;
-                let where_reached = (chance / self.reached(&discrepancy, &target)).min(1.0);
-                found.chances.push(Said { chance, where_reached, came_true: is_on_target });
+                let prediction = learned(&hyper, &trials)?.of(&candidate(of, &covariances[place]));
+                found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
                 // Errors of the measurement: its own and the flat sample's.
                 let errors: Vec<f64> = (0..LOADS * LOADS)
                     .map(|entry| {

@@ -1,6 +1,8 @@
 //! How a laboratory may choose what it cuts next.
 
-use slipgrid_discrepancy::{Candidate, Conditions, Discrepancy, Form, Hyperparameters, Trial, Wanted, choose};
+use slipgrid_discrepancy::{
+    Candidate, Conditions, Discrepancy, Form, Hyperparameters, Predictor, Trial, Wanted, choose,
+};
 use slipgrid_statistics::Normals;
 
 use super::physics::{LOADS, Solved, loads};
@@ -80,9 +82,10 @@ pub fn wanted(target: &[f64; LOADS]) -> Wanted {
 ///
 /// # Errors
 /// [`StudyError`] for trials that mean nothing.
-pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Discrepancy, StudyError> {
+pub fn learned(hyper: &Hyperparameters, trials: &[Trial]) -> Result<Predictor, StudyError> {
     let failed = |error: slipgrid_discrepancy::DiscrepancyError| StudyError::Failed(format!("laboratories: {error}"));
-    Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)
+    let found = Discrepancy::new(hyper.clone(), Conditions::default(), MODULUS_STD, trials.to_vec()).map_err(failed)?;
+    Ok(found.at(&loads()))
 }
 
 /// Hyperparameters of a Gaussian process of the dimensions: no form.
@@ -131,11 +134,11 @@ pub struct Known<'a> {
 }
 
 impl Policy {
-    /// What one who chooses by the chance believes before any trial, where that is the mixture or the known `form`.
+    /// What the mixture believes before any trial, or one who knows the `form` where there is one.
     pub fn hyperparameters(self, form: Option<Form>) -> Option<Hyperparameters> {
         match self {
             Self::Mixture => Some(Hyperparameters::default()),
-            Self::Form => Some(form.map_or_else(Hyperparameters::default, of_form)),
+            Self::Form => form.map(of_form),
             _ => None,
         }
     }
@@ -159,7 +162,7 @@ impl Policy {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
         let at_load: Vec<f64> = (0..LOADS).map(|load| mean(&excess(load))).collect();
         let by_chance = |hyper: &Hyperparameters| -> Result<Option<usize>, StudyError> {
-            let predictor = learned(hyper, known.trials)?.at(&loads());
+            let predictor = learned(hyper, known.trials)?;
             let of =
                 |place: usize| is_open(&place).then(|| candidate(&known.textures[place], &known.covariances[place]));
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
@@ -186,7 +189,7 @@ impl Policy {
 
 /// The largest expected fall of the least misfit so far, the worst of all loads, by the Gaussian process.
 fn improvement(known: &Known<'_>) -> Result<Option<usize>, StudyError> {
-    let predictor = learned(&process(), known.trials)?.at(&loads());
+    let predictor = learned(&process(), known.trials)?;
     let misfit = |ratios: &dyn Fn(usize) -> f64| {
         (0..LOADS).map(|load| (ratios(load) - known.target[load]).abs() / TOLERANCE).fold(0.0, f64::max)
     };

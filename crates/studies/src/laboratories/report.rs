@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Job, Mechanism, Options, Policy, Said, Start, TargetOf, Way};
+use super::{Job, Mechanism, Options, Policy, Start, TargetOf, Way};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::tidy;
 
@@ -92,23 +92,21 @@ impl Reliability {
         Self { of: of.to_owned(), all: bin(said), bins }
     }
 
-    /// Those of `ways`: targets that some texture reaches, by who is told so and by who is not, the mixture's and with the form
-    /// known; and the mixture's whatever the target.
+    /// Those of `ways`: of targets that some texture reaches, the mixture's and with the form known; and the mixture's whatever the
+    /// target.
     fn all(jobs: &[Job], ways: &[Way]) -> Vec<Self> {
-        let said = |is_own: &dyn Fn(&Job) -> bool, of: fn(&Said) -> f64| -> Vec<(f64, bool)> {
+        let said = |is_own: &dyn Fn(&Job) -> bool| -> Vec<(f64, bool)> {
             let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
-            own.flat_map(|(_, way)| way.chances.iter().map(|said| (of(said), said.came_true))).collect()
+            own.flat_map(|(_, way)| way.chances.iter().copied()).collect()
         };
         let mixture = |job: &Job| job.policy == Policy::Mixture && job.target == TargetOf::Reached;
-        let form = |job: &Job| job.policy == Policy::Form && job.mechanism().is_inside();
-        let any = |job: &Job| job.target == TargetOf::Any;
-        let (plain, told): (fn(&Said) -> f64, fn(&Said) -> f64) = (|said| said.chance, |said| said.where_reached);
         let mut found = vec![
-            Self::new("targets that some texture reaches", &said(&mixture, plain)),
-            Self::new("the same, by who is told that some texture reaches them", &said(&mixture, told)),
-            Self::new("targets whether a texture reaches them or not, first three cuts", &said(&any, plain)),
-            Self::new("the form known, targets that some texture reaches", &said(&form, plain)),
-            Self::new("the form known, by who is told that some texture reaches them", &said(&form, told)),
+            Self::new("targets that some texture reaches, which nobody is told", &said(&mixture)),
+            Self::new("the same with the form known", &said(&|job| job.policy == Policy::Form)),
+            Self::new(
+                "targets whether a texture reaches them or not, first three cuts",
+                &said(&|job| job.target == TargetOf::Any),
+            ),
         ];
         found.retain(|of| of.all.cuts > 0);
         found
