@@ -451,14 +451,8 @@ mod tests {
             flat_std: 0.005,
             modulus_sensitivity: 0.1,
         };
-        Trial {
-            name: name.to_owned(),
-            features: Features::from(&pattern),
-            sample_std: None,
-            disc: None,
-            measured: vec![at(1e6), at(2e6)],
-            of_dimensions: Vec::new(),
-        }
+        let (name, features, measured) = (name.to_owned(), Features::from(&pattern), vec![at(1e6), at(2e6)]);
+        Trial { name, features, sample_std: None, disc: None, measured, of_dimensions: Vec::new() }
     }
 
     fn ledger(trials: Vec<Trial>) -> TrialsReport {

@@ -183,6 +183,7 @@ fn drawings_have_a_layer_for_every_sector_and_a_mark() {
             picture.split(&format!("id=\"sector-{number}\"")).nth(1).unwrap().split("/>").next().unwrap().to_owned();
         assert_eq!(path.matches('z').count(), sectors[number - 1].cavities());
     }
+    assert!(picture.contains("the arrow is the sliding direction on sector 1"));
     assert!(picture.contains("id=\"mark\"") && picture.contains("a mean of all sectors"));
     assert!(picture.contains("1: grooves 20 µm wide, 150 µm apart, 10 µm deep, 4 bursts"));
     // The mark lies on a land.

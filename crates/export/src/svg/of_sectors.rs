@@ -18,6 +18,9 @@ const ROOM: f64 = 6.0;
 /// Characters that fit a line of text.
 const CHARACTERS: usize = 78;
 
+/// What is said of sectors that are turned.
+const TURNED: &str = "the arrow is the sliding direction on sector 1; the others slide along it when the specimen is turned back by their angle";
+
 /// Writes `sectors` of one specimen as an SVG picture as [`super::svg`] writes one pattern: each a group of its own with its number
 /// beside it, and the mark.
 ///
@@ -31,6 +34,9 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
     let unit_mm = extent_x_mm.max(extent_y_mm) / (CONTENT - 2.0 * ROOM);
     let title = wrap(heading.name, TITLE_CHARACTERS);
     let mut lines: Vec<String> = sectors.iter().flat_map(|sector| wrap(&words(sector, laser), CHARACTERS)).collect();
+    if division.turn_deg(2) != 0.0 {
+        lines.extend(wrap(TURNED, CHARACTERS));
+    }
     for note in std::iter::once(&MEASURE_EACH_ALONE).chain(heading.notes) {
         lines.extend(wrap(note, CHARACTERS));
     }
