@@ -31,6 +31,8 @@ pub struct CutSample {
     pub dimensions_std_m: [f64; 3],
     /// Scatter from one sample of the texture to the next, where it is known: of the ratio's logarithm.
     pub sample_std: Option<f64>,
+    /// The disc that it shares with other samples of this name, as a sector of it; `None` where it has its own.
+    pub disc: Option<String>,
     /// Measurements on it; none while it is pending.
     pub measured: Vec<Measurement>,
 }
@@ -149,7 +151,14 @@ fn trial(
         depth_m: tidy(features.depth_m),
     };
     let name = cut.name.clone();
-    Ok(Trial { name, features, sample_std: cut.sample_std, measured: measured.collect(), of_dimensions })
+    Ok(Trial {
+        name,
+        features,
+        sample_std: cut.sample_std,
+        disc: cut.disc.clone(),
+        measured: measured.collect(),
+        of_dimensions,
+    })
 }
 
 /// What trials say, for the material's notes; `None` without any that was measured.
@@ -232,6 +241,7 @@ mod tests {
             relief: None,
             dimensions_std_m: [5e-6, 0.0, 0.0],
             sample_std: None,
+            disc: None,
             measured: flat.iter().map(|flat| Measurement { mu_dynamic: 0.9 * flat.mu_dynamic, ..*flat }).collect(),
         };
         CalibrationTask {

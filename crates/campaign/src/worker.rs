@@ -15,7 +15,7 @@ use slipgrid_formats::{Diagnostic, Document};
 use slipgrid_monitor::{Memory, Monitor};
 use slipgrid_results::{SCHEMA, SimulationReport, json_and_timings};
 use slipgrid_studies::StudyError;
-use slipgrid_studies::laboratories::{Bench, Job, Options, Policy, Start};
+use slipgrid_studies::laboratories::{Bench, Job, Options, Policy, Start, TargetOf};
 
 use crate::campaign::{Campaign, Kind, Task};
 use crate::inputs::{Contents, Given, InMemory, Noted, ReadOnce};
@@ -165,7 +165,9 @@ pub fn laboratory(text: &str) -> Result<(Options, Job), String> {
     let number = number.as_integer().and_then(|number| usize::try_from(number).ok());
     let options = table.try_into().map_err(|error: toml::de::Error| error.message().to_owned())?;
     match (start, policy, number) {
-        (Some(start), Some(policy), Some(number)) => Ok((options, Job { start, policy, number })),
+        (Some(start), Some(policy), Some(number)) => {
+            Ok((options, Job { start, policy, number, target: TargetOf::Reached }))
+        }
         _ => Err("start, policy and number name no laboratory".to_owned()),
     }
 }

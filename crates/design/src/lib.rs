@@ -88,7 +88,8 @@ pub use explorer::{Explored, Explorer, SurfaceError, explore_bounds};
 pub use job::{Compared, DesignOutcome, Lattice, run};
 pub use lattice_table::lattice;
 pub use next_trial::{
-    AdviceReport, NextOptions, NextReport, NextTrials, PredictedRatio, TrialCandidateReport, next_trials,
+    AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, SectorReport,
+    TrialCandidateReport, next_trials,
 };
 pub use outcome::{DesignReport, MisfitReport, StoredDesign};
 pub use scene_errors::{Solved, of_scene};

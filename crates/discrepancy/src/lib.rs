@@ -10,8 +10,8 @@
 //!
 //! h is the *form*: how the discrepancy grows with what was cut away. It is 1 at the reference texture and 0 without
 //! cavities. c, the *residual*, is a smooth function of the dimensions and of the pressure, for what no form has. eps is how far
-//! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, f the flat sample's error, which all
-//! ratios of one condition share, and e the patterned measurement's.
+//! the logarithm of Young's modulus is off, g = d ln R / d ln E; t is one sample's own, which all
+//! samples on one disc share, f the flat sample's error, which all ratios of one condition share, and e the patterned measurement's.
 //!
 //! Nobody knows the form, how large the coefficients are or how far a form is from what it stands for. Every one of
 //! [`Hyperparameters::forms`] with each of the scales and of the sizes of the residual makes an exact Gaussian regression, and its

@@ -167,13 +167,19 @@ impl Discrepancy {
         self.trials.iter().enumerate().flat_map(|(place, trial)| trial.measured.iter().map(move |at| (place, at)))
     }
 
-    /// Variance of t.
-    pub(crate) fn sample_variance(&self, trial: usize) -> f64 {
-        self.trials[trial].sample_std.unwrap_or(self.hyperparameters().sample_std).powi(2)
+    /// Standard deviation of t.
+    fn own_std(&self, trial: usize) -> f64 {
+        self.trials[trial].sample_std.unwrap_or(self.hyperparameters().sample_std)
     }
 
-    /// Covariance of all measurements where the coefficients are known: the sample's own, errors of its dimensions, the flat
-    /// sample's, which a condition shares, and each measurement's.
+    /// Whether two trials were cut on one disc, and so share t.
+    fn is_one_disc(&self, left: usize, right: usize) -> bool {
+        left == right
+            || self.trials[left].disc.as_ref().is_some_and(|disc| self.trials[right].disc.as_ref() == Some(disc))
+    }
+
+    /// Covariance of all measurements where the coefficients are known: what differs from disc to disc, which trials of one disc
+    /// share, errors of a sample's dimensions, the flat sample's, which a condition shares, and each measurement's.
     pub(crate) fn noise(&self) -> Vec<f64> {
         let rows: Vec<(usize, &Measured)> = self.rows().collect();
         let n = rows.len();
@@ -190,9 +196,12 @@ impl Discrepancy {
         for (i, (left, a)) in rows.iter().enumerate() {
             for (j, (right, b)) in rows.iter().enumerate() {
                 let mut shared = 0.0;
+                if self.is_one_disc(*left, *right) {
+                    // cov(t_a, t_b) = s_a s_b
+                    shared += self.own_std(*left) * self.own_std(*right);
+                }
                 if left == right {
                     let of_dimensions = &self.trials[*left].of_dimensions;
-                    shared += self.sample_variance(*left);
                     shared += of_dimensions
                         .iter()
                         .filter_map(|slopes| Some(slopes.get(i - first[*left])? * slopes.get(j - first[*left])?))

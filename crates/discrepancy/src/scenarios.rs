@@ -14,6 +14,8 @@ pub struct Scenarios {
     members: Vec<Member>,
     /// Number of the member and its coefficients.
     draws: Vec<(usize, Vec<f64>)>,
+    /// t of the one disc on which all samples are cut; none where each has its own, which is left out.
+    of_disc: Vec<f64>,
 }
 
 impl Scenarios {
@@ -38,7 +40,15 @@ impl Scenarios {
                 |c: usize| member.mean[c] + (c..p).map(|row| member.inverse[row * p + c] * z[row]).sum::<f64>();
             draws.push((place, (0..p).map(coefficient).collect()));
         }
-        Self { basis, members, draws }
+        Self { basis, members, draws, of_disc: Vec::new() }
+    }
+
+    /// The same truths with one disc on which all samples are cut: they share its t, drawn by `seed`.
+    #[must_use]
+    pub fn on_one_disc(mut self, seed: u64) -> Self {
+        let (mut normals, std) = (Normals::new(seed), self.basis.hyper().sample_std);
+        self.of_disc = self.draws.iter().map(|_| std * normals.draw()).collect();
+        self
     }
 
     /// In which of them a sample of `candidate` is on target: `wanted` at `loads`.
@@ -51,10 +61,11 @@ impl Scenarios {
             at.map(|(load, g)| self.basis.row(form, member.residual, &candidate.features, load, *g)).collect()
         };
         let rows: Vec<Vec<Vec<f64>>> = self.members.iter().map(of).collect();
-        let is_on = |(member, theta): &(usize, Vec<f64>)| {
-            let values = rows[*member].iter().map(|row| dot(row, theta));
+        let is_on = |(draw, (member, theta)): (usize, &(usize, Vec<f64>))| {
+            let own = self.of_disc.get(draw).copied().unwrap_or(0.0);
+            let values = rows[*member].iter().map(|row| dot(row, theta) + own);
             values.zip(lower.iter().zip(&upper)).all(|(value, (lower, upper))| (*lower..=*upper).contains(&value))
         };
-        self.draws.iter().map(is_on).collect()
+        self.draws.iter().enumerate().map(is_on).collect()
     }
 }

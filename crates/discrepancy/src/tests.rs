@@ -27,7 +27,7 @@ fn trial(name: &str, features: Features, loads: &[Load], noise: f64, truth: &mut
         modulus_sensitivity: 0.1 + 0.02 * place as f64,
     };
     let measured = loads.iter().enumerate().map(measured).collect();
-    Trial { name: name.to_owned(), features, sample_std: None, measured, of_dimensions: Vec::new() }
+    Trial { name: name.to_owned(), features, sample_std: None, disc: None, measured, of_dimensions: Vec::new() }
 }
 
 fn discrepancy(trials: Vec<Trial>) -> Discrepancy {
@@ -220,6 +220,53 @@ fn a_flat_sample_measured_once_is_off_alike_in_all_trials() {
     assert!(same > 1.1 * other, "{same} {other}");
 }
 
+/// One coefficient of variance A^2 and two trials of one texture, each of variance s^2 for the disc and e^2 for itself.
+#[test]
+fn two_trials_of_one_disc_tell_less_of_the_mean_and_more_of_their_difference() {
+    let (a2, s2, e2) = (0.2_f64.powi(2), 0.03_f64.powi(2), 0.01_f64.powi(2));
+    let one = vec![(1.0, 1.0)];
+    let hyper = Hyperparameters {
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        speed_std: 0.0,
+        humidity_std: 0.0,
+        scales: one.clone(),
+        residuals: vec![(0.0, 1.0)],
+        sample_std: s2.sqrt(),
+        forms: vec![(Form::Density, 1.0)],
+        ..Hyperparameters::default()
+    };
+    let (at, texture) = ([load(1.3, 2.0, 40.0)], hyper.reference);
+    let cut = |disc: [Option<&str>; 2]| {
+        let of = |(place, disc): (usize, Option<&str>)| {
+            let mut cut = trial(&place.to_string(), texture, &at, e2.sqrt(), &mut |_| -0.1);
+            cut.measured[0].flat_std = 0.0;
+            Trial { disc: disc.map(str::to_owned), ..cut }
+        };
+        Discrepancy::new(hyper.clone(), Conditions::default(), 0.0, disc.into_iter().enumerate().map(of).collect())
+            .unwrap()
+    };
+    // A third sample, on a disc of its own: 1 / (1 / A^2 + 1 / V) + s^2, V the variance of the mean of the two.
+    let third = |known: &Discrepancy| known.at(&at).predict(&texture, &[0.0]).moments(0).1.powi(2);
+    let expected = |mean: f64| 1.0 / (1.0 / a2 + 1.0 / mean) + s2;
+    // The second by the first: K - C^2 / K with K = A^2 + s^2 + e^2 and C what the two share.
+    let second = |known: &Discrepancy| {
+        let all = leave_out(known, LeftOut::TrialAndLater);
+        let [low, high] = all.iter().find(|of| of.trial == 1).unwrap().interval_95;
+        ((high - low) / (2.0 * slipgrid_statistics::normal_quantile(0.975))).powi(2)
+    };
+    let (k, apart, together) = (a2 + s2 + e2, cut([Some("A"), Some("B")]), cut([Some("A"), Some("A")]));
+    for (known, mean, shared) in [(&together, s2 + e2 / 2.0, a2 + s2), (&apart, (s2 + e2) / 2.0, a2)] {
+        assert!((third(known) / expected(mean) - 1.0).abs() < 1e-10, "{} {}", third(known), expected(mean));
+        assert!((second(known) / (k - shared * shared / k) - 1.0).abs() < 1e-8, "{}", second(known));
+    }
+    assert!(third(&together) > 1.3 * third(&apart) && second(&together) < 0.2 * second(&apart));
+    // Without names, and with one beside none, each has a disc of its own.
+    for other in [[None, None], [Some("A"), None]] {
+        assert_eq!(third(&cut(other)).to_bits(), third(&apart).to_bits());
+    }
+}
+
 #[test]
 fn an_unmeasured_humidity_lies_between_what_is_known_and_the_prior() {
     let known = discrepancy(vec![trial("", groove(100.0, 300.0, 10.0), &loads(), 0.002, &mut |_| -0.2)]);
@@ -306,4 +353,31 @@ fn scenarios_are_on_target_as_often_as_the_chance_says() {
         // A standard error of 0.008 at most, and the integral's own.
         assert!((chance - share).abs() < 0.03, "{chance} {share}");
     }
+}
+
+#[test]
+fn samples_on_one_disc_are_off_together() {
+    // What the model lacks is as good as known: what is left is the disc's own scatter.
+    let hyper = Hyperparameters { sample_std: 0.02, amplitude_std: 1e-6, ..Hyperparameters::default() };
+    let known = Discrepancy::new(
+        Hyperparameters { pressure_std: 0.0, inverse_pressure_std: 0.0, speed_std: 0.0, humidity_std: 0.0, ..hyper },
+        Conditions::default(),
+        0.0,
+        Vec::new(),
+    )
+    .unwrap();
+    let (at, textures) = ([load(1.3, 2.0, 40.0)], [groove(100.0, 300.0, 10.0), groove(60.0, 300.0, 20.0)]);
+    let wanted = Wanted { lower: vec![0.9 * (-0.02_f64).exp()], upper: vec![0.9 * 0.02_f64.exp()] };
+    let scenarios = Scenarios::new(&known, 4000, 1);
+    let on = |of: &Scenarios, features: Features| {
+        let candidate = Candidate { features, modelled: &[0.9], modulus_sensitivity: &[0.0], covariance: &[] };
+        of.on_target(&candidate, &at, &wanted)
+    };
+    assert!(on(&scenarios, textures[0]).iter().all(|on| *on));
+    let disc = scenarios.on_one_disc(2);
+    let [one, other] = textures.map(|features| on(&disc, features));
+    // Within one standard deviation, and both or neither.
+    let share = one.iter().filter(|on| **on).count() as f64 / 4000.0;
+    assert!((share - 0.683).abs() < 0.025, "{share}");
+    assert!(one.iter().zip(&other).filter(|(one, other)| one != other).count() < 10);
 }

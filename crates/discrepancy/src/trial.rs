@@ -11,6 +11,8 @@ pub struct Trial {
     pub features: Features,
     /// Standard deviation of t where it is known; that of the hyperparameters otherwise.
     pub sample_std: Option<f64>,
+    /// The disc that it shares with other trials of this name; `None` on a disc of its own. Trials of one disc share t.
+    pub disc: Option<String>,
     /// What was measured of it.
     pub measured: Vec<Measured>,
     /// What errors of its dimensions do, one list a dimension: d ln R / dx times the standard error of x, at each of `measured`.

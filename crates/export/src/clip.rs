@@ -162,7 +162,7 @@ pub(crate) fn push_arc(out: &mut Polygon, from: [f64; 2], to: [f64; 2], radius_m
 }
 
 /// The part of a polygon at most `limit_m` along the unit vector `normal`.
-fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygon {
+pub(crate) fn within_side(polygon: &[[f64; 2]], [nx, ny]: [f64; 2], limit_m: f64) -> Polygon {
     let beyond = |[x, y]: [f64; 2]| x * nx + y * ny - limit_m;
     let mut kept = Vec::with_capacity(polygon.len() + 1);
     for (a, b) in edges(polygon) {

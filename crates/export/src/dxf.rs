@@ -4,6 +4,8 @@
 //! one value a line, sections HEADER, TABLES, BLOCKS, ENTITIES. R12 has no variable for units, so
 //! comments (group 999) state them.
 
+mod of_sectors;
+
 use std::io::{self, Write};
 
 use slipgrid_pattern::{Arrangement, Pattern};
@@ -12,6 +14,8 @@ use crate::number::{COORDINATE_DECIMALS, push_decimal};
 use crate::stream::{finish, hand_on};
 use crate::words::{groove_direction, sliding_direction};
 use crate::{Boundary, Heading, Layout, Outline};
+
+pub use of_sectors::{LAYER_MARK, dxf_of_sectors, sector_layer};
 
 /// Layer of the specimen's outline.
 pub const LAYER_OUTLINE: &str = "OUTLINE";
@@ -39,8 +43,7 @@ const LONGEST_COMMENT: usize = 200;
 pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result<()> {
     let mut file = Writer { out: String::new() };
     let pattern = layout.pattern();
-    let [extent_x_m, extent_y_m] = layout.outline().extents_m();
-    let (half_x_mm, half_y_mm) = (extent_x_m * 500.0, extent_y_m * 500.0);
+    let (half_x_mm, half_y_mm) = half_extents_mm(layout.outline());
     let arrow = Arrow::below(half_x_mm, half_y_mm, pattern.texture().sliding_direction_on_specimen());
 
     file.comment(&format!("slipgrid {}: {}", heading.version, heading.name));
@@ -73,72 +76,19 @@ pub fn dxf(layout: &Layout, heading: &Heading, to: &mut dyn Write) -> io::Result
         file.comment(note);
     }
 
-    file.section("HEADER");
-    file.variable("$ACADVER", 1, "AC1009");
-    file.variable_point("$INSBASE", &[0.0, 0.0, 0.0]);
-    file.variable_point("$EXTMIN", &[-half_x_mm, arrow.lowest_mm(), 0.0]);
-    file.variable_point("$EXTMAX", &[half_x_mm, half_y_mm, 0.0]);
-    file.variable_point("$LIMMIN", &[-half_x_mm, arrow.lowest_mm()]);
-    file.variable_point("$LIMMAX", &[half_x_mm, half_y_mm]);
-    // Decimal numbers, six decimals shown.
-    file.variable("$LUNITS", 70, "2");
-    file.variable("$LUPREC", 70, "6");
-    file.pair(0, "ENDSEC");
-
-    file.section("TABLES");
-    file.table("LTYPE", 1);
-    for (code, value) in [(0, "LTYPE"), (2, "CONTINUOUS"), (70, "0"), (3, "Solid line"), (72, "65"), (73, "0")] {
-        file.pair(code, value);
-    }
-    file.real(40, 0.0);
-    file.pair(0, "ENDTAB");
-    file.table("LAYER", LAYERS.len() + 1);
-    for (name, colour) in std::iter::once(("0", "7")).chain(LAYERS) {
-        for (code, value) in [(0, "LAYER"), (2, name), (70, "0"), (62, colour), (6, "CONTINUOUS")] {
-            file.pair(code, value);
-        }
-    }
-    file.pair(0, "ENDTAB");
-    file.pair(0, "ENDSEC");
-
-    file.section("BLOCKS");
-    file.pair(0, "ENDSEC");
-
-    file.section("ENTITIES");
-    match *layout.outline() {
-        Outline::Disc { diameter_m } => file.circle(LAYER_OUTLINE, [0.0, 0.0], diameter_m * 500.0),
-        Outline::Ring { outer_diameter_m, inner_diameter_m } => {
-            file.circle(LAYER_OUTLINE, [0.0, 0.0], outer_diameter_m * 500.0);
-            file.circle(LAYER_OUTLINE, [0.0, 0.0], inner_diameter_m * 500.0);
-        }
-        Outline::Rectangle { .. } => file.polygon(
-            LAYER_OUTLINE,
-            &[[-half_x_mm, -half_y_mm], [half_x_mm, -half_y_mm], [half_x_mm, half_y_mm], [-half_x_mm, half_y_mm]],
-        ),
-    }
-    // The origin, so that whoever moves the drawing can move it back.
-    let cross_mm = half_x_mm.min(half_y_mm) / 100.0;
-    file.line(LAYER_ORIGIN, [-cross_mm, 0.0], [cross_mm, 0.0]);
-    file.line(LAYER_ORIGIN, [0.0, -cross_mm], [0.0, cross_mm]);
+    file.head([half_x_mm, half_y_mm], &arrow, &LAYERS);
+    file.face(layout.outline());
     for boundary in layout.iter().flat_map(|cavity| cavity.boundaries()) {
-        let millimetres = |[x_m, y_m]: [f64; 2]| [x_m * 1e3, y_m * 1e3];
-        match boundary {
-            Boundary::Rectangle { corners_m } => file.polygon(LAYER_CAVITIES, &corners_m.map(millimetres)),
-            Boundary::Polygon { corners_m } => {
-                file.polygon(LAYER_CAVITIES, &corners_m.into_iter().map(millimetres).collect::<Vec<_>>());
-            }
-            Boundary::Circle { centre_m, radius_m } => {
-                file.circle(LAYER_CAVITIES, millimetres(centre_m), radius_m * 1e3);
-            }
-        }
+        file.boundary(LAYER_CAVITIES, boundary);
         hand_on(&mut file.out, to)?;
     }
-    for [from_mm, to_mm] in arrow.lines_mm() {
-        file.line(LAYER_SLIDING_DIRECTION, from_mm, to_mm);
-    }
-    file.pair(0, "ENDSEC");
-    file.pair(0, "EOF");
+    file.end(&arrow);
     finish(&mut file.out, to)
+}
+
+fn half_extents_mm(outline: &Outline) -> (f64, f64) {
+    let [extent_x_m, extent_y_m] = outline.extents_m();
+    (extent_x_m * 500.0, extent_y_m * 500.0)
 }
 
 /// What the planform's name leaves open, where it does; each part begins with a comma.
@@ -206,6 +156,82 @@ struct Writer {
 }
 
 impl Writer {
+    /// Header, tables and blocks of a drawing of a face with an arrow, and the beginning of its entities.
+    fn head(&mut self, [half_x_mm, half_y_mm]: [f64; 2], arrow: &Arrow, layers: &[(&str, &str)]) {
+        self.section("HEADER");
+        self.variable("$ACADVER", 1, "AC1009");
+        self.variable_point("$INSBASE", &[0.0, 0.0, 0.0]);
+        self.variable_point("$EXTMIN", &[-half_x_mm, arrow.lowest_mm(), 0.0]);
+        self.variable_point("$EXTMAX", &[half_x_mm, half_y_mm, 0.0]);
+        self.variable_point("$LIMMIN", &[-half_x_mm, arrow.lowest_mm()]);
+        self.variable_point("$LIMMAX", &[half_x_mm, half_y_mm]);
+        // Decimal numbers, six decimals shown.
+        self.variable("$LUNITS", 70, "2");
+        self.variable("$LUPREC", 70, "6");
+        self.pair(0, "ENDSEC");
+
+        self.section("TABLES");
+        self.table("LTYPE", 1);
+        for (code, value) in [(0, "LTYPE"), (2, "CONTINUOUS"), (70, "0"), (3, "Solid line"), (72, "65"), (73, "0")] {
+            self.pair(code, value);
+        }
+        self.real(40, 0.0);
+        self.pair(0, "ENDTAB");
+        self.table("LAYER", layers.len() + 1);
+        for (name, colour) in std::iter::once(&("0", "7")).chain(layers) {
+            for (code, value) in [(0, "LAYER"), (2, *name), (70, "0"), (62, *colour), (6, "CONTINUOUS")] {
+                self.pair(code, value);
+            }
+        }
+        self.pair(0, "ENDTAB");
+        self.pair(0, "ENDSEC");
+
+        self.section("BLOCKS");
+        self.pair(0, "ENDSEC");
+
+        self.section("ENTITIES");
+    }
+
+    /// The outline of the specimen, and a cross on the origin, so that whoever moves the drawing can move it back.
+    fn face(&mut self, outline: &Outline) {
+        let (half_x_mm, half_y_mm) = half_extents_mm(outline);
+        match *outline {
+            Outline::Disc { diameter_m } => self.circle(LAYER_OUTLINE, [0.0, 0.0], diameter_m * 500.0),
+            Outline::Ring { outer_diameter_m, inner_diameter_m } => {
+                self.circle(LAYER_OUTLINE, [0.0, 0.0], outer_diameter_m * 500.0);
+                self.circle(LAYER_OUTLINE, [0.0, 0.0], inner_diameter_m * 500.0);
+            }
+            Outline::Rectangle { .. } => self.polygon(
+                LAYER_OUTLINE,
+                &[[-half_x_mm, -half_y_mm], [half_x_mm, -half_y_mm], [half_x_mm, half_y_mm], [-half_x_mm, half_y_mm]],
+            ),
+        }
+        let cross_mm = half_x_mm.min(half_y_mm) / 100.0;
+        self.line(LAYER_ORIGIN, [-cross_mm, 0.0], [cross_mm, 0.0]);
+        self.line(LAYER_ORIGIN, [0.0, -cross_mm], [0.0, cross_mm]);
+    }
+
+    /// The outline of a cavity, or of a part of one.
+    fn boundary(&mut self, layer: &str, boundary: Boundary) {
+        let millimetres = |[x_m, y_m]: [f64; 2]| [x_m * 1e3, y_m * 1e3];
+        match boundary {
+            Boundary::Rectangle { corners_m } => self.polygon(layer, &corners_m.map(millimetres)),
+            Boundary::Polygon { corners_m } => {
+                self.polygon(layer, &corners_m.into_iter().map(millimetres).collect::<Vec<_>>());
+            }
+            Boundary::Circle { centre_m, radius_m } => self.circle(layer, millimetres(centre_m), radius_m * 1e3),
+        }
+    }
+
+    /// The arrow, and the end of the drawing.
+    fn end(&mut self, arrow: &Arrow) {
+        for [from_mm, to_mm] in arrow.lines_mm() {
+            self.line(LAYER_SLIDING_DIRECTION, from_mm, to_mm);
+        }
+        self.pair(0, "ENDSEC");
+        self.pair(0, "EOF");
+    }
+
     fn code(&mut self, code: u16) {
         let text = code.to_string();
         for _ in text.len()..3 {

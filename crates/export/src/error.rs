@@ -30,6 +30,27 @@ pub enum ExportError {
         /// Extent on which one cavity fits, in metres.
         needed_m: f64,
     },
+    /// A number of sectors that no specimen is divided into.
+    #[error("{count} textures on sectors of one specimen: expected 2 to {most}, one for each sector")]
+    Sectors {
+        /// The number given.
+        count: usize,
+        /// The most accepted.
+        most: usize,
+    },
+    /// A sector that does not hold enough of a pattern to be measured by itself.
+    #[error(
+        "sectors hold circles of {} mm, fewer than {periods} periods of {} um: expected fewer sectors or a finer pattern",
+        mm(*circle_m), mm(1e3 * pitch_m)
+    )]
+    SectorTooSmall {
+        /// Longest period of the pattern, in metres.
+        pitch_m: f64,
+        /// Diameter of the largest circle on the smallest sector, in metres.
+        circle_m: f64,
+        /// Periods that it must hold.
+        periods: f64,
+    },
     /// More cavities than any file of them could be used for.
     #[error("about {cavities:.0} cavities fit on the specimen: expected at most {most}")]
     TooManyCavities {

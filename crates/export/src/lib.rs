@@ -14,18 +14,20 @@
 //! | [`Outline`] | the specimen's face: disc, rectangle or ring |
 //! | [`Specimen`] | the face, with what becomes of cavities that pass its rim |
 //! | [`Layout`], [`Cavity`], [`Boundary`] | the cavities on it, made one by one in a fixed order |
+//! | [`Division`], [`Sector`] | several patterns on one specimen, each on a sector of its own |
 //! | [`LaidStrip`] | a strip of it along the sliding direction, for solvers |
 //! | [`Heading`] | name, version and notes that drawings carry |
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | the lines that the spot follows |
-//! | [`dxf`] | drawing for the laser, AutoCAD R12 |
-//! | [`svg`] | drawing for people, at scale |
+//! | [`dxf`], [`dxf_of_sectors`] | drawing for the laser, AutoCAD R12 |
+//! | [`svg`], [`svg_of_sectors`] | drawing for people, at scale |
 //! | [`hpgl`] | plot for marking software, HP-GL/2 |
 //! | [`gcode`], [`GcodePlan`] | program for controllers with a laser mode |
 //! | [`csv`], [`corners_csv`], [`hatch_csv`] | tables of the cavities, their corners, the lines |
 //! | [`height_map`], [`HeightMap`] | the surface as a 16-bit PNG |
 //! | [`stl`], [`check_stl`] | what is removed, as closed solids |
 //! | [`ProcessSheet`], [`ProcessInput`], [`WorkSheet`], [`Tolerances`], [`MaterialNote`] | what the person at the laser needs, as TOML |
+//! | [`SectorsSheet`], [`SectorSheet`], [`DividedSheet`], [`MEASURE_EACH_ALONE`] | the same of sectors |
 //! | [`ExportError`] | why nothing can be exported |
 //!
 //! Coordinates in files are millimetres from the specimen's centre, rounded to
@@ -63,6 +65,8 @@ mod marking;
 mod number;
 mod outline;
 mod process;
+mod sector_sheet;
+mod sectors;
 mod specimen;
 mod stl;
 mod stream;
@@ -77,7 +81,9 @@ mod tests;
 pub use ablation::{Ablation, AblationPoint};
 pub use cavity::{Boundary, Cavity};
 pub use csv::{corners_csv, csv, csv_header, hatch_csv};
-pub use dxf::{LAYER_CAVITIES, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf};
+pub use dxf::{
+    LAYER_CAVITIES, LAYER_MARK, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, dxf, dxf_of_sectors, sector_layer,
+};
 pub use error::ExportError;
 pub use gcode::{GcodePlan, gcode};
 pub use height_map::{HeightMap, MOST_PIXELS, height_map};
@@ -88,10 +94,12 @@ pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
+pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
+pub use sectors::{Division, LEAST_PERIODS, MOST_SECTORS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};
 pub use stl::{CHORDS, check as check_stl, stl};
 pub use strips::LaidStrip;
-pub use svg::svg;
+pub use svg::{svg, svg_of_sectors};
 pub use work::{WorkSheet, laser_time_s};
 
 /// What drawings say about themselves.

@@ -1,6 +1,9 @@
 //! A drawing of the textured specimen at scale.
 
 mod detail;
+mod of_sectors;
+
+pub use of_sectors::svg_of_sectors;
 
 use std::fmt::Write as _;
 use std::io;
@@ -237,13 +240,13 @@ impl Page {
         let _ = writeln!(self.out, "<path d=\"M{}L{}L{}z\"/>", points[0], points[1], points[2]);
     }
 
-    /// Outline and cavities, in a frame that starts at the specimen's centre.
-    fn specimen(&mut self, layout: &Layout, centre: [f64; 2], to: &mut dyn io::Write) -> io::Result<()> {
+    /// The frame that starts at the specimen's centre, and its outline in it; the width of lines.
+    fn begin_specimen(&mut self, outline: &Outline, centre: [f64; 2]) -> String {
         let (x, y, stroke) = (self.mm(centre[0]), self.mm(centre[1]), self.mm(0.25));
         let _ = writeln!(self.out, "<g id=\"specimen\" transform=\"translate({x} {y})\">");
         let face = format!("id=\"outline\" fill=\"{FACE_COLOUR}\" stroke=\"{INK_COLOUR}\" stroke-width=\"{stroke}\"");
         let mm = |length_m: f64| decimal(length_m * 1e3, COORDINATE_DECIMALS);
-        let _ = match *layout.outline() {
+        let _ = match *outline {
             Outline::Disc { diameter_m } => writeln!(self.out, "<circle {face} r=\"{}\"/>", mm(diameter_m / 2.0)),
             Outline::Ring { outer_diameter_m, inner_diameter_m } => {
                 // The hole turns the other way round and stays open.
@@ -264,34 +267,45 @@ impl Page {
                 mm(width_m)
             ),
         };
+        stroke
+    }
+
+    /// Outline and cavities, in a frame that starts at the specimen's centre.
+    fn specimen(&mut self, layout: &Layout, centre: [f64; 2], to: &mut dyn io::Write) -> io::Result<()> {
+        let stroke = self.begin_specimen(layout.outline(), centre);
         let _ = write!(self.out, "<path id=\"cavities\" fill=\"{CAVITY_COLOUR}\" d=\"");
         for cavity in layout.iter() {
             for boundary in cavity.boundaries() {
-                self.outline_of(&cavity, &boundary);
+                self.outline_of(Some(&cavity), &boundary);
                 self.out.push('z');
             }
             hand_on(&mut self.out, to)?;
         }
         self.out.push_str("\"/>\n");
+        self.end_specimen(&stroke);
+        Ok(())
+    }
+
+    /// The origin, and the end of the specimen's frame.
+    fn end_specimen(&mut self, stroke: &str) {
         let arm = self.mm(1.0);
         let _ = writeln!(
             self.out,
             "<path id=\"origin\" fill=\"none\" stroke=\"{INK_COLOUR}\" stroke-width=\"{stroke}\" \
              d=\"M-{arm} 0L{arm} 0M0 -{arm}L0 {arm}\"/>\n</g>"
         );
-        Ok(())
     }
 
     /// The commands of a path round a cavity, but for its end; y points down.
-    fn outline_of(&mut self, cavity: &Cavity, boundary: &Boundary) {
+    fn outline_of(&mut self, cavity: Option<&Cavity>, boundary: &Boundary) {
         let mut commands = |steps: &[(&str, f64)]| {
             for &(command, length_m) in steps {
                 self.out.push_str(command);
                 push_decimal(&mut self.out, length_m * 1e3, COORDINATE_DECIMALS);
             }
         };
-        match boundary {
-            Boundary::Rectangle { .. } if cavity.is_aligned() => commands(&[
+        match (boundary, cavity.filter(|cavity| cavity.is_aligned())) {
+            (Boundary::Rectangle { .. }, Some(cavity)) => commands(&[
                 // From the upper left corner.
                 ("M", cavity.centre_x_m - cavity.width_m / 2.0),
                 (" ", -cavity.centre_y_m - cavity.length_m / 2.0),
@@ -299,13 +313,13 @@ impl Page {
                 ("v", cavity.length_m),
                 ("h", -cavity.width_m),
             ]),
-            Boundary::Rectangle { .. } | Boundary::Polygon { .. } => {
+            (Boundary::Rectangle { .. } | Boundary::Polygon { .. }, _) => {
                 for (corner, [x_m, y_m]) in boundary.polygon_m().into_iter().enumerate() {
                     commands(&[(if corner == 0 { "M" } else { "L" }, x_m), (" ", -y_m)]);
                 }
             }
             // Two half circles, from the leftmost point and back.
-            &Boundary::Circle { centre_m: [x_m, y_m], radius_m } => {
+            (&Boundary::Circle { centre_m: [x_m, y_m], radius_m }, _) => {
                 commands(&[("M", x_m - radius_m), (" ", -y_m)]);
                 for across_m in [2.0 * radius_m, -2.0 * radius_m] {
                     commands(&[("a", radius_m), (" ", radius_m), (" 0 0 0 ", across_m), (" ", 0.0)]);

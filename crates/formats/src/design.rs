@@ -9,7 +9,7 @@ use serde::Deserialize;
 use slipgrid_design::{DEFAULT_MAX_EVALUATIONS, DesignTask, Refusal, TaskPart};
 use slipgrid_material::ConditionRange;
 use slipgrid_optimize::{Constraints, DesignSpace};
-use slipgrid_pattern::Texture;
+use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_units::{LENGTH_UM, TIME_S};
 use toml::Spanned;
 
@@ -114,6 +114,21 @@ impl Design {
     /// [`Diagnostic`] for anything refused.
     pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
         Self::from_document(Document::read(source, path, FileKind::Design)?)
+    }
+
+    /// A pattern of its texture, of the lengths that the flag `--candidate` gives.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for what is no pattern.
+    pub fn candidate(&self, text: &str) -> Result<Pattern, Diagnostic> {
+        let lengths: Vec<f64> = text.split(',').filter_map(|length| length.trim().parse().ok()).collect();
+        let refuse = |reason: &str| {
+            Diagnostic::flag("--candidate", text.to_owned(), reason)
+                .expected("width, spacing and depth in um: 100,300,10")
+        };
+        let [width_um, spacing_um, depth_um] = lengths[..] else { return Err(refuse("is no pattern")) };
+        Pattern::new(*self.task.space.texture(), width_um * 1e-6, spacing_um * 1e-6, depth_um * 1e-6)
+            .map_err(|error| refuse(&error.to_string()))
     }
 
     /// Reads a design from a document.

@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::{CutSample, TrialsTask};
 use slipgrid_discrepancy::{Conditions, Discrepancy, Features, Hyperparameters, Load, Measured, Trial};
 use slipgrid_export::Outline;
+use slipgrid_pattern::Pattern;
+use slipgrid_results::PatternReport;
 use toml::Spanned;
 
 use super::calibration::read_fitting_pattern;
@@ -32,6 +34,7 @@ pub struct TrialFile {
     spacing_std_um: Option<Number>,
     depth_std_um: Option<Number>,
     sample_std: Option<Number>,
+    disc: Option<Spanned<String>>,
 }
 
 impl TrialFile {
@@ -139,6 +142,7 @@ pub fn read_trials(
             pattern,
             dimensions_std_m: [std(&file.width_std_um)?, std(&file.spacing_std_um)?, std(&file.depth_std_um)?],
             sample_std: document.optional(file.sample_std.as_ref(), RELATIVE_STD)?,
+            disc: read_disc(document, file.disc.as_ref())?,
             measured: rows.iter().map(|row| row.measurement).collect(),
         });
     }
@@ -149,6 +153,57 @@ pub fn read_trials(
         document.refuse(span, error.to_string())
     })?;
     Ok(TrialsTask { samples, prior: hyper })
+}
+
+/// A pattern with what no file is asked for.
+#[derive(Serialize)]
+struct TemplateFile<'a> {
+    trial: [TemplateTrial<'a>; 1],
+}
+
+#[derive(Serialize)]
+struct TemplateTrial<'a> {
+    name: String,
+    disc: &'a str,
+    notes: String,
+    pattern: toml::Table,
+}
+
+/// `[[trial]]` of `patterns` on one `disc`, in the order of its sectors, to be added to a calibration and filled in: pending until
+/// they name their measurements. `densities` are the areal densities of the sectors as cut.
+#[must_use]
+pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
+    let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
+                    # Measure each sector alone: what presses the whole disc measures a mean of all sectors, which is a trial of none.\n\
+                    # Write measured dimensions in place of the designed ones. force_n in a table counts on the calibration's specimen:\n\
+                    # a pin of area a that is pressed with F stands in it with F times the specimen's area over a.\n"
+        .to_owned();
+    for (place, (pattern, density)) in patterns.iter().zip(densities).enumerate() {
+        let number = place + 1;
+        // The keys of a pattern without what follows from them; a table of numbers and texts has a TOML form.
+        let mut table = toml::Table::try_from(PatternReport::from(pattern)).unwrap_or_default();
+        table.retain(|key, _| key != "areal_density" && key != "section_density");
+        let trial = TemplateTrial {
+            name: format!("{disc}, sector {number}"),
+            disc,
+            notes: format!("sector {number}, areal density as cut {:.2} %", 100.0 * density),
+            pattern: table,
+        };
+        let body = toml::to_string(&TemplateFile { trial: [trial] }).unwrap_or_default();
+        let measurements = format!("# measurements = \"sector-{number}.csv\"\n\n[trial.pattern]");
+        text += &format!("\n{}", body.replacen("\n[trial.pattern]", &measurements, 1));
+    }
+    text
+}
+
+/// The name of the disc that a sample shares with others.
+fn read_disc(document: &Document, disc: Option<&Spanned<String>>) -> Result<Option<String>, Diagnostic> {
+    match disc {
+        Some(name) if name.get_ref().trim().is_empty() => Err(document
+            .refuse(name.span(), "names no disc")
+            .expected("a name that all [[trial]] on one disc have, or no key where a sample is alone on its disc")),
+        disc => Ok(disc.map(|name| name.get_ref().clone())),
+    }
 }
 
 /// The sample that a calibration names by `[pattern]` and by `patterned` measurements: the first trial.
@@ -166,6 +221,7 @@ pub fn of_tables(
         relief,
         dimensions_std_m: [0.0; 3],
         sample_std: None,
+        disc: None,
         measured: measured.iter().map(|row| row.measurement).collect(),
     }
 }
@@ -194,6 +250,8 @@ struct LearnedTrial {
     depth_um: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    disc: Option<String>,
     pressure_mpa: Vec<f64>,
     speed_mm_s: Vec<f64>,
     humidity_pct: Vec<f64>,
@@ -224,6 +282,7 @@ impl LearnedFile {
                 pitch_um: LENGTH_UM.from_si(trial.features.pitch_m),
                 depth_um: LENGTH_UM.from_si(trial.features.depth_m),
                 sample_std: trial.sample_std,
+                disc: trial.disc.clone(),
                 pressure_mpa: column(|at| PRESSURE_MPA.from_si(at.load.pressure_pa)),
                 speed_mm_s: column(|at| SPEED_MM_S.from_si(at.load.speed_m_s)),
                 humidity_pct: column(|at| HUMIDITY_PCT.from_si(at.load.humidity)),
@@ -289,6 +348,7 @@ impl LearnedFile {
                     depth_m: tidy(LENGTH_UM.to_si(trial.depth_um)),
                 },
                 sample_std: trial.sample_std,
+                disc: trial.disc.clone(),
                 measured: (0..n).map(measured).collect(),
                 of_dimensions: trial.of_dimensions.clone(),
             })

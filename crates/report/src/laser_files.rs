@@ -3,15 +3,18 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
+use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_export::{
     ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
-    ProcessSheet, check_stl, corners_csv, csv, dxf, gcode, hatch_csv, height_map, hpgl, stl, svg,
+    ProcessSheet, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
+    hpgl, stl, svg, svg_of_sectors,
 };
+use slipgrid_formats::trials::sector_trials;
 use slipgrid_pattern::Pattern;
 
 use crate::Outputs;
 use slipgrid_export::Specimen;
-use slipgrid_results::MaterialReport;
+use slipgrid_results::{MaterialReport, VERSION};
 
 /// Formats of a design; [`LaserFile::described`] says what is written in each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -156,26 +159,91 @@ pub fn draw_with(
                 });
             }
             LaserFile::Process => {
-                let sheet = ProcessSheet::new(
-                    &layout,
-                    ProcessInput {
-                        name: input.name.to_owned(),
-                        version: input.version.to_owned(),
-                        seed: input.seed,
-                        laser,
-                        tolerances: None,
-                        material: MaterialNote {
-                            name: input.material.name.clone(),
-                            source: input.material.source.clone(),
-                            synthetic_surface: input.material.synthetic_surface,
-                        },
-                    },
-                )?;
+                let sheet = ProcessSheet::new(&layout, process_input(input))?;
                 outputs.add("process.toml", sheet.to_toml()?);
             }
         }
     }
     Ok(())
+}
+
+/// The files of the samples `found` for `task`: those of each, or of the one specimen on whose sectors they are with the trials to
+/// fill in.
+///
+/// # Errors
+/// As [`draw`].
+pub fn draw_next(found: &NextTrials, task: &DesignTask) -> Result<Vec<Outputs>, ExportError> {
+    let input = |name, pattern: &Pattern| DrawingInput {
+        name,
+        version: VERSION,
+        seed: task.seed,
+        pattern: *pattern,
+        outline: task.specimen,
+        laser: task.laser,
+        material: &found.material,
+    };
+    let drawn = |drawing: &dyn Fn(&mut Outputs) -> Result<(), ExportError>| {
+        let mut outputs = Outputs::default();
+        drawing(&mut outputs).map(|()| outputs)
+    };
+    match (&found.report.one_disc, found.patterns.first()) {
+        (Some(disc), Some(first)) => {
+            let input = input(&disc.name, first);
+            Ok(vec![drawn(&|outputs| draw_sectors(&found.sectors, &input, outputs))?])
+        }
+        _ => {
+            let each =
+                |pattern| drawn(&|outputs| draw(&input(&found.report.name, pattern), &LaserFile::ALWAYS, outputs));
+            found.patterns.iter().map(each).collect()
+        }
+    }
+}
+
+/// Adds the files of `sectors`, each with what `input` says beside its pattern, to `outputs`.
+fn draw_sectors(sectors: &[Sector], input: &DrawingInput<'_>, outputs: &mut Outputs) -> Result<(), ExportError> {
+    let laser = input.laser;
+    laser.validate()?;
+    sectors.iter().try_for_each(|sector| laser.check_depth(sector.pattern().depth_m()))?;
+    let sheet = SectorsSheet::new(sectors, process_input(input))?;
+    let patterns: Vec<Pattern> = sectors.iter().map(|sector| *sector.pattern()).collect();
+    let densities: Vec<f64> = sectors.iter().map(Sector::areal_density).collect();
+    let drawing = Arc::new((sectors.to_vec(), notes(input.material), input.name.to_owned(), input.version.to_owned()));
+    for (name, is_dxf) in [("pattern.dxf", true), ("pattern.svg", false)] {
+        let drawing = Arc::clone(&drawing);
+        outputs.add_stream(name, move |to| {
+            let (sectors, notes, name, version) = &*drawing;
+            let heading = Heading { name, version, notes };
+            if is_dxf {
+                dxf_of_sectors(sectors, &laser, &heading, to)
+            } else {
+                svg_of_sectors(sectors, &laser, &heading, to)
+            }
+        });
+    }
+    outputs.add("process.toml", sheet.to_toml()?);
+    outputs.add("trials.toml", sector_trials(input.name, &patterns, &densities));
+    Ok(())
+}
+
+/// What goes onto a process sheet.
+fn process_input(input: &DrawingInput<'_>) -> ProcessInput {
+    ProcessInput {
+        name: input.name.to_owned(),
+        version: input.version.to_owned(),
+        seed: input.seed,
+        laser: input.laser,
+        tolerances: None,
+        material: MaterialNote {
+            name: input.material.name.clone(),
+            source: input.material.source.clone(),
+            synthetic_surface: input.material.synthetic_surface,
+        },
+    }
+}
+
+fn notes(material: &MaterialReport) -> Vec<&'static str> {
+    let note = "the area law behind this design rests on a synthetic surface";
+    if material.synthetic_surface { vec![note] } else { Vec::new() }
 }
 
 /// A layout with what drawings say about themselves.
@@ -188,10 +256,7 @@ struct Drawing {
 
 impl Drawing {
     fn new(input: &DrawingInput<'_>, layout: Layout) -> Self {
-        let mut notes = Vec::new();
-        if input.material.synthetic_surface {
-            notes.push("the area law behind this design rests on a synthetic surface");
-        }
+        let notes = notes(input.material);
         Self { layout, name: input.name.to_owned(), version: input.version.to_owned(), notes }
     }
 

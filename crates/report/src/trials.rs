@@ -49,6 +49,9 @@ pub struct TrialReport {
     pub date: String,
     /// Whatever else the calibration says.
     pub notes: String,
+    /// The disc that it shares with other trials, where it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disc: Option<String>,
     /// Share of its face that is cavity.
     pub areal_density: f64,
     /// Length of its edges over its area, in 1/mm.
@@ -159,6 +162,7 @@ impl TrialsReport {
                 name: of.name.clone(),
                 date: cut.map(|cut| cut.date.clone()).unwrap_or_default(),
                 notes: cut.map(|cut| cut.notes.clone()).unwrap_or_default(),
+                disc: of.disc.clone(),
                 areal_density: tidy(of.features.areal_density),
                 edge_per_mm: tidy(of.features.edge_1_m * PER_MM),
                 depth_um: tidy(LENGTH_UM.from_si(of.features.depth_m)),
@@ -447,13 +451,8 @@ mod tests {
             flat_std: 0.005,
             modulus_sensitivity: 0.1,
         };
-        Trial {
-            name: name.to_owned(),
-            features: Features::from(&pattern),
-            sample_std: None,
-            measured: vec![at(1e6), at(2e6)],
-            of_dimensions: Vec::new(),
-        }
+        let (name, features, measured) = (name.to_owned(), Features::from(&pattern), vec![at(1e6), at(2e6)]);
+        Trial { name, features, sample_std: None, disc: None, measured, of_dimensions: Vec::new() }
     }
 
     fn ledger(trials: Vec<Trial>) -> TrialsReport {

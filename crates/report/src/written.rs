@@ -35,9 +35,10 @@ const SYNTHETIC: &str = "synthetic self-affine map, not a measurement";
 const MEAN_PERIOD: &str = "mean period of measured cavities, by slipgrid";
 
 /// How its other files begin, by their name or its ending.
-const BEGINNINGS: [(&str, &[&str]); 13] = [
+const BEGINNINGS: [(&str, &[&str]); 14] = [
     ("design.toml", &["# Scene of the confirming run, by slipgrid "]),
     ("process.toml", &["# Process sheet."]),
+    ("trials.toml", &["# Trials of one disc, by slipgrid: "]),
     (".toml", &[MATERIAL]),
     (".csv", &TABLES),
     (".json", &["{\n  \"program\": \"slipgrid\"", "{\n  \"parameters\": [\n"]),

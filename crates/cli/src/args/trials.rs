@@ -9,16 +9,22 @@ use clap::Args;
 #[command(after_help = "Examples:\n  \
     slipgrid next designs/ldpe-lower-friction.toml\n  \
     slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
+    slipgrid next designs/ldpe-lower-friction.toml --count 3 --one-disc -o out/disc\n  \
     slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n\n\
     Compares about 20,000 designs within the bounds by the chance that a cut sample is on target: by the steady model\n\
     and by what the trials of the calibration say that it lacks. Several samples complement each other, and those\n\
-    that are pending. A [[trial]] without measurements is pending.")]
+    that are pending. A [[trial]] without measurements is pending.\n\n\
+    --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction\n\
+    resolved by the angle of a turning disc. What presses the whole disc measures a mean of all sectors, of no use here.")]
 pub struct NextArgs {
     /// Design file
     pub design: PathBuf,
     /// Samples to cut at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub count: u8,
+    /// The samples as sectors of one disc: their files in DIR, and trials.toml to fill in
+    #[arg(long)]
+    pub one_disc: bool,
     /// A candidate of your own, width, spacing and depth in um; may be given several times
     #[arg(long, value_name = "W,S,D")]
     pub candidate: Vec<String>,

@@ -132,6 +132,58 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
 }
 
+/// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
+#[test]
+fn sectors_of_one_disc_are_drawn_and_become_trials() {
+    let place = place();
+    fs::write(place.path("design.toml"), design([0.85, 0.83, 0.8]).replace("diameter_mm = 3.0", "diameter_mm = 10.0"))
+        .unwrap();
+    let found = next(&place, &["--count", "3", "--one-disc", "-o", "out"]);
+    let names = crate::common::names(&place.path("out"));
+    assert_eq!(names, ["pattern.dxf", "pattern.svg", "process.toml", "result.json", "timings.json", "trials.toml"]);
+    let read = |name: &str| fs::read_to_string(place.path(&format!("out/{name}"))).unwrap();
+    let sheet: toml::Table = toml::from_str(&read("process.toml")).unwrap();
+    let sectors = sheet["sector"].as_array().unwrap();
+    assert!(sheet["measuring"].as_str().unwrap().contains("a mean of all sectors"));
+    for (place, sector) in sectors.iter().enumerate() {
+        let of = |key: &str| sector["pattern"][key].as_float().unwrap();
+        assert_eq!([of("width_um"), of("spacing_um"), of("depth_um")], lengths(&found["next"][place]));
+        let cut = found["one_disc"]["sectors"][place]["areal_density"].as_f64().unwrap();
+        assert!((sector["areal_density"].as_float().unwrap() / cut - 1.0).abs() < 1e-5);
+        assert!(read("pattern.dxf").contains(&format!("CAVITIES_{}", place + 1)));
+    }
+    // Again into the same folder: these are slipgrid's own.
+    next(&place, &["--count", "3", "--one-disc", "-o", "out"]);
+    let trials = read("trials.toml");
+    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}{trials}")).unwrap();
+    let after = next(&place, &["--count", "2", "--one-disc"]);
+    assert_eq!((after["pending"].as_u64(), after["one_disc"]["name"].as_str()), (Some(3), Some("three cuts, disc 4")));
+    // Measured: the material keeps which trials share a disc.
+    for number in 1..=3 {
+        fs::write(place.path(&format!("sector-{number}.csv")), table([0.9, 0.88, 0.86])).unwrap();
+    }
+    fs::write(
+        place.path("calibration.toml"),
+        format!("{CALIBRATION}{}", trials.replace("# measurements", "measurements")),
+    )
+    .unwrap();
+    place.succeed(&["calibrate", "calibration.toml", "-o", "learned.toml", "-q"]);
+    let learned = fs::read_to_string(place.path("learned.toml")).unwrap();
+    assert_eq!(learned.matches("disc = \"three cuts, disc 1\"").count(), 3, "{learned}");
+    let ledger: Value = serde_json::from_str(&place.succeed(&["trials", "calibration.toml", "--json"])).unwrap();
+    assert_eq!(ledger["trials"][2]["disc"], "three cuts, disc 1");
+    // One alone is no disc of sectors, and a disc without a name is none.
+    let said = place.refuse(&["next", "design.toml", "--one-disc"]);
+    assert!(said.contains("expected 2 to 12"), "{said}");
+    fs::write(
+        place.path("c.toml"),
+        format!("{CALIBRATION}{}", trials.replace("disc = \"three cuts, disc 1\"", "disc = \"\"")),
+    )
+    .unwrap();
+    let said = place.refuse(&["trials", "c.toml"]);
+    assert!(said.contains("c.toml:") && said.contains("names no disc"), "{said}");
+}
+
 /// The verdict is the model's; beside it stands what the model may lack.
 #[test]
 fn a_design_is_cut_as_a_trial_where_little_is_known() {

@@ -126,7 +126,7 @@ impl MultiFidelityLoop<'_> {
         let scope = Scope::BESIDE;
         let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
         let options = NextOptions::default();
-        let found = interpolation.and_then(|nodes| choose(task, &options, asked, models, &nodes, &scope).ok());
+        let found = interpolation.and_then(|nodes| choose(task, &options, None, asked, models, (&nodes, &scope)).ok());
         stage.finish();
         let mut best = found?.0.best;
         best.retain(|of| of.chance > chance + CLEARLY);

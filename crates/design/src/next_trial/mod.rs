@@ -9,6 +9,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
+use slipgrid_export::{Division, LEAST_PERIODS, Sector};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::{ModelFailure, Quantity};
@@ -27,7 +28,7 @@ use crate::{DesignError, TaskPart};
 use interpolation::{Interpolation, Modelled, Models};
 
 pub use advice::AdviceReport;
-pub use report::{NextReport, PredictedRatio, TrialCandidateReport};
+pub use report::{NextReport, OneDiscReport, PredictedRatio, SectorReport, TrialCandidateReport};
 
 /// How much is looked at.
 struct Scope {
@@ -51,6 +52,8 @@ impl Scope {
 const LISTED: usize = 10;
 /// Truths in which several samples are judged together.
 const SCENARIOS: usize = 2000;
+/// Seed of what one disc is off by in them.
+const DISC_SEED: u64 = 2;
 /// Relative error of a measurement, for what a trial would teach.
 const MEASURED_STD: f64 = 0.01;
 /// Advice: a chance above this is worth a series.
@@ -67,6 +70,8 @@ pub struct NextOptions {
     pub pending: Vec<Pattern>,
     /// Patterns whose chance is asked for.
     pub own: Vec<Pattern>,
+    /// The samples are to be sectors of one specimen.
+    pub one_disc: bool,
 }
 
 /// A design that could be cut.
@@ -128,6 +133,8 @@ pub struct NextTrials {
     pub report: NextReport,
     /// Its samples.
     pub patterns: Vec<Pattern>,
+    /// The same as sectors of one specimen, where that was asked for.
+    pub sectors: Vec<Sector>,
     /// The material and where it came from.
     pub material: MaterialReport,
 }
@@ -140,6 +147,8 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let mut task = task.clone();
     let known = task.material.clone().ok_or_else(|| DesignError::refused("has no material"))?;
     task.check(&known)?;
+    let division = options.one_disc.then(|| Division::new(task.specimen, options.count)).transpose();
+    let division = division.map_err(|error| DesignError::refused(error.to_string()))?;
     let (loads, _) = task.loads(&known.material)?;
     let further = further(&task, &known.material)?;
     let run = RunOptions { fidelity: Fidelity::Steady, dimensions: task.dimensions, ..RunOptions::default() };
@@ -158,11 +167,17 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
-    let found = choose(&task, options, &asked, &models, &interpolation, &scope);
+    let found = choose(&task, options, division.as_ref(), &asked, &models, (&interpolation, &scope));
     stage.finish();
     monitor.heed()?;
-    let (report, patterns) = found?;
-    Ok(NextTrials { report, patterns, material: MaterialReport::from(&known.material.provenance) })
+    let (mut report, patterns) = found?;
+    let sectors = match &division {
+        Some(division) => division.lay(&patterns).map_err(|error| DesignError::refused(error.to_string()))?,
+        None => Vec::new(),
+    };
+    let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
+    report.one_disc = OneDiscReport::of(disc, &sectors);
+    Ok(NextTrials { report, patterns, sectors, material: MaterialReport::from(&known.material.provenance) })
 }
 
 fn asked(
@@ -228,10 +243,10 @@ fn is_same(a: &Features, b: &Features) -> bool {
 fn choose(
     task: &DesignTask,
     options: &NextOptions,
+    division: Option<&Division>,
     asked: &Asked,
     models: &Models<'_>,
-    interpolation: &Interpolation,
-    scope: &Scope,
+    (interpolation, scope): (&Interpolation, &Scope),
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
     let predictor = asked.learned.at(&asked.loads);
     let std_m = task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
@@ -244,7 +259,7 @@ fn choose(
     let cut: Vec<Features> = measured.chain(options.pending.iter().map(Features::from)).collect();
     let is_open = |pattern: &Pattern| {
         let own = Features::from(pattern);
-        !cut.iter().any(|cut| is_same(cut, &own))
+        !cut.iter().any(|cut| is_same(cut, &own)) && division.is_none_or(|division| division.holds(pattern))
     };
     let patterns: Vec<Pattern> = designs(task, scope.designs).into_iter().filter(is_open).collect();
     let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
@@ -263,7 +278,15 @@ fn choose(
     let judged: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(exactly).collect();
     let mut pool: Vec<Judged> = judged.into_iter().flatten().collect();
     if pool.is_empty() {
-        return Err(DesignError::Failed("no design within the bounds can be computed".to_owned()));
+        let reason = match division {
+            Some(division) => coarse(division),
+            None => "no design within the bounds can be computed".to_owned(),
+        };
+        return Err(DesignError::Failed(reason));
+    }
+    if division.is_some() && pool.len() < options.count {
+        let reason = format!("{} designs that fit on a sector were found: expected as many as sectors", pool.len());
+        return Err(DesignError::Failed(reason));
     }
     // Stable: of equal scores the earlier first.
     pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
@@ -272,7 +295,7 @@ fn choose(
     };
     let own: Vec<Judged> = options.own.iter().map(own).collect::<Result<_, _>>()?;
     let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| exactly(pattern).ok()).collect();
-    let (chosen, together) = several(&pool, &pending, options.count.max(1), asked);
+    let (chosen, together) = several(&pool, &pending, options, asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
     let greatest = pool.iter().map(|judged| judged.score.chance).fold(0.0, f64::max);
     let next = NextReport {
@@ -286,6 +309,7 @@ fn choose(
         advice: if greatest > SERIES { "series" } else { "trial" }.to_owned(),
         next: chosen.iter().map(|judged| report(judged)).collect(),
         one_on_target: tidy(together),
+        one_disc: None,
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),
     };
@@ -294,13 +318,18 @@ fn choose(
 
 /// `count` designs of `pool`, the first the best and each further one where those before and those `pending` miss the target, with
 /// the chance that one of them is on it.
-fn several<'a>(pool: &'a [Judged], pending: &[Judged], count: usize, asked: &Asked) -> (Vec<&'a Judged>, f64) {
-    let scenarios = Scenarios::new(&asked.learned, SCENARIOS, 1);
-    let on = |judged: &Judged| scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted);
-    let hits: Vec<Vec<bool>> = pool.par_iter().map(on).collect();
+///
+/// Samples on one disc share what differs from disc to disc: they are off together, and further apart from each other are better.
+fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, asked: &Asked) -> (Vec<&'a Judged>, f64) {
+    let (count, scenarios) = (options.count.max(1), Scenarios::new(&asked.learned, SCENARIOS, 1));
+    let on = |scenarios: &Scenarios, judged: &Judged| {
+        scenarios.on_target(&judged.design.candidate(), &asked.loads, &asked.wanted)
+    };
+    let disc = if options.one_disc { scenarios.clone().on_one_disc(DISC_SEED) } else { scenarios.clone() };
+    let hits: Vec<Vec<bool>> = pool.par_iter().map(|judged| on(&disc, judged)).collect();
     let mut hit = vec![false; SCENARIOS];
     let mark = |hit: &mut Vec<bool>, by: &[bool]| hit.iter_mut().zip(by).for_each(|(hit, on)| *hit |= on);
-    pending.iter().for_each(|judged| mark(&mut hit, &on(judged)));
+    pending.iter().for_each(|judged| mark(&mut hit, &on(&scenarios, judged)));
     let mut chosen: Vec<usize> = Vec::new();
     for _ in 0..count.min(pool.len()) {
         let gain = |place: &usize| hits[*place].iter().zip(&hit).filter(|(on, hit)| **on && !**hit).count();
@@ -317,6 +346,15 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], count: usize, asked: &Ask
     }
     let together = hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
     (chosen.into_iter().map(|place| &pool[place]).collect(), together)
+}
+
+/// Why no design fits on a sector.
+fn coarse(division: &Division) -> String {
+    format!(
+        "no design within the bounds can be computed whose period fits {LEAST_PERIODS} times on the {:.2} mm wide circle of a sector: \
+         expected fewer sectors, or finer textures within the bounds",
+        1e3 * division.least_circle_m()
+    )
 }
 
 /// What a trial of `judged` would teach of the form, in bits.

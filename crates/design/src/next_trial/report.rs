@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 use slipgrid_results::{PatternReport, Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
+use slipgrid_export::{MEASURE_EACH_ALONE, Sector};
+
 use super::{Asked, Judged, information_bits, laser_s};
 use crate::chance_report::percent;
 use crate::task::DesignTask;
@@ -31,10 +33,78 @@ pub struct NextReport {
     pub next: Vec<TrialCandidateReport>,
     /// Chance that one of them, or of the pending ones, is on target.
     pub one_on_target: f64,
+    /// The one specimen on which they are sectors, where that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub one_disc: Option<OneDiscReport>,
     /// The best designs, by what there is for cutting them.
     pub best: Vec<TrialCandidateReport>,
     /// Those that were asked for.
     pub own: Vec<TrialCandidateReport>,
+}
+
+/// The one specimen on which the samples are sectors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OneDiscReport {
+    /// Its name: what `disc` of its trials says.
+    pub name: String,
+    /// Width of the untextured lands between the sectors.
+    pub land_mm: f64,
+    /// Area of the smallest sector without its lands.
+    pub area_mm2: f64,
+    /// Diameter of the largest circle on the smallest sector: a pin or a counter-body has to be smaller.
+    pub circle_mm: f64,
+    /// What sectors are good for, and what not.
+    pub measuring: String,
+    /// The sectors, in the order of the samples.
+    pub sectors: Vec<SectorReport>,
+}
+
+/// A sample as a sector.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SectorReport {
+    /// Direction of its middle on the specimen, anticlockwise from x.
+    pub middle_deg: f64,
+    /// By how much its texture is turned with it.
+    pub turn_deg: f64,
+    /// Share of the sector that is cavity, as cut.
+    pub areal_density: f64,
+}
+
+impl OneDiscReport {
+    /// What is said of `sectors`; `None` without any.
+    pub(super) fn of(name: String, sectors: &[Sector]) -> Option<Self> {
+        let division = sectors.first()?.division();
+        let areas_mm2 = sectors.iter().map(|sector| 1e6 * division.area_m2(sector.number()));
+        let sector = |of: &Sector| SectorReport {
+            middle_deg: tidy(division.middle_deg(of.number())),
+            turn_deg: tidy(division.turn_deg(of.number())),
+            areal_density: tidy(of.areal_density()),
+        };
+        Some(Self {
+            name,
+            land_mm: tidy(1e3 * division.land_m()),
+            area_mm2: tidy(areas_mm2.fold(f64::INFINITY, f64::min)),
+            circle_mm: tidy(1e3 * division.least_circle_m()),
+            measuring: MEASURE_EACH_ALONE.to_owned(),
+            sectors: sectors.iter().map(sector).collect(),
+        })
+    }
+
+    fn text(&self) -> String {
+        let densities: Vec<String> =
+            self.sectors.iter().map(|of| format!("{:.2} %", 100.0 * of.areal_density)).collect();
+        format!(
+            "{}: {} sectors of {:.2} mm2 or more with lands of {:.2} mm between them, areal density as cut {}\n\
+             {}; the pin or counter-body has to be smaller than {:.2} mm\n",
+            self.name,
+            self.sectors.len(),
+            self.area_mm2,
+            self.land_mm,
+            densities.join(", "),
+            self.measuring,
+            self.circle_mm
+        )
+    }
 }
 
 /// A sample that could be cut.
@@ -175,6 +245,7 @@ impl NextReport {
         for of in self.best.iter().filter(|of| !self.next.contains(of)) {
             table.row(of.row("also"));
         }
-        text + &table.to_string()
+        text += &table.to_string();
+        text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }
 }

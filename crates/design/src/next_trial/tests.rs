@@ -1,3 +1,4 @@
+use slipgrid_discrepancy::{Conditions, Hyperparameters};
 use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Stage, Unwatched};
 use slipgrid_optimize::{DesignSpace, Target, TargetPoint};
@@ -94,4 +95,71 @@ fn squares_are_chosen_in_space() {
     let found = next_trials(&task, &NextOptions::default(), &Unwatched).unwrap();
     assert_eq!(found.patterns.len(), 1);
     assert_eq!(found.report.next[0].design.planform, "square");
+}
+
+#[test]
+fn sectors_of_one_disc_hold_what_is_chosen_for_them() {
+    let task = task(Planform::Groove);
+    let asked = |count, one_disc| {
+        let options = NextOptions { count, one_disc, ..NextOptions::default() };
+        next_trials(&task, &options, &Unwatched)
+    };
+    let (disc, apart) = (asked(7, true).unwrap(), asked(7, false).unwrap());
+    assert_eq!((disc.patterns.len(), disc.sectors.len(), apart.sectors.len()), (7, 7, 0));
+    let (of, report) = (disc.sectors[0].division(), disc.report.one_disc.as_ref().unwrap());
+    assert!(apart.report.one_disc.is_none());
+    // Seven sectors of a disc of 10 mm hold circles of 2.7 mm: periods of 0.68 mm at most, where bounds reach to 1 mm.
+    assert!(of.least_circle_m() > 2.6e-3 && of.least_circle_m() < 2.8e-3);
+    assert!(disc.patterns.iter().all(|pattern| 4.0 * pattern.pitch_m() <= of.least_circle_m()));
+    assert!(disc.report.designs < apart.report.designs, "{} {}", disc.report.designs, apart.report.designs);
+    for (sector, own) in disc.sectors.iter().zip(&report.sectors) {
+        assert!((own.areal_density / sector.pattern().areal_density() - 1.0).abs() < 0.1, "{own:?}");
+    }
+    let text = disc.report.text();
+    assert!(text.contains("disc 1: 7 sectors") && text.contains("a mean of all sectors"), "{text}");
+    assert_eq!(asked(7, true).unwrap().report, disc.report);
+    for (count, says) in [(1, "expected 2 to 12"), (13, "expected 2 to 12")] {
+        assert!(asked(count, true).unwrap_err().to_string().contains(says));
+    }
+    let mut small = task.clone();
+    small.specimen.outline = slipgrid_export::Outline::Disc { diameter_m: 1e-3 };
+    let options = NextOptions { count: 4, one_disc: true, ..NextOptions::default() };
+    let refused = next_trials(&small, &options, &Unwatched).unwrap_err().to_string();
+    assert!(refused.contains("expected fewer sectors"), "{refused}");
+}
+
+/// On one disc all are off together: the more a disc is off by, the less a further sector helps.
+#[test]
+fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
+    let mut task = task(Planform::Groove);
+    // What the model says of some grooves is reached by them.
+    let model = model(&task);
+    let grooves = Pattern::new(Planform::Groove, 120e-6, 300e-6, 15e-6).unwrap();
+    let reached = Models::new(&model, &MaterialUncertainty::default()).unwrap().at(&grooves).unwrap().log_ratio;
+    let points = [0.65e6, 2.6e6].into_iter().zip(reached);
+    let points = points.map(|(pressure_pa, log)| TargetPoint { pressure_pa, value: log.exp() }).collect();
+    task.target = Target::new(Quantity::Ratio, points, 0.02).unwrap();
+    let together = |task: &DesignTask, one_disc| {
+        let options = NextOptions { count: 3, one_disc, ..NextOptions::default() };
+        next_trials(task, &options, &Unwatched).unwrap().report.one_on_target
+    };
+    // Without the model's shortcomings a texture on target is found, and the disc alone may miss it.
+    let prior = Hyperparameters {
+        amplitude_std: 0.0,
+        pressure_std: 0.0,
+        inverse_pressure_std: 0.0,
+        ..Hyperparameters::default()
+    };
+    let with = |sample_std: f64| {
+        let prior = Hyperparameters { speed_std: 0.0, humidity_std: 0.0, sample_std, ..prior.clone() };
+        Discrepancy::new(prior, Conditions::default(), 0.0, Vec::new()).unwrap()
+    };
+    let mut chance = |sample_std: f64, one_disc| {
+        let known = MaterialUncertainty { learned: Some(with(sample_std)), ..MaterialUncertainty::default() };
+        task.material = Some(crate::task::KnownMaterial { uncertainty: known, ..task.material.clone().unwrap() });
+        together(&task, one_disc)
+    };
+    assert_eq!(chance(0.0, true).to_bits(), chance(0.0, false).to_bits());
+    let (little, much) = (chance(0.002, true), chance(0.04, true));
+    assert!(little > 0.9 && much < 0.8, "{little} {much}");
 }

@@ -122,6 +122,7 @@ fn aim(model: &mut SteadyModel<'_>, design: &Pattern) -> Vec<f64> {
         name: "first".to_owned(),
         features: Features::from(&cut),
         sample_std: None,
+        disc: None,
         measured: vec![measured(loads[0], 0.85), measured(loads[3], 0.75)],
         of_dimensions: Vec::new(),
     };

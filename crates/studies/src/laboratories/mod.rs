@@ -11,7 +11,6 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use slipgrid_discrepancy::Hyperparameters;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
@@ -21,7 +20,7 @@ use policy::{Known, candidate, covariances, learned, wanted};
 use truth::Laboratory;
 
 pub use policy::Policy;
-pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, StartReport};
+pub use report::{ChanceBin, Coverage, LaboratoriesReport, PolicyReport, Reliability, StartReport};
 pub use truth::Mechanism;
 
 /// What a laboratory knows before its first cut.
@@ -79,6 +78,8 @@ pub struct Job {
     pub policy: Policy,
     /// Which laboratory: its truth and its errors.
     pub number: usize,
+    /// What its target is.
+    pub target: TargetOf,
 }
 
 impl Job {
@@ -86,9 +87,27 @@ impl Job {
     #[must_use]
     pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
         let starts = Start::ALL.into_iter().flat_map(|start| policies.iter().map(move |policy| (start, *policy)));
-        let of = |(start, policy)| (0..options.laboratories).map(move |number| Self { start, policy, number });
+        let of = |(start, policy)| {
+            (0..options.laboratories).map(move |number| Self { start, policy, number, target: TargetOf::Reached })
+        };
         starts.flat_map(of).collect()
     }
+
+    /// The mixture in every laboratory from every start, whatever its target.
+    #[must_use]
+    pub fn of_any_target(options: &Options) -> Vec<Self> {
+        let all = Self::all(options, &[Policy::Mixture]);
+        all.into_iter().map(|job| Self { target: TargetOf::Any, ..job }).collect()
+    }
+}
+
+/// What a laboratory's target says of the truth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TargetOf {
+    /// Some texture truly reaches it, which no policy is told.
+    Reached,
+    /// Nothing: no texture may reach it.
+    Any,
 }
 
 /// What one laboratory's way to the target was.
@@ -96,7 +115,7 @@ impl Job {
 pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
     pub trials: Option<usize>,
-    /// Of every cut by the mixture: the chance that was said, and whether it came true.
+    /// Of every cut by the mixture, or by who knows the form: the chance that was said, and whether it came true.
     pub chances: Vec<(f64, bool)>,
     /// Of every ratio measured then, the share of what was predicted that lay below it.
     pub below: Vec<f64>,
@@ -116,7 +135,10 @@ pub struct Bench {
 pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
     let bench = Bench::new(options, monitor)?;
     let stage = Stage::new(monitor, "laboratories", None);
-    let jobs = Job::all(options, policies);
+    let mut jobs = Job::all(options, policies);
+    if policies.contains(&Policy::Mixture) {
+        jobs.extend(Job::of_any_target(options));
+    }
     let share = 1.0 / jobs.len().max(1) as f64;
     let ways: Vec<Way> = jobs
         .par_iter()
@@ -131,12 +153,14 @@ pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Res
     Ok(LaboratoriesReport::new(options, bench.textures(), &jobs, &ways))
 }
 
+/// Most trials of a laboratory whose target may be reached by no texture.
+const ANY_TRIALS: usize = 3;
 /// Share of the tolerance within which some texture must truly reach a target.
 const REACHED: f64 = 0.7;
 
-/// A target that says nothing of the truth but that a texture reaches it: a ratio at the middle pressures and how much it falls
-/// with pressure, at random.
-fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
+/// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures
+/// and how much it falls with pressure, at random.
+fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
     let mut uniform = || normal_probability(normals.draw());
     for _ in 0..10_000 {
         let (middle, fall) = (0.65 + 0.45 * uniform(), 0.08 * uniform());
@@ -147,7 +171,7 @@ fn target(truths: &[[f64; LOADS]], normals: &mut Normals) -> [f64; LOADS] {
         let is_near = |truth: &[f64; LOADS]| {
             truth.iter().zip(&wanted).all(|(truth, wanted)| (truth - wanted).abs() <= REACHED * truth::TOLERANCE)
         };
-        if truths.iter().any(is_near) {
+        if of == TargetOf::Any || truths.iter().any(is_near) {
             return wanted;
         }
     }
@@ -186,12 +210,12 @@ impl Bench {
     /// # Errors
     /// [`StudyError::Failed`] where nothing can be learned from its trials.
     pub fn way(&self, job: Job) -> Result<Way, StudyError> {
-        let (Self { options, textures, covariances }, Job { start, policy, number }) = (self, job);
+        let (Self { options, textures, covariances }, Job { start, policy, number, .. }) = (self, job);
         let mechanism = job.mechanism();
         let mut laboratory = Laboratory::new(mechanism, number, options.seed);
         let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
         let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
-        let target = target(&truths, &mut normals);
+        let target = target(&truths, job.target, &mut normals);
         let wanted = wanted(&target);
         let (mut cut, mut trials) = (Vec::new(), Vec::new());
         let first = match start {
@@ -208,7 +232,11 @@ impl Bench {
             cut.push(place);
         }
         let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
-        for count in 1..=options.most_trials {
+        let most = match job.target {
+            TargetOf::Reached => options.most_trials,
+            TargetOf::Any => options.most_trials.min(ANY_TRIALS),
+        };
+        for count in 1..=most {
             let known = Known {
                 textures,
                 covariances,
@@ -223,9 +251,8 @@ impl Bench {
             let made = laboratory.cut(of);
             let is_on_target =
                 (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
-            if policy == Policy::Mixture {
-                let predictor = learned(&Hyperparameters::default(), &trials)?;
-                let prediction = predictor.of(&candidate(of, &covariances[place]));
+            if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
+                let prediction = learned(&hyper, &trials)?.of(&candidate(of, &covariances[place]));
                 found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));
                 // Errors of the measurement: its own and the flat sample's.
                 let errors: Vec<f64> = (0..LOADS * LOADS)

@@ -134,6 +134,15 @@ pub struct Known<'a> {
 }
 
 impl Policy {
+    /// What the mixture believes before any trial, or one who knows the `form` where there is one.
+    pub fn hyperparameters(self, form: Option<Form>) -> Option<Hyperparameters> {
+        match self {
+            Self::Mixture => Some(Hyperparameters::default()),
+            Self::Form => form.map(of_form),
+            _ => None,
+        }
+    }
+
     /// Place of the texture to cut next.
     ///
     /// # Errors
@@ -159,9 +168,8 @@ impl Policy {
             Ok(choose(&predictor, &wanted(known.target), known.textures.len(), &of).map(|chosen| chosen.place))
         };
         let found = match self {
-            Self::Mixture => by_chance(&Hyperparameters::default())?,
+            Self::Mixture | Self::Form => by_chance(&self.hyperparameters(known.form).unwrap_or_default())?,
             Self::Process => by_chance(&process())?,
-            Self::Form => by_chance(&known.form.map_or_else(Hyperparameters::default, of_form))?,
             Self::Improvement => improvement(known)?,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),

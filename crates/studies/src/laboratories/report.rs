@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Job, Mechanism, Options, Policy, Start, Way};
+use super::{Job, Mechanism, Options, Policy, Start, TargetOf, Way};
 use slipgrid_results::{SCHEMA, VERSION};
 use slipgrid_units::tidy;
 
@@ -28,8 +28,8 @@ pub struct LaboratoriesReport {
     pub seed: u64,
     /// What was known at first.
     pub starts: Vec<StartReport>,
-    /// Stated chances of the mixture beside what came true of them, over all starts.
-    pub chances: Vec<ChanceBin>,
+    /// Stated chances beside what came true of them, over all starts.
+    pub chances: Vec<Reliability>,
     /// What the mixture does by mechanism, over all starts: trials, and the share of the next trial's measured ratios within
     /// its intervals.
     pub coverage: Vec<Coverage>,
@@ -63,8 +63,58 @@ pub struct PolicyReport {
     pub never: f64,
 }
 
-/// Chances about one number.
+/// Stated chances beside what came true of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reliability {
+    /// Whose chances, of what targets.
+    pub of: String,
+    /// All of them.
+    pub all: ChanceBin,
+    /// Those about one number each.
+    pub bins: Vec<ChanceBin>,
+}
+
+impl Reliability {
+    fn new(of: &str, said: &[(f64, bool)]) -> Self {
+        let bin = |own: &[(f64, bool)]| {
+            let share = |sum: f64| if own.is_empty() { 0.0 } else { tidy(sum / own.len() as f64) };
+            ChanceBin {
+                cuts: own.len(),
+                said: share(own.iter().map(|(said, _)| said).sum()),
+                came_true: share(own.iter().filter(|(_, came_true)| *came_true).count() as f64),
+            }
+        };
+        let at = |place: usize| {
+            let is_inside = |said: f64| (said * BINS as f64).floor().clamp(0.0, BINS as f64 - 1.0) == place as f64;
+            bin(&said.iter().copied().filter(|(said, _)| is_inside(*said)).collect::<Vec<_>>())
+        };
+        let bins = (0..BINS).map(at).filter(|bin| bin.cuts > 0).collect();
+        Self { of: of.to_owned(), all: bin(said), bins }
+    }
+
+    /// Those of `ways`: of targets that some texture reaches, the mixture's and with the form known; and the mixture's whatever the
+    /// target.
+    fn all(jobs: &[Job], ways: &[Way]) -> Vec<Self> {
+        let said = |is_own: &dyn Fn(&Job) -> bool| -> Vec<(f64, bool)> {
+            let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
+            own.flat_map(|(_, way)| way.chances.iter().copied()).collect()
+        };
+        let mixture = |job: &Job| job.policy == Policy::Mixture && job.target == TargetOf::Reached;
+        let mut found = vec![
+            Self::new("targets that some texture reaches, which nobody is told", &said(&mixture)),
+            Self::new("the same with the form known", &said(&|job| job.policy == Policy::Form)),
+            Self::new(
+                "targets whether a texture reaches them or not, first three cuts",
+                &said(&|job| job.target == TargetOf::Any),
+            ),
+        ];
+        found.retain(|of| of.all.cuts > 0);
+        found
+    }
+}
+
+/// Chances about one number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ChanceBin {
     /// Cuts.
     pub cuts: usize,
@@ -99,7 +149,9 @@ impl LaboratoriesReport {
         for start in Start::ALL {
             let mut policies = Vec::new();
             for policy in Policy::ALL {
-                let is_own = |(job, _): &(&Job, &Way)| job.start == start && job.policy == policy;
+                let is_own = |(job, _): &(&Job, &Way)| {
+                    job.start == start && job.policy == policy && job.target == TargetOf::Reached
+                };
                 let own: Vec<(&Job, &Way)> = jobs.iter().zip(ways).filter(is_own).collect();
                 if !own.is_empty() {
                     policies.push(PolicyReport::new(policy, options, &own));
@@ -107,30 +159,20 @@ impl LaboratoriesReport {
             }
             starts.push(StartReport { start: start.name().to_owned(), policies });
         }
-        let said: Vec<(f64, bool)> = ways.iter().flat_map(|way| way.chances.iter().copied()).collect();
-        let bin = |place: usize| {
-            let inside = |said: f64| (said * BINS as f64).floor().clamp(0.0, BINS as f64 - 1.0) == place as f64;
-            let own: Vec<&(f64, bool)> = said.iter().filter(|(said, _)| inside(*said)).collect();
-            let cuts = own.len();
-            let share = |sum: f64| if cuts == 0 { 0.0 } else { tidy(sum / cuts as f64) };
-            ChanceBin {
-                cuts,
-                said: share(own.iter().map(|(said, _)| said).sum()),
-                came_true: share(own.iter().filter(|(_, came_true)| *came_true).count() as f64),
-            }
-        };
         let coverage = |name: &str, of: &dyn Fn(Mechanism) -> bool| {
+            let is_own =
+                |job: &Job| job.policy == Policy::Mixture && job.target == TargetOf::Reached && of(job.mechanism());
             let below: Vec<f64> = jobs
                 .iter()
                 .zip(ways)
-                .filter(|(job, _)| of(job.mechanism()))
+                .filter(|(job, _)| is_own(job))
                 .flat_map(|(_, way)| way.below.iter().copied())
                 .collect();
             let share = |half: f64| {
                 let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count();
                 tidy(inside as f64 / below.len().max(1) as f64)
             };
-            let own = jobs.iter().zip(ways).filter(|(job, _)| job.policy == Policy::Mixture && of(job.mechanism()));
+            let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
             let trials: Vec<usize> = own.map(|(_, way)| way.trials.unwrap_or(options.most_trials + 1)).collect();
             let count = trials.len().max(1) as f64;
             Coverage {
@@ -153,7 +195,7 @@ impl LaboratoriesReport {
             textures,
             seed: options.seed,
             starts,
-            chances: (0..BINS).map(bin).filter(|bin| bin.cuts > 0).collect(),
+            chances: Reliability::all(jobs, ways),
             coverage: coverages,
         }
     }
@@ -186,10 +228,15 @@ impl LaboratoriesReport {
                 ));
             }
         }
-        lines.extend([String::new(), "| chance said | came true | cuts |".to_owned(), "|---|---|---|".to_owned()]);
-        lines.extend(
-            self.chances.iter().map(|bin| format!("| {:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)),
-        );
+        for of in &self.chances {
+            lines.extend([String::new(), format!("Chances: {}", of.of), String::new()]);
+            lines.extend(["| chance said | came true | cuts |".to_owned(), "|---|---|---|".to_owned()]);
+            let row = |name: &str, bin: &ChanceBin| {
+                format!("| {name}{:.2} | {:.2} | {} |", bin.said, bin.came_true, bin.cuts)
+            };
+            lines.extend(of.bins.iter().map(|bin| row("", bin)));
+            lines.push(row("all: ", &of.all));
+        }
         lines.extend([
             String::new(),
             "| mechanism | mean trials | within 3 | ratios within 68 % | within 95 % | ratios |".to_owned(),

@@ -1,0 +1,322 @@
+//! Several patterns on one specimen, each on a sector of its own.
+
+use slipgrid_pattern::{Pattern, Planform};
+
+use crate::clip::{area_m2, clip, kept, within_side};
+use crate::{Boundary, Cavity, ExportError, Layout, Outline, Specimen};
+
+/// Most sectors of a specimen.
+pub const MOST_SECTORS: usize = 12;
+/// Width of a land over the lesser extent of the specimen.
+const LAND_SHARE: f64 = 0.05;
+/// Periods of a pattern that the largest circle on a sector must hold, along each of its axes.
+pub const LEAST_PERIODS: f64 = 4.0;
+/// Where the mark lies along its land, from centre to rim.
+const MARK_SPAN: [f64; 2] = [0.8, 0.95];
+/// Width of the mark over that of the land.
+const MARK_SHARE: f64 = 0.2;
+/// Part of a pitch by which a cavity may reach into a land, as rounding.
+const FIT_TOLERANCE: f64 = 1e-9;
+/// Steps of a search that leaves a third of its interval less each.
+const STEPS: usize = 120;
+
+/// A specimen's face divided into sectors of equal angles by straight lands that run from its centre to its rim.
+///
+/// Sectors count from 1, anticlockwise; the middle of the first lies at 90 degrees from x. Sectors of discs and of rings are
+/// turned copies of the first: a specimen that is turned back by the sector's angle shows it where the first was. Those of a
+/// rectangle are not turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Division {
+    specimen: Specimen,
+    count: usize,
+    land_m: f64,
+}
+
+/// A pattern on a sector.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sector {
+    division: Division,
+    /// Number, from 1.
+    number: usize,
+    layout: Layout,
+    cavities: usize,
+    cavity_area_m2: f64,
+}
+
+impl Division {
+    /// `specimen` in `count` sectors.
+    ///
+    /// # Errors
+    /// [`ExportError::Sectors`] for fewer than two or more than [`MOST_SECTORS`]; [`ExportError::NotPositive`] and
+    /// [`ExportError::NoRing`] for an outline that is none.
+    pub fn new(specimen: Specimen, count: usize) -> Result<Self, ExportError> {
+        specimen.outline.validate()?;
+        if !(2..=MOST_SECTORS).contains(&count) {
+            return Err(ExportError::Sectors { count, most: MOST_SECTORS });
+        }
+        let [extent_x_m, extent_y_m] = specimen.outline.extents_m();
+        Ok(Self { specimen, count, land_m: LAND_SHARE * extent_x_m.min(extent_y_m) })
+    }
+
+    /// Sectors.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The specimen.
+    #[must_use]
+    pub const fn specimen(&self) -> &Specimen {
+        &self.specimen
+    }
+
+    /// Width of a land, in metres.
+    #[must_use]
+    pub const fn land_m(&self) -> f64 {
+        self.land_m
+    }
+
+    /// Angle of a sector with the halves of its lands, in degrees.
+    #[must_use]
+    pub fn angle_deg(&self) -> f64 {
+        360.0 / self.count as f64
+    }
+
+    /// Direction of the middle of sector `number` from x, anticlockwise, in degrees.
+    #[must_use]
+    pub fn middle_deg(&self, number: usize) -> f64 {
+        (90.0 + self.angle_deg() * number.saturating_sub(1) as f64).rem_euclid(360.0)
+    }
+
+    /// By how much the pattern of sector `number` is turned with it, anticlockwise, in degrees: 0 on a rectangle.
+    #[must_use]
+    pub fn turn_deg(&self, number: usize) -> f64 {
+        match self.specimen.outline {
+            Outline::Rectangle { .. } => 0.0,
+            _ => self.angle_deg() * number.saturating_sub(1) as f64,
+        }
+    }
+
+    /// Direction of the middle of sector `number` in the frame of its pattern, in degrees.
+    fn own_middle_deg(&self, number: usize) -> f64 {
+        self.middle_deg(number) - self.turn_deg(number)
+    }
+
+    /// The two lands of sector `number` in the frame of its pattern: its points x have n x <= d for each (n, d).
+    fn sides(&self, number: usize) -> [([f64; 2], f64); 2] {
+        let at = |deg: f64| [libm::cos(deg.to_radians()), libm::sin(deg.to_radians())];
+        let (middle_deg, half_deg) = (self.own_middle_deg(number), self.angle_deg() / 2.0);
+        let ([rx, ry], [lx, ly]) = (at(middle_deg - half_deg), at(middle_deg + half_deg));
+        [([ry, -rx], -self.land_m / 2.0), ([-ly, lx], -self.land_m / 2.0)]
+    }
+
+    /// Area of sector `number` without its lands, in square metres.
+    #[must_use]
+    pub fn area_m2(&self, number: usize) -> f64 {
+        let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
+        let half_m = extent_x_m.hypot(extent_y_m);
+        let all = vec![[-half_m, -half_m], [half_m, -half_m], [half_m, half_m], [-half_m, half_m]];
+        let wedge = within(&self.sides(number), all);
+        clip(wedge, &self.specimen.outline).iter().map(|part| area_m2(part)).sum()
+    }
+
+    /// Diameter of the largest circle on sector `number` whose centre lies on its middle line, in metres: what a pin may press.
+    #[must_use]
+    pub fn circle_m(&self, number: usize) -> f64 {
+        let half_angle = (self.angle_deg() / 2.0).to_radians();
+        let middle = self.own_middle_deg(number).to_radians();
+        let [x, y] = [libm::cos(middle).abs(), libm::sin(middle).abs()];
+        let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
+        // The radius of the largest circle about a point of the middle line at r: its least distance to lands, rim and hole.
+        let radius_m = |r: f64| {
+            let of_lands = r * libm::sin(half_angle) - self.land_m / 2.0;
+            let of_rim = match self.specimen.outline {
+                Outline::Rectangle { .. } => (extent_x_m / 2.0 - r * x).min(extent_y_m / 2.0 - r * y),
+                Outline::Disc { diameter_m } | Outline::Ring { outer_diameter_m: diameter_m, .. } => {
+                    diameter_m / 2.0 - r
+                }
+            };
+            let hole_m = self.specimen.outline.hole_m() / 2.0;
+            of_lands.min(of_rim).min(if hole_m > 0.0 { r - hole_m } else { f64::INFINITY })
+        };
+        // Concave in r: of two thirds the better holds the greatest.
+        let (mut low, mut high) = (0.0, extent_x_m.hypot(extent_y_m) / 2.0);
+        for _ in 0..STEPS {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if radius_m(a) < radius_m(b) { low = a } else { high = b }
+        }
+        2.0 * radius_m(f64::midpoint(low, high)).max(0.0)
+    }
+
+    /// Whether every sector is large enough for `pattern`: the largest circle holds [`LEAST_PERIODS`] periods along each axis.
+    #[must_use]
+    pub fn holds(&self, pattern: &Pattern) -> bool {
+        let period_m = pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m());
+        self.least_circle_m() >= LEAST_PERIODS * period_m
+    }
+
+    /// The least of [`Self::circle_m`] of all sectors, in metres.
+    #[must_use]
+    pub fn least_circle_m(&self) -> f64 {
+        (1..=self.count).map(|number| self.circle_m(number)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Corners of the mark on the land between the last sector and the first, in metres on the specimen, anticlockwise.
+    #[must_use]
+    pub fn mark_m(&self) -> [[f64; 2]; 4] {
+        let angle = (self.middle_deg(1) - self.angle_deg() / 2.0).to_radians();
+        let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];
+        let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
+        let hole_m = self.specimen.outline.hole_m() / 2.0;
+        let rim_m = match self.specimen.outline {
+            Outline::Rectangle { .. } => (extent_x_m / 2.0 / cosine.abs()).min(extent_y_m / 2.0 / sine.abs()),
+            _ => extent_x_m / 2.0,
+        };
+        let along_m = MARK_SPAN.map(|share| hole_m + share * (rim_m - hole_m));
+        let half_m = MARK_SHARE * self.land_m / 2.0;
+        [(0, -1.0), (1, -1.0), (1, 1.0), (0, 1.0)].map(|(end, side)| {
+            let (along_m, across_m) = (along_m[end], side * half_m);
+            [along_m * cosine - across_m * sine, along_m * sine + across_m * cosine]
+        })
+    }
+
+    /// `patterns` on its sectors, the first on the first.
+    ///
+    /// # Errors
+    /// [`ExportError::Sectors`] unless there are as many as sectors; [`ExportError::SectorTooSmall`] for one too coarse;
+    /// [`ExportError`] where a pattern cannot be laid on the specimen.
+    pub fn lay(&self, patterns: &[Pattern]) -> Result<Vec<Sector>, ExportError> {
+        if patterns.len() != self.count {
+            return Err(ExportError::Sectors { count: patterns.len(), most: self.count });
+        }
+        patterns.iter().enumerate().map(|(place, pattern)| Sector::new(*self, place + 1, *pattern)).collect()
+    }
+}
+
+impl Sector {
+    fn new(division: Division, number: usize, pattern: Pattern) -> Result<Self, ExportError> {
+        if !division.holds(&pattern) {
+            let pitch_m = pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m());
+            let circle_m = division.least_circle_m();
+            return Err(ExportError::SectorTooSmall { pitch_m, circle_m, periods: LEAST_PERIODS });
+        }
+        let layout = division.specimen.layout(pattern)?;
+        let mut sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
+        let (mut cavities, mut area) = (0, 0.0);
+        for boundary in sector.own_boundaries() {
+            cavities += 1;
+            area += match boundary {
+                Boundary::Circle { radius_m, .. } => std::f64::consts::PI * radius_m * radius_m,
+                other => area_m2(&other.polygon_m()),
+            };
+        }
+        (sector.cavities, sector.cavity_area_m2) = (cavities, area);
+        Ok(sector)
+    }
+
+    /// Its number, from 1.
+    #[must_use]
+    pub const fn number(&self) -> usize {
+        self.number
+    }
+
+    /// The division that it is of.
+    #[must_use]
+    pub const fn division(&self) -> &Division {
+        &self.division
+    }
+
+    /// Its pattern.
+    #[must_use]
+    pub const fn pattern(&self) -> &Pattern {
+        self.layout.pattern()
+    }
+
+    /// Its pattern on the whole specimen.
+    #[must_use]
+    pub const fn whole(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Cavities, those that the rim or a land cuts into parts once for each.
+    #[must_use]
+    pub const fn cavities(&self) -> usize {
+        self.cavities
+    }
+
+    /// Area of the cavities, in square metres.
+    #[must_use]
+    pub const fn cavity_area_m2(&self) -> f64 {
+        self.cavity_area_m2
+    }
+
+    /// Share of the sector without its lands that is cavity, as cut.
+    #[must_use]
+    pub fn areal_density(&self) -> f64 {
+        self.cavity_area_m2 / self.division.area_m2(self.number)
+    }
+
+    /// Outlines of its cavities on the specimen. Grooves end at the lands; other cavities that reach into a land are left out. At
+    /// the rim they are as the specimen says.
+    pub fn boundaries(&self) -> impl Iterator<Item = Boundary> + '_ {
+        let turn = self.division.turn_deg(self.number).to_radians();
+        let [cosine, sine] = if turn == 0.0 { [1.0, 0.0] } else { [libm::cos(turn), libm::sin(turn)] };
+        let turned = move |[x, y]: [f64; 2]| [x * cosine - y * sine, x * sine + y * cosine];
+        self.own_boundaries().map(move |boundary| match boundary {
+            Boundary::Circle { centre_m, radius_m } => Boundary::Circle { centre_m: turned(centre_m), radius_m },
+            Boundary::Rectangle { corners_m } => Boundary::Rectangle { corners_m: corners_m.map(turned) },
+            Boundary::Polygon { corners_m } => {
+                Boundary::Polygon { corners_m: corners_m.into_iter().map(turned).collect() }
+            }
+        })
+    }
+
+    /// The same in the frame of its pattern.
+    fn own_boundaries(&self) -> impl Iterator<Item = Boundary> + '_ {
+        let sides = self.division.sides(self.number);
+        let slack_m = FIT_TOLERANCE * self.pattern().pitch_m();
+        self.layout.iter().flat_map(move |cavity| {
+            if cavity.planform == Planform::Groove { ended(&cavity, &sides) } else { whole(&cavity, &sides, slack_m) }
+        })
+    }
+}
+
+/// What two lands leave of a convex polygon.
+fn within(sides: &[([f64; 2], f64); 2], polygon: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    sides.iter().fold(polygon, |left, &(normal, limit_m)| within_side(&left, normal, limit_m))
+}
+
+/// What two lands leave of a groove: parts smaller than a square of its width are left out.
+fn ended(cavity: &Cavity, sides: &[([f64; 2], f64); 2]) -> Vec<Boundary> {
+    let corners = cavity.corners_m().to_vec();
+    let parts = match &cavity.crossed_by {
+        Some(crossing) => crossing.outside(corners),
+        None => vec![corners],
+    };
+    let least_m2 = if cavity.crossed_by.is_some() { 0.0 } else { cavity.width_m * cavity.width_m };
+    let cut = |part: Vec<[f64; 2]>| {
+        let left = within(sides, part);
+        match &cavity.cut_by {
+            Some(outline) => clip(left, outline),
+            None => kept(vec![left]),
+        }
+    };
+    let left = parts.into_iter().flat_map(cut).filter(|part| area_m2(part) >= least_m2);
+    left.map(|corners_m| Boundary::Polygon { corners_m }).collect()
+}
+
+/// A cavity that reaches into neither land, as it is laid; nothing of another.
+fn whole(cavity: &Cavity, sides: &[([f64; 2], f64); 2], slack_m: f64) -> Vec<Boundary> {
+    let boundaries = cavity.boundaries();
+    let is_beside = |&([nx, ny], limit_m): &([f64; 2], f64)| {
+        let reach_m = |[x, y]: &[f64; 2]| x * nx + y * ny - limit_m;
+        boundaries.iter().all(|boundary| match boundary {
+            Boundary::Circle { centre_m, radius_m } => reach_m(centre_m) + radius_m <= slack_m,
+            other => other.polygon_m().iter().all(|corner| reach_m(corner) <= slack_m),
+        })
+    };
+    if sides.iter().all(is_beside) { boundaries } else { Vec::new() }
+}
+
+#[cfg(test)]
+mod tests;
