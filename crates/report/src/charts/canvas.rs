@@ -63,6 +63,8 @@ pub(super) enum Mark {
 impl Mark {
     /// One shape per series.
     pub(super) const ALL: [Self; 5] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Ring];
+    /// Those that a ring may surround.
+    pub(super) const FILLED: [Self; 4] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond];
 }
 
 /// A picture under construction; positions in the picture's own units, y down.

@@ -125,14 +125,7 @@ fn caveat(page: &mut Page, report: &DesignReport) {
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
     all.extend(report.confirmed.iter().flat_map(doubts));
-    let mut all = all.into_iter();
-    if let Some(first) = all.next() {
-        page.warning(&first);
-    }
-    let others: Vec<String> = all.collect();
-    if !others.is_empty() {
-        page.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
-    }
+    page.doubts(all);
 }
 
 const fn target_caption(report: &DesignReport) -> &'static str {

@@ -110,9 +110,18 @@ impl Page {
         }
     }
 
-    /// Two parts side by side where there is room.
+    /// Two parts side by side where there is room, the pictures at the right low enough for two of them.
     pub fn side_by_side(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
-        self.body.push_str("<div class=\"first\">\n<div>\n");
+        self.beside("first", left, right);
+    }
+
+    /// The same with one picture at the right, which may be higher.
+    pub fn beside_picture(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
+        self.beside("first tall", left, right);
+    }
+
+    fn beside(&mut self, class: &str, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
+        self.body.push_str(&format!("<div class=\"{class}\">\n<div>\n"));
         left(self);
         self.body.push_str("</div>\n<div>\n");
         right(self);
@@ -154,12 +163,37 @@ impl Page {
         self.marked("warning", text);
     }
 
+    /// What makes numbers doubtful: the first that matters most, the others folded.
+    pub fn doubts(&mut self, all: Vec<String>) {
+        let mut all = all.into_iter();
+        if let Some(first) = all.next() {
+            self.warning(&first);
+        }
+        let others: Vec<String> = all.collect();
+        if !others.is_empty() {
+            self.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
+        }
+    }
+
     /// A share from 0 to 1 as a bar, which words beside it say too.
     pub fn bar(&mut self, share: f64) {
         let percent = 100.0 * share.clamp(0.0, 1.0);
         self.add(&html! {
             div class="bar" aria-hidden="true" { div style=(format!("width:{percent:.1}%")) {} }
         });
+    }
+
+    /// The sentence that a reader should take along.
+    pub fn lead(&mut self, text: &str) {
+        self.marked("chance", text);
+    }
+
+    /// A list with bullets under a name; nothing where there are no items.
+    pub fn named_list(&mut self, name: &str, items: &[String]) {
+        if !items.is_empty() {
+            self.subheading(name);
+            self.list(items);
+        }
     }
 
     /// A list with bullets; nothing where there are no items.
