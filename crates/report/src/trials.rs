@@ -357,7 +357,7 @@ impl TrialsReport {
             rows().map(|(trial, at)| [value(trial, at), at.measured]).collect()
         };
         let panels = [
-            ("areal density", of(&|trial, _| self.trials[trial].areal_density)),
+            ("areal density (%)", of(&|trial, _| 100.0 * self.trials[trial].areal_density)),
             ("edges per area (1/mm)", of(&|trial, _| self.trials[trial].edge_per_mm)),
             ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
         ];

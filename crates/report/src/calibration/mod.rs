@@ -3,6 +3,8 @@
 mod fit_details;
 mod pictures;
 
+pub(crate) use pictures::flat_friction_narrow;
+
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_results::{Table, fixed};

@@ -1,6 +1,6 @@
 //! Friction of flat samples against pressure: measured, and by the fitted model.
 
-use super::canvas::{LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::canvas::{LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, picture_of_size};
 use super::plot::{Axis, Plot};
 use super::{ChartError, Estimate, check};
 
@@ -33,6 +33,18 @@ const ASIDE: f64 = 9.0;
 /// # Errors
 /// [`ChartError`] if there is nothing to draw or a value is not finite.
 pub fn flat_friction(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError> {
+    of_width(chart, WIDTH)
+}
+
+/// The same for a phone.
+///
+/// # Errors
+/// As [`flat_friction`].
+pub fn flat_friction_narrow(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError> {
+    of_width(chart, NARROW)
+}
+
+fn of_width(chart: &FlatFrictionChart<'_>, width: f64) -> Result<String, ChartError> {
     let ends = |of: &FlatSeries| {
         let bars =
             of.measured.iter().flat_map(|(_, at)| [-1.0, 1.0].map(|sign| at.value + sign * at.error.unwrap_or(0.0)));
@@ -46,8 +58,9 @@ pub fn flat_friction(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError
     let y_axis = Axis::around("dynamic friction coefficient", values);
     let style =
         |place: usize| (PALETTE[place % PALETTE.len()], Mark::FILLED[place / PALETTE.len() % Mark::FILLED.len()]);
+    let aside = ASIDE * width / WIDTH;
     let middle = 0.5 * (chart.series.len() as f64 - 1.0);
-    picture(HEIGHT, |canvas| {
+    picture_of_size([width, HEIGHT], |canvas| {
         let mut legend: Vec<(Swatch, &str)> = Vec::new();
         for (place, of) in chart.series.iter().enumerate() {
             let (colour, mark) = style(place);
@@ -55,10 +68,10 @@ pub fn flat_friction(chart: &FlatFrictionChart<'_>) -> Result<String, ChartError
         }
         legend.push((Swatch::Mark(Mark::Ring, PALETTE[0]), "fitted model"));
         let top = canvas.heading(chart.title, &legend)?;
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
+        let plot = Plot::new(canvas, [LEFT, top, width - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
         for (place, of) in chart.series.iter().enumerate() {
             let (colour, mark) = style(place);
-            let aside = ASIDE * (place as f64 - middle);
+            let aside = aside * (place as f64 - middle);
             for (pressure, at) in &of.measured {
                 plot.mark(mark, [*pressure, at.value], at.error, aside, colour)?;
             }

@@ -44,7 +44,7 @@ mod work_precision;
 
 pub use area_law::{AreaLawChart, OtherSurface, area_law};
 pub use edge_profile::{EdgeProfileChart, edge_profile};
-pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction};
+pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction, flat_friction_narrow};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
@@ -52,7 +52,7 @@ pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
 pub use surface_map::{SurfaceMapChart, surface_map};
-pub use target::{TargetChart, TargetPoint, target};
+pub use target::{TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};

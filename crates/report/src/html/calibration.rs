@@ -12,6 +12,7 @@ use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
+use crate::calibration::flat_friction_narrow;
 use crate::trials::TrialsReport;
 
 /// Error of Young's modulus over itself above which it is worth a measurement.
@@ -66,24 +67,24 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
             verdict(page, outcome);
             found(page, task, outcome);
             caveat(page, outcome);
+            page.terms(&TERMS);
         },
         |page| {
-            page.picture_of(
+            page.picture_of_both(
                 outputs,
                 "flat-friction.svg",
-                "Friction of flat samples: measured with its standard deviation, and by the fitted model",
+                flat_friction_narrow(task, outcome).ok(),
+                "Friction of flat samples: measured with its standard deviation, and by the fitted model. Marks of one pressure stand \
+                 side by side",
             );
+            page.named_list("What to measure next", &next(&fitted));
+            page.named_list("What the data do not determine", &open(task, outcome));
         },
     );
-    page.part("What to know before it is used", |page| {
-        page.named_list("What the data do not determine", &open(task, outcome));
-        page.named_list("What to measure next", &next(&fitted));
-        page.terms(&TERMS);
-    });
     page.part("The fit", |page| fit(page, task, outcome, outputs));
     page.part("Contact and the area law", |page| {
-        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against local pressure");
-        page.list(&outcome.surface.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>());
+        page.picture_of(outputs, "area-law.svg", "Real contact area and the factor f against pressure, up to some times the highest nominal pressure that was measured: edges of \
+             cavities see as much");
         if let Some(law) = &outcome.surface.law {
             page.fold("The factors", |page| background::area_law(page, law));
         }
@@ -275,7 +276,7 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
     match task.modulus_relative_std() {
         None => all.push("Young's modulus with its standard deviation: whatever is predicted has it.".to_owned()),
         Some(std) if std > LOOSE_MODULUS => {
-            all.push(format!("Young's modulus: it is known to {} % alone.", percent(std, 0)));
+            all.push(format!("Young's modulus: it is known to no better than {} %.", percent(std, 0)));
         }
         Some(_) => {}
     }

@@ -119,6 +119,7 @@
   for (const field of all("number")) field.addEventListener("change", () => set(+field.dataset.number, parseFloat(field.value)));
   const pressing = find("pressure");
   if (pressing) pressing.addEventListener("input", () => { pressure = +pressing.value; draw(); });
+  for (const button of all("go")) button.addEventListener("click", () => { state = button.dataset.go.split(",").map(Number); draw(); });
   find("reset").addEventListener("click", () => { state = data.design.slice(); draw(); });
 
   // A value at any pressure between those of the target, straight between them.
@@ -182,10 +183,11 @@
     let outline = `M20 20H440V${face}`;
     for (const place of [1, 0]) outline += `H${20 + start + place * pitch + w * scale}V${face - deep}H${20 + start + place * pitch}V${face}`;
     const drawing = find("section");
-    drawing.setAttribute("viewBox", `0 0 460 ${face + 30}`);
+    drawing.setAttribute("viewBox", `0 0 460 ${face + 48}`);
     drawing.replaceChildren(
       svg("path", { d: outline + "H20z", fill: "#cfe3f0", stroke: "#333" }), svg("path", { d: `M20 ${face + 2}H440`, stroke: "#333", "stroke-width": 3 }),
-      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} wide, ${fixed(s, 1)} apart, ${fixed(d, 1)} deep, in µm; both axes at one scale`));
+      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} µm wide, ${fixed(s, 1)} µm apart, ${fixed(d, 1)} µm deep`),
+      svg("text", { x: 20, y: face + 41 }, "both axes at one scale"));
   };
 
   // The map of two lengths.
@@ -238,7 +240,7 @@
     const mark = (at, fill, size, name) => {
       const x = shareAt(h, at[h]) * map.width, y = (1 - shareAt(v, at[v])) * map.height;
       context.beginPath();
-      if (name === "diamond") { context.moveTo(x, y - size); context.lineTo(x + size, y); context.lineTo(x, y + size); context.lineTo(x - size, y); context.closePath(); } else context.arc(x, y, size, 0, 7);
+      if (name === "square") context.rect(x - size, y - size, 2 * size, 2 * size); else if (name === "diamond") { context.moveTo(x, y - size); context.lineTo(x + size, y); context.lineTo(x, y + size); context.lineTo(x - size, y); context.closePath(); } else context.arc(x, y, size, 0, 7);
       context.fillStyle = fill;
       context.fill();
       context.strokeStyle = "#fff";
@@ -246,7 +248,7 @@
       context.stroke();
       context.lineWidth = 1;
     };
-    for (const point of data.points) mark(point.at, point.kind === "trial" ? "#7a0060" : "#555", 4, "disc");
+    for (const { at, kind, on_map } of data.points) if (on_map && kind !== "found") kind === "trial" ? mark(at, "#7a0060", 5, "square") : mark(at, "#555", 4, "disc");
     mark(data.design, "#000", 8, "diamond");
     mark(state, "#d55e00", 6, "disc");
     find("across").textContent = `${axes[h].name} in µm: ${fixed(axes[h].from, 0)} (left) to ${fixed(axes[h].to, 0)}`;

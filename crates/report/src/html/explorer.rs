@@ -6,7 +6,7 @@ use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
-use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer};
+use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_export::laser_time_s;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{PatternReport, VERSION};
@@ -14,6 +14,7 @@ use slipgrid_statistics::ResponseSurface;
 use slipgrid_units::LENGTH_UM;
 
 use super::page::{Page, number};
+use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
@@ -68,12 +69,6 @@ struct LaserData {
 }
 
 #[derive(Serialize)]
-struct PointData {
-    kind: &'static str,
-    at: [f64; 3],
-}
-
-#[derive(Serialize)]
 struct Data {
     is_ratio: bool,
     axes: Vec<AxisData>,
@@ -90,11 +85,16 @@ struct Data {
     burst_um: Option<f64>,
     laser: Option<LaserData>,
     design: [f64; 3],
-    points: Vec<PointData>,
+    points: Vec<Point>,
     toml: String,
 }
 
 impl Data {
+    /// Whether the map shows a point of this kind.
+    fn shows(&self, kind: &str) -> bool {
+        self.points.iter().any(|point| point.on_map && point.kind == kind)
+    }
+
     fn has_target(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)
     }
@@ -103,6 +103,7 @@ impl Data {
 /// What a page explores, with what is known of it.
 struct Subject<'a> {
     task: &'a DesignTask,
+    material: &'a KnownMaterial,
     pattern: &'a Pattern,
     explorer: &'a Explorer,
     /// The design found, where one was searched.
@@ -156,16 +157,23 @@ impl Subject<'_> {
                 depth_um: LENGTH_UM.from_si(pattern.depth_m()),
             })
         });
-        let traded = self.report.and_then(|report| report.trade_offs.as_ref());
-        let listed = traded.iter().flat_map(|found| &found.listed).map(|listed| &listed.design);
-        let at = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
+        let flat_mu = flat_mu.filter(|all| all.len() == count);
+        let among = Among {
+            task,
+            material: self.material,
+            explorer,
+            flat_mu: flat_mu.as_deref(),
+            pressure_mpa: &target.pressure_mpa,
+        };
+        let points = among.points(self.report);
+        let own = PatternReport::from(pattern);
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
             axes: axes.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect(),
             lowest: edge(&target.lowest),
             highest: edge(&target.highest),
             pressure_mpa: target.pressure_mpa,
-            flat_mu: flat_mu.filter(|all| all.len() == count),
+            flat_mu,
             values: Packed::new(&explorer.values),
             log_peak: Packed::new(&explorer.log_peak),
             areal_density: Packed::new(&explorer.areal_density),
@@ -179,8 +187,8 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             laser,
-            design: at(&pattern.into()),
-            points: listed.map(|design| PointData { kind: "trade-off", at: at(design) }).collect(),
+            design: [own.width_um, own.spacing_um, own.depth_um],
+            points,
             toml: self.toml.clone(),
         }
     }
@@ -220,7 +228,8 @@ impl Subject<'_> {
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("design.toml").unwrap_or_default();
-    Subject { task: &found.task, pattern: &found.pattern, explorer, report: Some(&found.report), toml }.add(page);
+    let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
+    Subject { task, material, pattern, explorer, report: Some(&found.report), toml }.add(page);
 }
 
 /// The page of what a task's designs do, before any is searched; `toml` is a scene of the design in the middle.
@@ -229,11 +238,44 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     let Explored { task, material, pattern, explorer, .. } = found;
     let mut page = Page::default();
     page.title(&task.name);
+    if let Some(date) = &task.date {
+        page.marked("date", date);
+    }
     if material.material.provenance.synthetic_surface {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
-    Subject { task, pattern, explorer, report: None, toml }.add(&mut page);
+    Subject { task, material, pattern, explorer, report: None, toml }.add(&mut page);
     page.finish(&task.name, VERSION)
+}
+
+/// The points in words, each with a button that chooses it.
+fn listed(data: &Data) -> Markup {
+    let has_measured = data.points.iter().any(|point| !point.measured.is_empty());
+    html! {
+        details class="points" {
+            summary { "Points of the map" }
+            div class="scroll" {
+                table {
+                    caption {
+                        "Lengths in µm." @if has_measured { " Measured: ratio patterned over flat; in brackets what this page draws there, or what was modelled of the sample." }
+                    }
+                    thead {
+                        tr { th scope="col" { "point" } @for name in LENGTHS { th scope="col" { (name) } } th scope="col" { "choose" } @if has_measured { th scope="col" class="words" { "measured" } } }
+                    }
+                    tbody {
+                        @for point in &data.points {
+                            tr {
+                                td { (point.name) }
+                                @for length in point.at { td { (number(length, 1)) } }
+                                td { @if point.on_map { button type="button" data-go=(format!("{},{},{}", point.at[0], point.at[1], point.at[2])) aria-label=(format!("Choose {}", point.name)) { "show" } } @else { "-" } }
+                                @if has_measured { td class="words" { (point.measured) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
 fn controls(data: &Data) -> Markup {
@@ -273,7 +315,7 @@ fn controls(data: &Data) -> Markup {
                 textarea data-toml hidden readonly rows="8" aria-label="The design as a scene for slipgrid simulate" {}
             }
             div class="views" {
-                figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="13" fill="#333" {} }
+                figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
                     figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
                 @if free.len() > 1 {
                     figure {
@@ -286,12 +328,13 @@ fn controls(data: &Data) -> Markup {
                                 " "
                             }
                             span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } ". Hatched: breaks a limit" span data-limits {}
-                            ". Diamond: where it started; orange: chosen here" @if !data.points.is_empty() { "; grey: trade-offs" } ". Click to choose."
+                            ". Diamond: where it started; orange: chosen here" @if data.shows("trade-off") { "; grey: trade-offs" } @if data.shows("trial") { "; purple squares: trials, cut and measured" } ". Click to choose."
                         }
                     }
                 }
-                figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="13" fill="#333" {} } }
+                figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} } }
             }
+            @if !data.points.is_empty() { (listed(data)) }
         }
     }
 }

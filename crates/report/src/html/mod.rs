@@ -19,6 +19,7 @@ mod design;
 mod explorer;
 mod first_screen;
 pub mod page;
+mod points;
 mod section;
 mod surface;
 mod trials;

@@ -16,6 +16,9 @@ const NL: PreEscaped<&str> = PreEscaped("\n");
 /// Bytes of a picture above which a page only names it: browsers draw tens of thousands of shapes slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
+/// Height of the smallest text of a drawing as it is shown, in pixels of the page.
+const LEAST_TEXT_PX: f64 = 9.0;
+
 /// Characters of a number with its error and unit; longer cells are sentences.
 const LONGEST_NUMBER: usize = 24;
 
@@ -249,6 +252,12 @@ impl Page {
             self.paragraph(&format!("{caption} The picture is too large for this page: it stands beside it."));
             return;
         }
+        let card = self.card(svg, caption);
+        self.add(&html! { figure { (card) figcaption { (Text(caption)) } } });
+    }
+
+    /// A picture on its card, told apart from the page's others.
+    fn card(&mut self, svg: &str, caption: &str) -> Markup {
         self.pictures += 1;
         let start = svg.find("<svg").unwrap_or(0);
         let prefix = format!("p{}-", self.pictures);
@@ -257,9 +266,9 @@ impl Page {
             .replace(" id=\"", &format!(" id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
             .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", Text(caption).render().0), 1);
-        self.add(&html! {
-            figure { div class="card" { (PreEscaped(named.trim_end())) } figcaption { (Text(caption)) } }
-        });
+        // So wide that its smallest text can be read: a narrower window scrolls it.
+        let least = least_width_px(&named).map(|px| format!("--least:{px:.0}px"));
+        html! { div class="card" style=[least] { (PreEscaped(named.trim_end())) } }
     }
 
     /// The picture `name` of `outputs`, where it was made.
@@ -267,6 +276,17 @@ impl Page {
         if let Some(svg) = outputs.text(name) {
             self.picture(&svg, caption);
         }
+    }
+
+    /// The same with another one for a narrow window, where that was made.
+    pub fn picture_of_both(&mut self, outputs: &Outputs, name: &str, narrow: Option<String>, caption: &str) {
+        let (Some(wide), Some(narrow)) = (outputs.text(name), narrow) else {
+            return self.picture_of(outputs, name, caption);
+        };
+        let [wide, narrow] = [self.card(&wide, caption), self.card(&narrow, caption)];
+        self.add(&html! {
+            figure { div class="wide" { (wide) } (NL) div class="narrow" { (narrow) } (NL) figcaption { (Text(caption)) } }
+        });
     }
 
     /// The specimen's face alone, `extents_mm` wide and high, of the drawing `name` of `outputs`, whose legend stands elsewhere.
@@ -316,6 +336,14 @@ impl Page {
     pub fn folded(&mut self, name: &str, text: &str) {
         self.add(&html! { details { summary { (Text(name)) } pre { (Text(text.trim_end())) } } });
     }
+}
+
+/// Width of a drawing at which its smallest text is as high as [`LEAST_TEXT_PX`]; `None` without text.
+fn least_width_px(svg: &str) -> Option<f64> {
+    let after = |text: &'static str| svg.split(text).skip(1).filter_map(|rest| rest.split('"').next());
+    let width: f64 = after("viewBox=\"").next()?.split_whitespace().nth(2)?.parse().ok()?;
+    let smallest = after("font-size=\"").filter_map(|size| size.parse::<f64>().ok()).fold(f64::INFINITY, f64::min);
+    (smallest > 0.0 && smallest.is_finite()).then(|| (LEAST_TEXT_PX * width / smallest).ceil())
 }
 
 /// A number that is one: infinities, and what is no number, say nothing.

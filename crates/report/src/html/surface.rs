@@ -1,6 +1,6 @@
 //! An altitude map: its parameters, what they rest on, and what makes them doubtful.
 
-use super::page::{Page, number, percent, plain, sentence};
+use super::page::{Page, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::SurfaceReport;
 
@@ -11,23 +11,25 @@ const LIMITED_BY_SIDE: f64 = 0.4;
 /// Missing points that are worth a sentence.
 const MANY_MISSING: f64 = 0.01;
 
-const TERMS: [(&str, &str); 10] = [
-    ("Sa, Sq", "Mean and root mean square of the heights about their mean."),
-    ("Ssk, Sku", "Skewness and kurtosis of the heights: below 0 and above 3 where few valleys are deep."),
-    ("Sp, Sv, Sz", "Highest peak, deepest valley, and both together."),
-    ("Sdq", "Root mean square of the slope from one point to its neighbours."),
-    (
-        "rms slope",
-        "The same by the spectrum, of all waves that the map resolves: contact theories and the area law take this one.",
-    ),
-    ("Sdr", "Surface area beyond that of the map's plane."),
-    ("Sal", "Distance over which heights are forgotten: where their autocorrelation has fallen to 0.2."),
-    (
-        "Str",
-        "Shortest over longest such distance: near 1 the surface is alike in all directions, near 0 it has grooves.",
-    ),
-    ("Sk, Spk, Svk", "Heights of the core, of the peaks above it and of the valleys below, by the bearing curve."),
-    ("Smr1, Smr2", "Share of the surface above the core, and above its lower end."),
+/// What the parameters are.
+const MEANINGS: [(&str, &str); 17] = [
+    ("Sa", "mean distance of the heights from their mean"),
+    ("Sq", "root mean square of the same"),
+    ("Ssk", "skewness of the heights: below 0 where few valleys are deep"),
+    ("Sku", "their kurtosis: 3 of normally distributed heights, more with single peaks or valleys"),
+    ("Sp", "highest peak above the mean"),
+    ("Sv", "deepest valley below it"),
+    ("Sz", "both together"),
+    ("Sdq", "root mean square slope from one point to its neighbours"),
+    ("rms slope", "the same by the spectrum, of all waves that the map resolves: the area law takes this one"),
+    ("Sdr", "surface area beyond that of the map's plane"),
+    ("Sk", "height of the core, by the bearing curve"),
+    ("Spk", "height of the peaks above the core"),
+    ("Svk", "depth of the valleys below it"),
+    ("Smr1", "share of the surface above the core"),
+    ("Smr2", "share of the surface above the core's lower end"),
+    ("Sal", "distance over which heights are forgotten: their autocorrelation has fallen to 0.2"),
+    ("Str", "shortest over longest such distance: 1 alike in all directions, near 0 with a lay"),
 ];
 
 /// The page of a map: from its `report` and the pictures in `outputs`.
@@ -41,7 +43,6 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
         |page| {
             verdict(page, report);
             doubts(page, report);
-            page.terms(&TERMS);
         },
         |page| {
             page.picture_of(outputs, "map.svg", "Heights seen from above; the arrow at the right marks the section. The colours leave out the highest and lowest 0.05 %");
@@ -52,9 +53,11 @@ pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
     if let Some(cavities) = &report.cavities {
         page.part("Cavities", |page| {
             for (caption, header, rows) in cavities.tables() {
+                let rows: Vec<Vec<String>> =
+                    rows.iter().map(|row| row.iter().map(|cell| symbol(cell)).collect()).collect();
                 page.table(caption, header, &rows);
             }
-            page.list(&cavities.words());
+            page.list(&cavities.words().iter().map(|words| symbol(words)).collect::<Vec<_>>());
             page.picture_of(
                 outputs,
                 "edge-profile.svg",
@@ -89,7 +92,7 @@ fn verdict(page: &mut Page, report: &SurfaceReport) {
     let [dx, dy] = report.pixel_um;
     let mut rows: Vec<(&str, String)> = vec![
         ("sides", format!("{} mm by {} mm", side(report.rows, dx), side(report.columns, dy))),
-        ("pixels", format!("{} by {}, of {} µm by {} µm", report.rows, report.columns, plain(dx), plain(dy))),
+        ("pixels", format!("{} by {}, of {} µm by {} µm", report.rows, report.columns, number(dx, 3), number(dy, 3))),
         ("missing points", report.missing_points.to_string()),
         ("Sa", format!("{} µm", number(p.sa_um, 3))),
         ("highest peak, deepest valley", format!("{} µm, {} µm", number(p.sp_um, 2), number(p.sv_um, 2))),
@@ -164,7 +167,28 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
 }
 
 fn parameters(page: &mut Page, report: &SurfaceReport) {
-    let rows: Vec<Vec<String>> =
-        report.values().into_iter().map(|(name, value, unit)| vec![name.to_owned(), value, unit.to_owned()]).collect();
-    page.table("Parameters of ISO 25178-2, and the rms slope by the spectrum.", &["parameter", "value", "unit"], &rows);
+    let row = |(name, value, unit): (&str, String, &str)| {
+        let meaning = MEANINGS.iter().find(|(own, _)| *own == name).map_or("", |(_, meaning)| *meaning);
+        vec![name.to_owned(), value, symbol(unit), meaning.to_owned()]
+    };
+    let rows: Vec<Vec<String>> = report.values().into_iter().map(row).collect();
+    page.table(
+        "Parameters of ISO 25178-2, and the rms slope by the spectrum.",
+        &["parameter", "value", "unit", "what it is"],
+        &rows,
+    );
+}
+
+/// Words with their units as a page writes them.
+fn symbol(words: &str) -> String {
+    let one = |word: &str| {
+        let (own, end) = word.strip_suffix('.').map_or((word, ""), |own| (own, "."));
+        let own = match own {
+            "um" => "µm",
+            "deg" => "°",
+            other => other,
+        };
+        format!("{own}{end}")
+    };
+    words.split(' ').map(one).collect::<Vec<_>>().join(" ")
 }

@@ -1,6 +1,6 @@
 //! The ledger of trials: what was predicted of samples before they were cut, what was measured, and what nobody knows yet.
 
-use super::page::{Page, ends, number, percent, plain, sentence, yes_or_no};
+use super::page::{Column, Page, ends, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
 use crate::trials::{CoverageReport, EffectReport, MeasuredReport, PredictedReport, TrialReport, TrialsReport};
 
@@ -63,7 +63,7 @@ fn picture(page: &mut Page, outputs: &Outputs) {
         outputs,
         "trials.svg",
         "Above: every measured ratio (squares, a colour a trial) beside what the trials before it predicted (grey, with the interval of \
-         95 %). Below: measured ratios against the texture and the pressure",
+         95 %, cut off at the frame). Below: measured ratios against the texture and the pressure",
     );
 }
 
@@ -82,8 +82,8 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
         let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
         page.paragraph(&format!(
-            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations): {}.",
-            effect.of
+            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations) {}.",
+            effect.of.trim_start_matches("discrepancy ")
         ));
     }
     page.paragraph(&match &report.identified {
@@ -161,20 +161,21 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("within 95 %", |(_, at)| yes_or_no(is_within(at))),
             ],
         );
-        page.records(
-            "The samples.",
-            &report.trials,
-            &[
-                ("trial", |trial| trial.name.clone()),
-                ("measured on", |trial| if trial.date.is_empty() { "-".to_owned() } else { trial.date.clone() }),
-                ("width in µm", |trial| number(trial.width_um, 1)),
-                ("spacing in µm", |trial| number(trial.spacing_um, 1)),
-                ("depth in µm", |trial| number(trial.depth_um, 1)),
-                ("areal density in %", |trial| percent(trial.areal_density, 1)),
-                ("edges in 1/mm", |trial| number(trial.edge_per_mm, 2)),
-                ("notes", |trial| trial.notes.clone()),
-            ],
-        );
+        let mut columns: Vec<Column<TrialReport>> = vec![("trial", |trial| trial.name.clone())];
+        if report.trials.iter().any(|trial| !trial.date.is_empty()) {
+            columns.push(("date", |trial| trial.date.clone()));
+        }
+        columns.extend([
+            ("width in µm", (|trial| number(trial.width_um, 1)) as fn(&TrialReport) -> String),
+            ("spacing in µm", |trial| number(trial.spacing_um, 1)),
+            ("depth in µm", |trial| number(trial.depth_um, 1)),
+            ("areal density in %", |trial| percent(trial.areal_density, 1)),
+            ("edges in 1/mm", |trial| number(trial.edge_per_mm, 2)),
+        ]);
+        if report.trials.iter().any(|trial| !trial.notes.is_empty()) {
+            columns.push(("notes", |trial| trial.notes.clone()));
+        }
+        page.records("The samples.", &report.trials, &columns);
     });
     page.part("How good the predictions were", |page| {
         page.records(

@@ -152,7 +152,7 @@ impl CavityReport {
 
     /// What cannot be read from the tables.
     pub(crate) fn words(&self) -> Vec<String> {
-        let land = format!("The land between them has Sq {} µm.", fixed(Some(self.land_sq_um), 3));
+        let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
         std::iter::once(land).chain(edges.map(|words| sentence(&words))).collect()
     }
