@@ -113,7 +113,7 @@ impl Page for Firefox {
     fn press(&mut self, key: &str) {
         // Keys of https://www.w3.org/TR/webdriver2/#keyboard-actions.
         let value = match key {
-            "Enter" => "\u{e007}",
+            "Enter" => "\u{e006}",
             "ArrowLeft" => "\u{e012}",
             "ArrowRight" => "\u{e014}",
             other => panic!("{other} is not known here"),

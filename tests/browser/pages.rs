@@ -114,7 +114,8 @@ fn trials_are_points(page: &mut Chromium) {
     assert_eq!(on_map, [&json!(true), &json!(false)]);
     page.ask("document.querySelector('[data-go]').click()");
     let lengths = page.ask("[...document.querySelectorAll('[data-number]')].map(field => parseFloat(field.value))");
-    assert_eq!(lengths, json!([120.0, 660.0, 10.4]));
+    let lengths: Vec<f64> = lengths.as_array().unwrap().iter().map(super::number).collect();
+    assert_eq!(lengths, [120.0, 660.0, 10.4]);
     let listed = page.ask("[...document.querySelectorAll('.points tbody tr')].map(row => row.textContent)");
     let listed: Vec<&str> = listed.as_array().unwrap().iter().map(|row| row.as_str().unwrap()).collect();
     // The ratio that was measured, beside the one that the curve shows there.
