@@ -172,7 +172,7 @@ pub struct CalibrateArgs {
     /// Material file to write; without it the fit is only printed
     #[arg(long, short, value_name = "MATERIAL.toml")]
     pub output: Option<PathBuf>,
-    /// Folder for covariance, profiles, residuals, trials, and pictures of traces
+    /// Folder for the page report.html, covariance, profiles, residuals, trials, and pictures of traces
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
 }
