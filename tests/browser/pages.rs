@@ -124,6 +124,55 @@ fn trials_are_points(page: &mut Chromium) {
     assert!(listed[1].contains("squares (another texture)") && listed[1].contains("(modelled 0.9"), "{listed:?}");
 }
 
+/// Grooves with rims whose height follows the depth.
+const RIMS: &str =
+    "[pattern]\nplanform = \"groove\"\nrim_heights_um = [[5.0, 0.05], [20.0, 0.2]]\nrim_width_um = 20.0\n";
+
+#[test]
+#[ignore = "needs Chromium; half a minute"]
+fn rims_of_another_height_do_what_the_solver_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let material = "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[material.friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n\
+                    [material.area_law]\npressure_mpa = [0.7, 1.3, 2.6, 10.0]\nfactor = [1.0, 0.96, 0.90, 0.60]\n";
+    let rest = DESIGN.split("[target]").nth(1).unwrap();
+    let design = file(folder.path(), "design.toml", &format!("name = \"rims\"\n{material}[target]{rest}{RIMS}"));
+    run(&["explore", &design, "-o", &at("explore.html")]);
+    let Some(mut page) = Chromium::open(&folder.path().join("explore.html")) else {
+        println!("skipped: no Chromium");
+        return;
+    };
+    let words = page.ask("document.querySelector('.screen p').textContent");
+    let words = words.as_str().unwrap();
+    println!("{words}");
+    assert!(words.contains("their rims from 0 to 2 times as high as modelled"), "{words}");
+    let worst: f64 = words.split_whitespace().filter_map(|word| word.parse().ok()).nth(1).unwrap();
+    let mut last = String::new();
+    for presses in [0, 40, 40] {
+        page.ask("document.querySelector('[data-rim]').focus()");
+        for _ in 0..presses {
+            page.press("ArrowRight");
+        }
+        let shown = page.ask("JSON.parse(document.getElementById('explorer').dataset.values)");
+        let told = page.ask("document.querySelector('[data-rim-words]').textContent").to_string();
+        assert!(told != last, "{told}");
+        last = told;
+        page.ask("document.querySelector('[data-copy]').click()");
+        let copied = page.ask("document.querySelector('[data-toml]').value");
+        let mut scene: toml::Table = copied.as_str().unwrap().parse().unwrap();
+        scene.remove("specimen");
+        let scene = file(folder.path(), "endless.toml", &toml::to_string(&scene).unwrap());
+        let (code, told) = slipgrid(&["simulate", &scene, "--fidelity", "steady", "--extent", "cell", "--json"]);
+        assert_eq!(code, 0, "{told}");
+        let found: Value = serde_json::from_str(&told).unwrap();
+        for (load, shown) in found["results"].as_array().unwrap().iter().zip(shown.as_array().unwrap()) {
+            let (exact, shown) = (super::number(&load["ratio"]), super::number(shown));
+            assert!((shown - exact).abs() <= worst, "{last}: {shown} {exact}");
+        }
+    }
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
 /// A map of five grooves with rims on a rough surface, as a matrix of heights.
 fn grooved_map(folder: &Path) -> String {
     const SIDE: usize = 200;

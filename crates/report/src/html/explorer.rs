@@ -11,7 +11,7 @@ use slipgrid_export::laser_time_s;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{PatternReport, VERSION};
 use slipgrid_statistics::ResponseSurface;
-use slipgrid_units::LENGTH_UM;
+use slipgrid_units::{LENGTH_UM, tidy};
 
 use super::page::{Page, number};
 use super::points::{Among, Point};
@@ -68,6 +68,41 @@ struct LaserData {
     depth_um: f64,
 }
 
+/// Rims of other heights than the modelled.
+#[derive(Serialize)]
+struct RimData {
+    axes: Vec<AxisData>,
+    /// Heights over those modelled.
+    factors: Vec<f64>,
+    /// Modelled heights by the depth of the cavity.
+    heights_um: Vec<[f64; 2]>,
+    values: Vec<Packed>,
+    log_peak: Vec<Packed>,
+}
+
+impl RimData {
+    fn new(explorer: &Explorer, pattern: &Pattern) -> Option<Self> {
+        let (changes, rim) = (explorer.rims.as_ref()?, pattern.texture().rim()?);
+        Some(Self {
+            axes: axes_data(changes.values.first()?),
+            factors: changes.factors.clone(),
+            heights_um: rim.heights_m().iter().map(|pair| pair.map(|m| tidy(LENGTH_UM.from_si(m)))).collect(),
+            values: changes.values.iter().map(Packed::new).collect(),
+            log_peak: changes.log_peak.iter().map(Packed::new).collect(),
+        })
+    }
+
+    /// Least and greatest factor.
+    fn ends(&self) -> [f64; 2] {
+        [self.factors.first().copied().unwrap_or(1.0), self.factors.last().copied().unwrap_or(1.0)]
+    }
+}
+
+fn axes_data(surface: &ResponseSurface) -> Vec<AxisData> {
+    let named = surface.axes().iter().zip(LENGTHS);
+    named.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect()
+}
+
 #[derive(Serialize)]
 struct Data {
     is_ratio: bool,
@@ -78,6 +113,7 @@ struct Data {
     flat_mu: Option<Vec<f64>>,
     values: Packed,
     log_peak: Packed,
+    rim: Option<RimData>,
     areal_density: Packed,
     offset: Vec<f64>,
     covariance: Vec<Vec<f64>>,
@@ -145,7 +181,6 @@ impl Subject<'_> {
     fn data(&self) -> Data {
         let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
         let target: TargetReport = (&task.target).into();
-        let axes = explorer.values.axes().iter().zip(LENGTHS);
         let count = target.pressure_mpa.len();
         let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
         let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
@@ -169,13 +204,14 @@ impl Subject<'_> {
         let own = PatternReport::from(pattern);
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
-            axes: axes.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect(),
+            axes: axes_data(&explorer.values),
             lowest: edge(&target.lowest),
             highest: edge(&target.highest),
             pressure_mpa: target.pressure_mpa,
             flat_mu,
             values: Packed::new(&explorer.values),
             log_peak: Packed::new(&explorer.log_peak),
+            rim: RimData::new(explorer, pattern),
             areal_density: Packed::new(&explorer.areal_density),
             offset: explorer.offset.clone(),
             covariance: explorer
@@ -209,10 +245,15 @@ impl Subject<'_> {
         };
         let words = format!(
             "What any design within the bounds would do, by a table of steady solutions: the {quantity} is off the solver's by {} in \
-             the median and {} at worst over {} designs drawn at random. {corrected}",
+             the median and {} at worst over {} designs drawn at random{}. {corrected}",
             number(error.median, 4),
             number(error.worst, 4),
             error.points,
+            data.rim.as_ref().map_or_else(String::new, |rim| format!(
+                ", their rims from {} to {} times as high as modelled",
+                rim.ends()[0],
+                rim.ends()[1]
+            )),
         );
         let is_all = self.task.also_at.is_empty() && self.task.directions.different_deg.is_empty();
         let words =
@@ -295,6 +336,14 @@ fn controls(data: &Data) -> Markup {
                         input id=(format!("x-{axis}")) type="range" min="0" max="1000" step="1" data-slider=(axis);
                         input type="number" inputmode="decimal" step="0.1" min=(data.axes[*axis].from) max=(data.axes[*axis].to)
                             aria-label=(format!("{} in µm, as a number", data.axes[*axis].name)) data-number=(axis);
+                    }
+                }
+                @if let Some(rim) = &data.rim {
+                    div class="knob" {
+                        label for="x-rim" { "rim height in µm" }
+                        input id="x-rim" type="range" min=(rim.ends()[0]) max=(rim.ends()[1]) step="0.01" value="1" data-rim;
+                        input type="number" inputmode="decimal" step="0.01" min="0" aria-label="rim height in µm, as a number" data-rim-height;
+                        span data-rim-words {}
                     }
                 }
                 @if pressures.len() > 1 {

@@ -396,3 +396,19 @@ pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
 pub fn yes_or_no(is_so: bool) -> String {
     if is_so { "yes" } else { "no" }.to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_are_so_wide_that_their_smallest_text_can_be_read() {
+        let svg =
+            "<svg viewBox=\"0 0 7200 4000\"><text font-size=\"128\">a</text><text font-size=\"100\">b</text></svg>";
+        assert_eq!(least_width_px(svg), Some(648.0));
+        assert_eq!(least_width_px("<svg viewBox=\"0 0 9 9\"/>"), None);
+        let mut page = Page::default();
+        page.picture(svg, "c");
+        assert!(page.finish("t", "0").contains("style=\"--least:648px\""));
+    }
+}

@@ -57,6 +57,8 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     for said in [
         "<h1>a &lt;b&gt; &amp; &quot;c&quot;</h1>",
+        "<p class=\"date\">2026-11-22</p>",
+        "<div class=\"narrow\"><div class=\"card\"",
         "<p class=\"chance\">16 % chance that a cut sample is on target (limited by Young's modulus).</p>",
         "<div style=\"width:16.0%\">",
         "Not in the chance, as nothing says how well it is known: the model.",

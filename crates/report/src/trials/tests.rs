@@ -49,6 +49,17 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
     assert!(lines.iter().all(|line| columns(line) == columns(&lines[0])));
     let outputs = found.files().unwrap();
     assert_eq!(outputs.names(), ["trials.csv", "trials.svg", "result.json", "timings.json", "report.html"]);
+    let page = outputs.text("report.html").unwrap();
+    for text in [
+        "6 of 6 measured ratios",
+        "a &lt;polymer&gt;: trials",
+        "What to measure next",
+        "<svg role=\"img\"",
+        "400.0",
+        "1900.0",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
     let json = serde_json::to_string(&found).unwrap();
     assert_eq!(serde_json::from_str::<TrialsReport>(&json).unwrap(), found);
 }
