@@ -364,8 +364,11 @@ fn controls(data: &Data) -> Markup {
                 textarea data-toml hidden readonly rows="8" aria-label="The design as a scene for slipgrid simulate" {}
             }
             div class="views" {
-                figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
-                    figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
+                div {
+                    figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
+                        figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
+                    figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} } }
+                }
                 @if free.len() > 1 {
                     figure {
                         div class="card" { canvas data-map width="384" height="288" role="img" aria-label="Where designs are on target; the sliders choose the same" {} }
@@ -381,7 +384,6 @@ fn controls(data: &Data) -> Markup {
                         }
                     }
                 }
-                figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} } }
             }
             @if !data.points.is_empty() { (listed(data)) }
         }
