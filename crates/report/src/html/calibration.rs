@@ -151,6 +151,11 @@ fn relative_error(pair: &FittedPair) -> Option<f64> {
     Some(pair.dynamic_std_error? / pair.dynamic_mean)
 }
 
+/// The same as far as flat friction alone leaves it open: what repeats would lower.
+fn measured_error(pair: &FittedPair) -> Option<f64> {
+    Some(pair.dynamic_std_error_given_law.or(pair.dynamic_std_error)? / pair.dynamic_mean)
+}
+
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
 }
@@ -287,10 +292,10 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
         .measurements
         .iter()
         .enumerate()
-        .filter_map(|(row, of)| Some((of, relative_error(pair(outcome, row)?)?)));
+        .filter_map(|(row, of)| Some((of, measured_error(pair(outcome, row)?)?)));
     if let Some((of, error)) = rows.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, error)| *error > LOOSE_FRICTION) {
         all.push(format!(
-            "Repeats on flat samples at {}: friction is known to {} % there.",
+            "Repeats on flat samples at {}: friction itself is known to {} % there.",
             condition(task, of),
             percent(error, 1)
         ));
