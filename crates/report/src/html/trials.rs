@@ -122,10 +122,14 @@ fn next(report: &TrialsReport) -> Vec<String> {
     if report.identified.is_none() {
         all.push("A texture of another areal density, edge length and depth than those below: it would tell the forms apart.".to_owned());
     }
-    if let Some(before) = report.coverage.first() {
-        if before.ratios >= ENOUGH && (before.within_95 as f64) < TOO_FEW * before.ratios as f64 {
-            all.push("A repeat of a texture: predictions were too narrow, and only a repeat tells the scatter of samples from a wrong form.".to_owned());
-        }
+    let is_narrow = |before: &&CoverageReport| {
+        before.ratios >= ENOUGH && (before.within_95 as f64) < TOO_FEW * before.ratios as f64
+    };
+    if report.coverage.first().filter(is_narrow).is_some() {
+        all.push(
+            "A repeat of a texture: predictions were too narrow, and only a repeat tells the scatter of samples from a wrong form."
+                .to_owned(),
+        );
     }
     let unknown = |effect: &&EffectReport| effect.std >= UNKNOWN * effect.prior_std;
     let names: Vec<&str> = report.effects.iter().skip(1).filter(unknown).map(|effect| effect.of.as_str()).collect();

@@ -21,36 +21,24 @@ pub fn page(report: &AccuracyReport, outputs: &Outputs) -> String {
     let mut page = Page::default();
     let title = format!("Speed against error ({})", report.size);
     page.title(&title);
-    page.beside_picture(
-        |page| {
-            let defaults = || report.fronts.iter().flat_map(|front| &front.defaults);
-            let standing = defaults().filter(|of| of.on_front).count();
-            page.lead(&format!(
-                "{standing} of {} times that a default of the program was judged, nothing faster was as accurate.",
-                defaults().count()
-            ));
-            for front in &report.fronts {
-                page.paragraph(&format!(
-                    "In {}: errors below {} % cannot be told apart here and count as equal.",
-                    front.quantity,
-                    number(front.resolution_pct, 2)
-                ));
-            }
-            if report.size == "quick" {
-                page.warning(
-                    "A quick comparison resolves large errors only: --full tells apart what counts as equal here.",
-                );
-            }
-            page.terms(&TERMS);
-        },
-        |page| {
-            page.picture_of(
-                outputs,
-                "accuracy.svg",
-                "Wall time against error, both axes logarithmic; the line is the front",
-            )
-        },
-    );
+    let defaults = || report.fronts.iter().flat_map(|front| &front.defaults);
+    page.lead(&format!(
+        "In {} of {} comparisons nothing is both faster than the program's default and as accurate.",
+        defaults().filter(|of| of.on_front).count(),
+        defaults().count()
+    ));
+    for front in &report.fronts {
+        page.paragraph(&format!(
+            "In {}: errors below {} % cannot be told apart here and count as equal.",
+            front.quantity,
+            number(front.resolution_pct, 2)
+        ));
+    }
+    if report.size == "quick" {
+        page.warning("A quick comparison resolves large errors only: --full tells apart what counts as equal here.");
+    }
+    page.terms(&TERMS);
+    page.picture_of(outputs, "accuracy.svg", "Wall time against error, both axes logarithmic; the line is the front");
     page.part("Fastest at each error", |page| report.fronts.iter().for_each(|front| of_front(page, front)));
     page.part("Methods", |page| methods(page, report));
     page.part("What was compared", |page| {
