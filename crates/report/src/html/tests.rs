@@ -105,7 +105,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         differing.contains("Goal: the least difference of ratios. Predicted 0.10000, confirmed 0.11000 ± 0.00200;")
     );
     // Names of different pictures do not meet, and nothing is fetched.
-    assert!(page.contains("id=\"p1-frame\"") && page.contains("url(#p3-frame)") && !page.contains("\"frame\""));
+    assert!(page.contains("id=\"p1-frame\"") && page.contains("url(#p4-frame)") && !page.contains("\"frame\""));
     let bare = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!bare.contains("http") && !bare.contains("src=") && !bare.contains("@import"));
     assert_eq!(page, page_of(&report(), &outputs));
