@@ -8,10 +8,12 @@ use std::process::{Child, Command, Stdio};
 use serde_json::{Value, json};
 use tungstenite::{Message, WebSocket};
 
+use super::Page;
+
 const PROGRAMS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// A browser with one page.
-pub struct Page {
+/// Chromium with one page.
+pub struct Chromium {
     browser: Child,
     _profile: tempfile::TempDir,
     socket: WebSocket<TcpStream>,
@@ -21,7 +23,7 @@ pub struct Page {
     complaints: Vec<String>,
 }
 
-impl Page {
+impl Chromium {
     /// The file at `path`, loaded; `None` where there is no browser.
     pub fn open(path: &Path) -> Option<Self> {
         let profile = tempfile::tempdir().unwrap();
@@ -31,6 +33,7 @@ impl Page {
                     "--headless=new",
                     "--no-sandbox",
                     "--disable-gpu",
+                    "--disable-quic",
                     "--no-first-run",
                     "--remote-debugging-port=0",
                 ])
@@ -95,15 +98,27 @@ impl Page {
         }
     }
 
-    /// The value of an expression of JavaScript.
-    pub fn ask(&mut self, expression: &str) -> Value {
+    /// Has the page believe that the reader prefers `scheme`, "light" or "dark".
+    pub fn scheme(&mut self, scheme: &str) {
+        let feature = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
+        self.call("Emulation.setEmulatedMedia", &json!({ "features": feature }));
+    }
+
+    /// Has the window be so wide and so high, as that of a phone where it is narrow.
+    pub fn resize(&mut self, [width, height]: [u32; 2]) {
+        let own = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500 });
+        self.call("Emulation.setDeviceMetricsOverride", &own);
+    }
+}
+
+impl Page for Chromium {
+    fn ask(&mut self, expression: &str) -> Value {
         let found = self.call("Runtime.evaluate", &json!({ "expression": expression, "returnByValue": true }));
         assert!(found["exceptionDetails"].is_null(), "{expression}: {found}");
         found["result"]["value"].clone()
     }
 
-    /// Presses and releases a key.
-    pub fn press(&mut self, key: &str) {
+    fn press(&mut self, key: &str) {
         let code = match key {
             "Enter" => 13,
             "ArrowLeft" => 37,
@@ -117,27 +132,19 @@ impl Page {
         }
     }
 
-    /// Clicks at a place of the window.
-    pub fn click(&mut self, x: f64, y: f64) {
+    fn click(&mut self, x: f64, y: f64) {
         for kind in ["mousePressed", "mouseReleased"] {
             let own = json!({ "type": kind, "x": x, "y": y, "button": "left", "clickCount": 1 });
             self.call("Input.dispatchMouseEvent", &own);
         }
     }
 
-    /// Has the page believe that the reader prefers `scheme`, "light" or "dark".
-    pub fn scheme(&mut self, scheme: &str) {
-        let feature = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
-        self.call("Emulation.setEmulatedMedia", &json!({ "features": feature }));
-    }
-
-    /// What should not have happened.
-    pub fn complaints(&self) -> Vec<String> {
+    fn complaints(&self) -> Vec<String> {
         self.complaints.clone()
     }
 }
 
-impl Drop for Page {
+impl Drop for Chromium {
     fn drop(&mut self) {
         let _ = self.browser.kill();
         let _ = self.browser.wait();

@@ -176,7 +176,7 @@ pub struct CalibrateArgs {
     /// Material file to write; without it the fit is only printed
     #[arg(long, short, value_name = "MATERIAL.toml")]
     pub output: Option<PathBuf>,
-    /// Folder for covariance, profiles, residuals, trials, and pictures of traces
+    /// Folder for the page report.html, covariance, profiles, residuals, trials, and pictures of traces
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
 }
@@ -352,7 +352,7 @@ pub struct ValidateArgs {
     slipgrid accuracy scene.toml --seeds 5 --json\n\n\
     Methods (fidelity, integrator, springs, step, block size, extent, shortcuts) are compared with\n\
     `reference` on the same scene: wall time, site updates, error and its standard error. Damping,\n\
-    speed and layer height are choices of the model, not errors, and stand apart. Writes accuracy.md,\n\
+    speed and layer height are choices of the model, not errors, and stand apart. Writes report.html, accuracy.md,\n\
     accuracy.csv, accuracy.svg and result.json.\n\n\
     Reported times are those of runs on one thread with a core to itself. Not modelled: recast rims, plasticity,\n\
     viscoelasticity, heating, wear.")]

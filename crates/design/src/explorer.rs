@@ -3,9 +3,11 @@
 //! Grooves are solved on a lattice of widths, spacings and depths. In space large blocks give the shape of the surface and a few cells
 //! in the layer's own blocks lift it to where it belongs. The error is measured at designs that are no nodes.
 
+use std::iter;
+
 use rayon::prelude::*;
 use slipgrid_optimize::{DesignSpace, ModelFailure};
-use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_pattern::{Pattern, Rim, Texture};
 use slipgrid_statistics::{Axis, Normals, ResponseSurface, median, normal_probability};
 use slipgrid_units::LENGTH_UM;
 
@@ -24,6 +26,9 @@ use slipgrid_springblock::Load;
 const PLANE_NODES: Nodes = Nodes { each: [8.0, 6.0, 3.4], most: [20, 20, 12] };
 const COARSE_NODES: Nodes = Nodes { each: [5.0, 4.0, 2.0], most: [12, 12, 7] };
 const FINE_NODES: Nodes = Nodes { each: [3.0, 3.0, 1.5], most: [6, 6, 5] };
+/// The same in the vertical plane of what rims of other heights change, and these heights over the modelled ones.
+const RIM_NODES: Nodes = Nodes { each: [6.0, 5.0, 2.5], most: [14, 14, 8] };
+const RIM_FACTORS: [f64; 4] = [0.5, 0.75, 1.25, 1.5];
 /// Designs at which the error is measured: as many as there are nodes, within these limits; in space.
 const PLANE_CHECKS: [usize; 2] = [200, 1000];
 const SPACE_CHECKS: usize = 100;
@@ -58,12 +63,48 @@ pub struct Explorer {
     pub log_peak: ResponseSurface,
     /// By width and spacing, at any depth: share of a period that is cavity.
     pub areal_density: ResponseSurface,
-    /// Its error against the solver.
+    /// What rims of other heights change; `None` without rims, and in space.
+    pub rims: Option<RimChanges>,
+    /// Its error against the solver, where there are rims of any height between those of `rims`.
     pub error: SurfaceError,
     /// What is added to the values, one a pressure: with it they are at the design found what was predicted of it.
     pub offset: Vec<f64>,
     /// Covariance of the values' errors at the design found, one row a pressure; empty where they are not known.
     pub covariance: Vec<Vec<f64>>,
+}
+
+/// What rims of other heights than the modelled change, on a lattice of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RimChanges {
+    /// Heights over the modelled ones, ascending; without 1, where nothing changes.
+    pub factors: Vec<f64>,
+    /// For each of them by width, spacing and depth: what is added to the values.
+    pub values: Vec<ResponseSurface>,
+    /// For each of them by the same: what is added to the logarithm of the largest local pressure.
+    pub log_peak: Vec<ResponseSurface>,
+}
+
+impl RimChanges {
+    /// Weights of the changes at a `factor`: those of the polynomial through all heights, the modelled one included (Lagrange).
+    #[must_use]
+    pub fn weights(&self, factor: f64) -> Vec<f64> {
+        let all = || self.factors.iter().copied().chain([1.0]);
+        let weight =
+            |own: f64| all().filter(|other| *other != own).map(|other| (factor - other) / (own - other)).product();
+        self.factors.iter().map(|own| weight(*own)).collect()
+    }
+
+    /// What is added to the values of a design whose rims are `factor` times as high as modelled.
+    #[must_use]
+    pub fn at(&self, lengths_um: &[f64; 3], factor: f64) -> Vec<f64> {
+        let mut found = Vec::new();
+        for (weight, surface) in self.weights(factor).iter().zip(&self.values) {
+            let change = surface.at(lengths_um);
+            found.resize(change.len(), 0.0);
+            found.iter_mut().zip(change).for_each(|(sum, change)| *sum += weight * change);
+        }
+        found
+    }
 }
 
 /// Where the surface is anchored.
@@ -131,8 +172,14 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let is_spatial = model.guide().is_some();
     let axes = axes(&design.space, if is_spatial { &COARSE_NODES } else { &PLANE_NODES });
     let texture = *design.space.texture();
-    let shares = if is_spatial { [0.2, 0.6, 0.2] } else { [0.8, 0.0, 0.2] };
-    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| ask(model, &texture, nodes, coarse, (bar, share));
+    let rim =
+        texture.rim().copied().filter(|rim| !is_spatial && rim.heights_m().iter().any(|[_, height_m]| *height_m > 0.0));
+    let shares = match rim {
+        _ if is_spatial => [0.2, 0.6, 0.2],
+        Some(_) => [0.5, 0.4, 0.1],
+        None => [0.8, 0.0, 0.2],
+    };
+    let ask = |nodes: &[[f64; 3]], coarse: bool, share: f64| ask(model, &|_| texture, nodes, coarse, (bar, share));
 
     let nodes = ResponseSurface::nodes(&axes);
     let mut all = whole(ask(&nodes, is_spatial, shares[0])?, &axes)?;
@@ -151,16 +198,25 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
         }
     }
     let (values, log_peak) = surfaces(axes, &all);
+    let rims = match rim {
+        Some(rim) => Some(rim_changes(design, model, rim, (bar, shares[1]))?),
+        None => None,
+    };
 
     let [fewest, most] = PLANE_CHECKS;
     let count = if is_spatial { SPACE_CHECKS } else { nodes.len().clamp(fewest, most) };
     let checks = checks(&axes, count, design.seed);
-    let mut off: Vec<f64> = ask(&checks, false, shares[2])?
+    let factors = factors(rims.as_ref(), count, design.seed);
+    let of = |place: usize| rim.map_or(texture, |rim| texture.with_rim(rim.times(factors[place])));
+    let mut off: Vec<f64> = self::ask(model, &of, &checks, false, (bar, shares[2]))?
         .into_iter()
-        .zip(&checks)
-        .filter_map(|(answer, at)| {
+        .zip(checks.iter().zip(&factors))
+        .filter_map(|(answer, (at, factor))| {
             let (exact, _) = answer?;
-            Some(exact.iter().zip(values.at(at)).map(|(exact, found)| (exact - found).abs()).fold(0.0, f64::max))
+            let change =
+                rims.as_ref().map_or_else(Vec::new, |rims| rims.at(at, *factor)).into_iter().chain(iter::repeat(0.0));
+            let found = values.at(at).into_iter().zip(change).map(|(found, change)| found + change);
+            Some(exact.iter().zip(found).map(|(exact, found)| (exact - found).abs()).fold(0.0, f64::max))
         })
         .collect();
     let worst = off.iter().copied().fold(0.0, f64::max);
@@ -174,7 +230,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
     let densities = ResponseSurface::nodes(&level).iter().map(density).collect();
     let covariance = covariance(anchor, design.seed).unwrap_or_default();
     let areal_density = ResponseSurface::through(level, 1, densities);
-    Some(Explorer { values, log_peak, areal_density, error, offset, covariance })
+    Some(Explorer { values, log_peak, areal_density, rims, error, offset, covariance })
 }
 
 fn axes(space: &DesignSpace, nodes: &Nodes) -> [Axis; 3] {
@@ -198,27 +254,27 @@ fn lengths_um(pattern: &Pattern) -> [f64; 3] {
     [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()].map(|m| LENGTH_UM.from_si(m))
 }
 
-/// What the model says of each of `nodes`, in its guide's blocks where `coarse`, as `share` of a stage; `None` once it is cancelled.
+/// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`, as `share` of a stage; `None` once it is cancelled.
 fn ask(
     model: &SteadyModel,
-    texture: &Texture,
+    texture: &(impl Fn(usize) -> Texture + Sync),
     nodes: &[[f64; 3]],
     coarse: bool,
     (bar, share): (&Stage<'_>, f64),
 ) -> Option<Vec<Option<Answer>>> {
-    let one = |lengths_um: &[f64; 3]| {
+    let one = |(place, lengths_um): (usize, &[f64; 3])| {
         if bar.cancelled() {
             return Err(ModelFailure::Cancelled);
         }
         bar.advance(share / nodes.len() as f64);
-        let answer = pattern(texture, lengths_um).map(|pattern| model.endless(&pattern, coarse));
+        let answer = pattern(&texture(place), lengths_um).map(|pattern| model.endless(&pattern, coarse));
         match answer {
             Some(Err(ModelFailure::Cancelled)) => Err(ModelFailure::Cancelled),
             Some(Ok(answer)) => Ok(Some(answer)),
             _ => Ok(None),
         }
     };
-    nodes.par_iter().map(one).collect::<Result<_, _>>().ok()
+    nodes.par_iter().enumerate().map(one).collect::<Result<_, _>>().ok()
 }
 
 /// The answers, where a node has none that of the nearest node with the same width and spacing, else of the nearest before it.
@@ -246,6 +302,41 @@ fn surfaces(axes: [Axis; 3], all: &[Answer]) -> (ResponseSurface, ResponseSurfac
     (ResponseSurface::through(axes, outputs, values), ResponseSurface::through(axes, 1, peaks))
 }
 
+/// What rims of other heights than those of `rim` change; `None` where `bar` has cancelled, or too many designs cannot be computed.
+fn rim_changes(
+    design: &DesignTask,
+    model: &SteadyModel,
+    rim: Rim,
+    (bar, share): (&Stage<'_>, f64),
+) -> Option<RimChanges> {
+    let axes = axes(&design.space, &RIM_NODES);
+    let nodes = ResponseSurface::nodes(&axes);
+    let texture = *design.space.texture();
+    let share = share / (1 + RIM_FACTORS.len()) as f64;
+    let solved =
+        |factor: f64| whole(ask(model, &|_| texture.with_rim(rim.times(factor)), &nodes, false, (bar, share))?, &axes);
+    let own = solved(1.0)?;
+    let (mut values, mut log_peak) = (Vec::new(), Vec::new());
+    for factor in RIM_FACTORS {
+        let change = solved(factor)?.into_iter().zip(&own).map(|((other, other_peak), (own, peak))| {
+            (other.iter().zip(own).map(|(other, own)| other - own).collect(), other_peak / peak)
+        });
+        let found = surfaces(axes, &change.collect::<Vec<Answer>>());
+        values.push(found.0);
+        log_peak.push(found.1);
+    }
+    Some(RimChanges { factors: RIM_FACTORS.to_vec(), values, log_peak })
+}
+
+/// Heights of the rims of `count` designs over those modelled: anywhere between the ends of `rims`, or as modelled without it.
+fn factors(rims: Option<&RimChanges>, count: usize, seed: u64) -> Vec<f64> {
+    let ends = rims.and_then(|rims| Some([*rims.factors.first()?, *rims.factors.last()?]));
+    // Apart from the draws of the designs.
+    let mut normals = Normals::new(seed.wrapping_add(1));
+    let mut draw = |[from, to]: [f64; 2]| from + (to - from) * normal_probability(normals.draw());
+    (0..count).map(|_| ends.map_or(1.0, &mut draw)).collect()
+}
+
 /// Designs anywhere within the bounds, their logarithms evenly spread.
 fn checks(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
     let mut normals = Normals::new(seed);
@@ -259,4 +350,28 @@ fn covariance(anchor: &Anchor<'_>, seed: u64) -> Option<Vec<Vec<f64>>> {
     let about = About { design: anchor.design, values: anchor.values, numerical: anchor.numerical };
     let linear = chances.linearize(&about).ok()?;
     Some(chances.covariance(&chances.draws(DRAWS, seed), &linear))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_are_met_at_every_height_that_was_solved() {
+        let axes = [Axis::new([10.0, 40.0], 4), Axis::new([20.0, 20.0], 1), Axis::new([5.0, 5.0], 1)];
+        let surface = |change: f64| ResponseSurface::through(axes, 1, vec![change; 4]);
+        // A polynomial of the height's factor that is nothing at 1.
+        let change = |factor: f64| 0.3 * (factor - 1.0) - 0.2 * (factor - 1.0).powi(3);
+        let rims = RimChanges {
+            factors: RIM_FACTORS.to_vec(),
+            values: RIM_FACTORS.map(|factor| surface(change(factor))).to_vec(),
+            log_peak: Vec::new(),
+        };
+        for factor in [0.5, 0.6, 0.75, 1.0, 1.3, 1.5] {
+            let found = rims.at(&[20.0, 20.0, 5.0], factor);
+            assert!((found[0] - change(factor)).abs() < 1e-12, "{factor}: {found:?}");
+        }
+        assert!(factors(Some(&rims), 50, 1).iter().all(|factor| (0.5..=1.5).contains(factor)));
+        assert!(factors(None, 3, 1).iter().all(|factor| *factor == 1.0));
+    }
 }

@@ -216,6 +216,7 @@ fn every_step(
         version: VERSION.into(),
         schema: SCHEMA,
         name: design.name.clone(),
+        date: design.date.clone(),
         status: if suffices { flat_is_best::FLAT_IS_BEST } else { found.status.name() }.into(),
         flat,
         chance,

@@ -84,7 +84,7 @@ pub use cost_estimate::cost_line;
 pub use dynamic_excess::correct;
 pub use error::{DesignError, Refusal, TaskPart};
 pub use evaluation_cache::{Answer, Answered, Evaluation, EvaluationCache, Evaluations, Fault, LARGEST, NoCache};
-pub use explorer::{Explored, Explorer, SurfaceError, explore_bounds};
+pub use explorer::{Explored, Explorer, RimChanges, SurfaceError, explore_bounds};
 pub use job::{Compared, DesignOutcome, Lattice, run};
 pub use lattice_table::lattice;
 pub use next_trial::{

@@ -40,6 +40,9 @@ pub struct DesignReport {
     pub schema: u32,
     /// Name of the design.
     pub name: String,
+    /// Day that the task names; left out where it names none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
     /// `met`, `unreachable`, `budget`, or `flat_is_best`: no pattern is needed.
     pub status: Cow<'static, str>,
     /// The chance that a cut sample is on target; null where nothing is demanded.

@@ -15,6 +15,8 @@ use crate::error::{Refusal, TaskPart};
 pub struct DesignTask {
     /// Name for reports.
     pub name: String,
+    /// Day of the task for reports, as YYYY-MM-DD, where it is said: nothing here reads a clock.
+    pub date: Option<String>,
     /// The material; friction at the conditions of the task follows from it. A task without one is not run.
     pub material: Option<KnownMaterial>,
     /// Conditions at which the target must hold, the one designed for first; none where the material has coefficients for
@@ -196,6 +198,7 @@ impl DesignTask {
     pub fn without_material(target: Target, space: DesignSpace, specimen: Specimen, layer: Layer) -> Self {
         Self {
             name: "design".to_owned(),
+            date: None,
             material: None,
             ranges: Vec::new(),
             condition: None,

@@ -13,7 +13,7 @@ use slipgrid_pattern::{Pattern, Texture};
 use slipgrid_units::{LENGTH_UM, TIME_S};
 use toml::Spanned;
 
-use read::{read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust};
+use read::{read_date, read_dimensions, read_limits, read_material_input, read_range, read_ranges, read_robust};
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
@@ -36,6 +36,7 @@ use crate::source::Source;
 #[serde(deny_unknown_fields)]
 struct DesignFile {
     name: Option<String>,
+    date: Option<Spanned<String>>,
     material: Spanned<PathOr<MaterialFile>>,
     condition: Option<Spanned<ConditionRangeFile>>,
     also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
@@ -207,6 +208,7 @@ impl Design {
         let (ranges, places): (Vec<ConditionRange>, Vec<Range<usize>>) = ranges.into_iter().unzip();
         let task = DesignTask {
             name: file.name.clone().unwrap_or_else(|| document.stem()),
+            date: file.date.as_ref().map(|date| read_date(&document, date)).transpose()?,
             material: known,
             ranges,
             directions,

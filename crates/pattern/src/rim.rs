@@ -181,6 +181,15 @@ impl Rim {
         self
     }
 
+    /// The same with every height `factor` times as high, from 0 to 1 mm.
+    #[must_use]
+    pub fn times(mut self, factor: f64) -> Self {
+        for [_, height_m] in &mut self.heights_m[..self.known] {
+            *height_m = (*height_m * factor).clamp(0.0, MOST_HEIGHT_M);
+        }
+        self
+    }
+
     /// Whether it rises above the land anywhere: a height or their scatter is not nil.
     #[must_use]
     pub fn stands(&self) -> bool {

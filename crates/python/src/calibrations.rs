@@ -97,7 +97,7 @@ impl Fitted {
 
     /// Everything that the command line writes of the fit, by name.
     fn files(&self, py: Python<'_>) -> PyResult<Vec<(String, Vec<u8>)>> {
-        let outputs = files(&self.read, &self.outcome, self.ledger.as_ref());
+        let outputs = files(&self.read, &self.task, &self.outcome, self.ledger.as_ref());
         crate::designs::contents(py, &outputs.map_err(|error| refused::failed(py, &error.to_string()))?)
     }
 }

@@ -10,6 +10,22 @@ use slipgrid_results::ErrorReport;
 /// # Errors
 /// [`ReportError`] if the picture cannot be drawn.
 pub fn target(report: &DesignReport) -> Result<String, ChartError> {
+    drawn(report, &report.name, charts::target)
+}
+
+/// The same for a phone, whose page has the title already.
+///
+/// # Errors
+/// As [`target`].
+pub fn target_narrow(report: &DesignReport) -> Result<String, ChartError> {
+    drawn(report, "", charts::target_narrow)
+}
+
+fn drawn(
+    report: &DesignReport,
+    title: &str,
+    draw: fn(&TargetChart<'_>) -> Result<String, ChartError>,
+) -> Result<String, ChartError> {
     let wanted = &report.target;
     let mut points: Vec<TargetPoint> = wanted
         .pressure_mpa
@@ -39,8 +55,8 @@ pub fn target(report: &DesignReport) -> Result<String, ChartError> {
             estimate(report.errors.at(row)?.mu_flat.as_ref()?)
         }
     });
-    charts::target(&TargetChart {
-        title: &report.name,
+    draw(&TargetChart {
+        title,
         quantity: if report.is_ratio() {
             "Dynamic friction, patterned over flat"
         } else {

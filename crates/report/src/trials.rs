@@ -8,7 +8,7 @@ use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
-use crate::{Outputs, ReportError};
+use crate::{Outputs, ReportError, html};
 
 /// A family of forms with more weight than this is what the trials say.
 const IDENTIFIED: f64 = 0.8;
@@ -56,6 +56,10 @@ pub struct TrialReport {
     pub areal_density: f64,
     /// Length of its edges over its area, in 1/mm.
     pub edge_per_mm: f64,
+    /// Width of its cavities.
+    pub width_um: f64,
+    /// Gap between them along a row.
+    pub spacing_um: f64,
     /// Depth of its cavities.
     pub depth_um: f64,
     /// What was measured.
@@ -165,6 +169,8 @@ impl TrialsReport {
                 disc: of.disc.clone(),
                 areal_density: tidy(of.features.areal_density),
                 edge_per_mm: tidy(of.features.edge_1_m * PER_MM),
+                width_um: tidy(LENGTH_UM.from_si(of.features.width_m)),
+                spacing_um: tidy(LENGTH_UM.from_si(of.features.pitch_m - of.features.width_m)),
                 depth_um: tidy(LENGTH_UM.from_si(of.features.depth_m)),
                 measured: of.measured.iter().enumerate().map(row).collect(),
             }
@@ -284,7 +290,7 @@ impl TrialsReport {
     /// A row a measured ratio.
     #[must_use]
     pub fn csv(&self) -> String {
-        let mut text = "trial,date,areal_density,edge_per_mm,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
+        let mut text = "trial,date,areal_density,edge_per_mm,width_um,spacing_um,depth_um,pressure_mpa,speed_mm_s,humidity_pct,measured_ratio,\
                         modelled_ratio,predicted_before,predicted_before_low_95,predicted_before_high_95,surprise_before,\
                         predicted_without_trial,surprise_without_trial,predicted_without_condition,\
                         surprise_without_condition\n"
@@ -295,6 +301,8 @@ impl TrialsReport {
                 let numbers = [
                     trial.areal_density,
                     trial.edge_per_mm,
+                    trial.width_um,
+                    trial.spacing_um,
                     trial.depth_um,
                     at.pressure_mpa,
                     at.speed_mm_s,
@@ -328,6 +336,8 @@ impl TrialsReport {
             outputs.add("trials.svg", self.picture()?);
         }
         outputs.add_record(self)?;
+        let page = html::trials(self, &outputs);
+        outputs.add("report.html", page);
         Ok(outputs)
     }
 
@@ -351,7 +361,7 @@ impl TrialsReport {
             rows().map(|(trial, at)| [value(trial, at), at.measured]).collect()
         };
         let panels = [
-            ("areal density", of(&|trial, _| self.trials[trial].areal_density)),
+            ("areal density (%)", of(&|trial, _| 100.0 * self.trials[trial].areal_density)),
             ("edges per area (1/mm)", of(&|trial, _| self.trials[trial].edge_per_mm)),
             ("pressure (MPa)", of(&|_, at| at.pressure_mpa)),
         ];
@@ -436,62 +446,4 @@ fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Measured, Trial};
-    use slipgrid_pattern::{Pattern, Planform};
-
-    fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
-        let pattern = Pattern::new(Planform::Groove, 100e-6, spacing_um * 1e-6, 10e-6).unwrap();
-        let at = |pressure_pa: f64| Measured {
-            load: Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 },
-            measured: 0.9 * excess.exp(),
-            modelled: 0.9,
-            patterned_std: 0.005,
-            flat_std: 0.005,
-            modulus_sensitivity: 0.1,
-        };
-        let (name, features, measured) = (name.to_owned(), Features::from(&pattern), vec![at(1e6), at(2e6)]);
-        Trial { name, features, sample_std: None, disc: None, measured, of_dimensions: Vec::new() }
-    }
-
-    fn ledger(trials: Vec<Trial>) -> TrialsReport {
-        let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
-        TrialsReport::new("a <polymer>", &[], &learned)
-    }
-
-    #[test]
-    fn the_ledger_says_what_was_predicted_and_what_is_known() {
-        // As the areal density: 0.2, 0.1 and 0.05.
-        let trials = [("A \"1\"", 400.0, -0.2), ("B", 900.0, -0.1), ("C", 1900.0, -0.05)];
-        let found = ledger(trials.map(|(name, spacing_um, excess)| trial(name, spacing_um, excess)).to_vec());
-        let text = found.text();
-        assert!(
-            text.contains("3 trials with 6 measured ratios") && text.contains("of 6 within 68 %, 6 within 95 %"),
-            "{text}"
-        );
-        // What is known of the third before it is far narrower than of the first.
-        let width = |trial: usize| {
-            let [low, high] = found.trials[trial].measured[0].before.interval_95;
-            (high / low).ln()
-        };
-        assert!(width(2) < 0.2 * width(0), "{} {}", width(0), width(2));
-        let lines: Vec<String> = found.csv().lines().map(str::to_owned).collect();
-        assert_eq!(lines.len(), 7);
-        assert!(lines[1].starts_with("\"A \"\"1\"\"\",\"\",0.2,"), "{}", lines[1]);
-        let columns = |line: &String| line.matches(',').count();
-        assert!(lines.iter().all(|line| columns(line) == columns(&lines[0])));
-        let outputs = found.files().unwrap();
-        assert_eq!(outputs.names(), ["trials.csv", "trials.svg", "result.json", "timings.json"]);
-        let json = serde_json::to_string(&found).unwrap();
-        assert_eq!(serde_json::from_str::<TrialsReport>(&json).unwrap(), found);
-    }
-
-    #[test]
-    fn before_any_trial_there_is_nothing_to_draw() {
-        let found = ledger(Vec::new());
-        assert!(found.text().contains("no trial was measured") && found.identified.is_none());
-        assert_eq!(found.files().unwrap().names(), ["trials.csv", "result.json", "timings.json"]);
-        assert!((found.effects[0].std - found.effects[0].prior_std).abs() < 1e-12);
-    }
-}
+mod tests;

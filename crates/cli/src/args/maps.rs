@@ -90,7 +90,7 @@ pub enum FormName {
     slipgrid surface textured.sur --cavities --period-out period.asc\n  \
     slipgrid surface scan.csv --pixel-um 0.5 --height-unit um --decimate 4 --json\n\n\
     Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content.\n\
-    Writes map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv,\n\
+    Writes the page report.html, map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv,\n\
     spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and\n\
     edge-profile.svg. x runs along the file's rows.\n\n\
     Cavities: connected regions below half depth. Widths and gaps at half depth; depth from the land\n\

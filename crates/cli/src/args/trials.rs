@@ -50,7 +50,7 @@ pub struct TrialsArgs {
     /// Print one JSON object instead of tables
     #[arg(long)]
     pub json: bool,
-    /// Folder for trials.csv, trials.svg and result.json
+    /// Folder for the page report.html, trials.csv, trials.svg and result.json
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }

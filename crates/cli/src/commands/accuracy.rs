@@ -22,7 +22,7 @@ use slipgrid_disk::disk;
 pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
         let inputs: Vec<PathBuf> = args.scene.iter().cloned().collect();
-        check_folder(Place::output(folder), &["accuracy.*", "result.json"], &inputs)?;
+        check_folder(Place::output(folder), &["report.html", "accuracy.*", "result.json"], &inputs)?;
     }
     if args.laboratories {
         return of_laboratories(args, console);
@@ -62,6 +62,8 @@ pub fn run(args: &AccuracyArgs, console: &mut Console<'_>) -> Result<u8, CliErro
         if let Some(picture) = accuracy::picture(&report)? {
             outputs.add("accuracy.svg", picture);
         }
+        let page = accuracy::page(&report, &outputs);
+        outputs.add("report.html", page);
         outputs.add("result.json", json(&report)?);
         console.keep(&outputs, folder)?;
     }

@@ -16,9 +16,6 @@ use slipgrid_report::calibration;
 /// Seed of the flat sample's local coefficients where nothing else names one.
 pub const DEFAULT_SEED: u64 = 1;
 
-/// What is written into the folder of a report, beside what there is of traces.
-const FILES: [&str; 4] = ["fit.json", "profiles.csv", "residuals.svg", "trials.*"];
-
 /// Calibrates and reports.
 pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let read = Calibration::read(&disk(), &args.calibration)?;
@@ -27,7 +24,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     }
     if let Some(folder) = &args.report {
         let place = Place { flag: "--report", path: folder };
-        let names = [&FILES[..], &super::traces::FILES].concat();
+        let names = [&calibration::FILES[..], &super::traces::FILES].concat();
         check_folder(place, &names, &read.inputs)?;
     }
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
@@ -39,7 +36,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     }
     let ledger = calibration::ledger(&read, &outcome);
     if let Some(folder) = &args.report {
-        let outputs = calibration::files(&read, &outcome, ledger.as_ref())?;
+        let outputs = calibration::files(&read, &task, &outcome, ledger.as_ref())?;
         console.keep(&outputs, folder)?;
     }
     console.answer(&calibration::summary(&read, &task, &outcome, ledger.as_ref()))?;

@@ -8,17 +8,8 @@ use crate::output::{Place, check_file, check_folder, write_file};
 use crate::{CliError, Console, exit_code};
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
-use slipgrid_report::Outputs;
-use slipgrid_report::surface::{
-    SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, period_note, period_text, pictures, section_csv,
-    spectrum_csv,
-};
-use slipgrid_results::json;
+use slipgrid_report::surface::{FILES, Measured, SurfaceReport, files, period_note, period_text};
 use slipgrid_units::LENGTH_UM;
-
-/// What is written.
-const FILES: [&str; 7] =
-    ["result.json", "map.svg", "histogram.svg", "section.*", "spectrum.*", "cavities.*", "edge-profile.*"];
 
 /// Reads the map, measures it and reports.
 pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -68,19 +59,9 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let spectrum = map.radial_spectrum(window).map_err(refuse)?;
     let report = SurfaceReport::new(&args.map, &surface, &curve, &lengths, &spectrum, cavities.as_ref());
     if let Some(folder) = &args.output {
-        let mut outputs = Outputs::default();
-        outputs.add("result.json", json(&report)?);
-        outputs.add("section.csv", section_csv(map, column));
-        outputs.add("spectrum.csv", spectrum_csv(&spectrum));
-        if let Some(cavities) = &cavities {
-            outputs.add("cavities.csv", cavities_csv(cavities));
-            outputs.add("edge-profile.csv", edge_profile_csv(&cavities.rim));
-            if let Some(svg) = edge_profile_svg(&cavities.rim, surface.synthetic)? {
-                outputs.add("edge-profile.svg", svg);
-            }
-        }
-        pictures(&mut outputs, &surface, &curve, &spectrum, column)?;
-        console.keep(&outputs, folder)?;
+        let of =
+            Measured { surface: &surface, curve: &curve, spectrum: &spectrum, cavities: cavities.as_ref(), column };
+        console.keep(&files(&report, of)?, folder)?;
     }
     if let Some((file, period)) = &period {
         write_file(file, period_text(period, surface.synthetic).as_bytes())?;

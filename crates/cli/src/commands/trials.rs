@@ -16,7 +16,11 @@ use slipgrid_disk::disk;
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
     if let Some(folder) = &args.output {
-        check_folder(Place::output(folder), &["trials.*", "result.json", "timings.json"], &calibration.inputs)?;
+        check_folder(
+            Place::output(folder),
+            &["trials.*", "report.html", "result.json", "timings.json"],
+            &calibration.inputs,
+        )?;
     }
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &Job::new(console))?;

@@ -168,6 +168,7 @@ fn the_guide_is_true() {
         "out/laser/pattern.gcode",
         "out/laser/height-map.png",
         "out/fit/fit.json",
+        "out/fit/report.html",
     ] {
         assert!(place.path(name).is_file(), "{name}");
     }
@@ -177,7 +178,7 @@ fn the_guide_is_true() {
 #[test]
 fn three_cuts_are_as_the_walk_says() {
     let (place, commands) = walk("trials.md");
-    for name in ["out/trials/trials.svg", "out/trials/trials.csv"] {
+    for name in ["out/trials/trials.svg", "out/trials/trials.csv", "out/trials/report.html"] {
         assert!(place.path(name).is_file(), "{name}");
     }
     assert_eq!(commands, 8);

@@ -54,6 +54,7 @@ fn a_patterned_map_is_measured_drawn_and_written() {
         "edge-profile.svg",
         "histogram.svg",
         "map.svg",
+        "report.html",
         "result.json",
         "section.csv",
         "section.svg",

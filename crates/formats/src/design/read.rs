@@ -152,3 +152,57 @@ pub(super) fn read_material_input(
         }
     }
 }
+
+/// A day of the calendar, as it is written: four digits, two and two with hyphens between.
+pub(super) fn read_date(document: &Document, date: &Spanned<String>) -> Result<String, Diagnostic> {
+    let text = date.get_ref();
+    if is_day(text) {
+        return Ok(text.clone());
+    }
+    Err(document.refuse(date.span(), "is no day").expected("a day as \"YYYY-MM-DD\", such as \"2026-11-22\""))
+}
+
+/// Whether `text` is a day of the Gregorian calendar as YYYY-MM-DD.
+fn is_day(text: &str) -> bool {
+    let is_written = text.len() == "YYYY-MM-DD".len()
+        && text.bytes().enumerate().all(|(place, byte)| match place {
+            4 | 7 => byte == b'-',
+            _ => byte.is_ascii_digit(),
+        });
+    let parts: Vec<u32> = text.split('-').filter_map(|part| part.parse().ok()).collect();
+    let (true, &[year, month, day]) = (is_written, &parts[..]) else { return false };
+    let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+    let days = match month {
+        2 if is_leap => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        1..=12 => 31,
+        _ => 0,
+    };
+    (1..=days).contains(&day)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_day_is_one_of_the_calendar() {
+        for day in ["2026-11-22", "2024-02-29", "2000-02-29", "2026-12-31"] {
+            assert!(is_day(day), "{day}");
+        }
+        for none in [
+            "2026-02-29",
+            "1900-02-29",
+            "2026-13-01",
+            "2026-00-10",
+            "2026-04-31",
+            "2026-1-1",
+            "22.11.2026",
+            "+026-01-01",
+            "",
+        ] {
+            assert!(!is_day(none), "{none}");
+        }
+    }
+}

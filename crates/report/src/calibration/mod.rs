@@ -1,6 +1,9 @@
 //! What a calibration found: text, tables, pictures.
 
 mod fit_details;
+mod pictures;
+
+pub(crate) use pictures::flat_friction_narrow;
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
 use slipgrid_formats::calibration::Calibration;
@@ -8,7 +11,7 @@ use slipgrid_results::{Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S};
 
 use crate::trials::TrialsReport;
-use crate::{Outputs, ReportError};
+use crate::{Outputs, ReportError, html};
 
 /// The calibration for people, with the [`ledger`] of its trials.
 #[must_use]
@@ -64,13 +67,18 @@ pub fn summary(
     text
 }
 
-/// Everything that was found, as files: the fit, its profiles and residuals, the [`ledger`] of its trials, and traces where there
-/// are.
+/// Names of the files of a calibration beside those of its traces, with `*` for any letters.
+pub const FILES: [&str; 7] =
+    ["report.html", "fit.json", "profiles.csv", "residuals.svg", "flat-friction.svg", "area-law.svg", "trials.*"];
+
+/// Everything that was found, as files: the page, the fit, its profiles and residuals, flat friction, the area law, the [`ledger`]
+/// of its trials, and traces where there are.
 ///
 /// # Errors
 /// [`ReportError`] where a picture cannot be drawn or a record has no JSON form.
 pub fn files(
     calibration: &Calibration,
+    task: &CalibrationTask,
     outcome: &CalibrationOutcome,
     ledger: Option<&TrialsReport>,
 ) -> Result<Outputs, ReportError> {
@@ -79,10 +87,16 @@ pub fn files(
     outputs.add("fit.json", fit_json(outcome)?);
     outputs.add("profiles.csv", fit_details::profiles(&outcome.fit));
     outputs.add("residuals.svg", fit_details::residuals(&calibration.name, outcome)?);
+    outputs.add("flat-friction.svg", pictures::flat_friction(&calibration.name, task, outcome)?);
+    if let Some(picture) = pictures::area_law(task, outcome)? {
+        outputs.add("area-law.svg", picture);
+    }
     if let Some(ledger) = ledger {
         outputs.add("trials.csv", ledger.csv());
         outputs.add("trials.svg", ledger.picture()?);
     }
+    let page = html::calibration(html::Fitted { calibration, task, outcome, ledger }, &outputs);
+    outputs.add("report.html", page);
     Ok(outputs)
 }
 

@@ -18,8 +18,9 @@ pub(super) const INK: RGBColor = RGBColor(51, 51, 51);
 pub(super) const GRID: RGBColor = RGBColor(225, 225, 225);
 pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
 
-/// Width of every picture.
+/// Width of every picture, and of one for a phone.
 pub(super) const WIDTH: f64 = 900.0;
+pub(super) const NARROW: f64 = 480.0;
 /// Space left of the axes for numbers and the axis title, and right of them.
 pub(super) const LEFT: f64 = 88.0;
 pub(super) const RIGHT: f64 = 28.0;
@@ -63,11 +64,14 @@ pub(super) enum Mark {
 impl Mark {
     /// One shape per series.
     pub(super) const ALL: [Self; 5] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond, Self::Ring];
+    /// Those that a ring may surround.
+    pub(super) const FILLED: [Self; 4] = [Self::Circle, Self::Square, Self::Triangle, Self::Diamond];
 }
 
 /// A picture under construction; positions in the picture's own units, y down.
 pub(super) struct Canvas<'a> {
     root: DrawingArea<SVGBackend<'a>, Shift>,
+    width: f64,
 }
 
 /// Draws a picture `height` high.
@@ -75,18 +79,26 @@ pub(super) fn picture(
     height: f64,
     draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
 ) -> Result<String, ChartError> {
-    // Heights are a few hundred units: the casts are exact.
-    let size = ((WIDTH * PRECISION) as u32, (height * PRECISION) as u32);
+    picture_of_size([WIDTH, height], draw)
+}
+
+/// Draws a picture so wide and so high.
+pub(super) fn picture_of_size(
+    [width, height]: [f64; 2],
+    draw: impl FnOnce(&Canvas<'_>) -> Result<(), ChartError>,
+) -> Result<String, ChartError> {
+    // Sides are a few hundred units: the casts are exact.
+    let size = ((width * PRECISION) as u32, (height * PRECISION) as u32);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE).map_err(failed)?;
-        let canvas = Canvas { root };
+        let canvas = Canvas { root, width };
         draw(&canvas)?;
         canvas.root.present().map_err(failed)?;
     }
     let drawn = format!("<svg width=\"{}\" height=\"{}\"", size.0, size.1);
-    Ok(svg.replacen(&drawn, &format!("<svg width=\"{WIDTH}\" height=\"{height}\""), 1))
+    Ok(svg.replacen(&drawn, &format!("<svg width=\"{width}\" height=\"{height}\""), 1))
 }
 
 fn failed(error: impl std::fmt::Display) -> ChartError {
@@ -212,10 +224,10 @@ impl Canvas<'_> {
     pub(super) fn heading(&self, title: &str, legend: &[(Swatch, &str)]) -> Result<f64, ChartError> {
         let anchor = (HPos::Left, VPos::Center);
         self.styled_text(title, [LEFT, 24.0], anchor, INK, TITLE_SIZE, FontStyle::Bold, FontTransform::None)?;
-        let mut at = [LEFT, 52.0];
+        let mut at = [LEFT, if title.is_empty() { 24.0 } else { 52.0 }];
         for &(swatch, label) in legend {
             let width = SWATCH + 8.0 + text_width(label) + 22.0;
-            if at[0] > LEFT && at[0] + width > WIDTH - RIGHT {
+            if at[0] > LEFT && at[0] + width > self.width - RIGHT {
                 at = [LEFT, at[1] + LEGEND_HEIGHT];
             }
             self.swatch(swatch, at)?;

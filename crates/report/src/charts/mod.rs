@@ -6,6 +6,7 @@
 //! | [`interface_pressure`] | pressure along the interface |
 //! | [`target`] | target, its tolerance, prediction and confirmation against pressure |
 //! | [`area_law`] | real contact area and the factor f against pressure |
+//! | [`flat_friction`] | friction of flat samples against pressure, measured and by the fitted model |
 //! | [`residuals`] | model minus measurement |
 //! | [`ratios`] | measured beside modelled ratios |
 //! | [`trade_offs`] | designs by two or three goals, with those that no other beats |
@@ -25,6 +26,7 @@
 mod area_law;
 mod canvas;
 mod edge_profile;
+mod flat_friction;
 mod friction_trace;
 mod height_histogram;
 mod interface_pressure;
@@ -42,6 +44,7 @@ mod work_precision;
 
 pub use area_law::{AreaLawChart, OtherSurface, area_law};
 pub use edge_profile::{EdgeProfileChart, edge_profile};
+pub use flat_friction::{FlatFrictionChart, FlatSeries, flat_friction, flat_friction_narrow};
 pub use friction_trace::{FrictionTraceChart, Trace, friction_trace};
 pub use height_histogram::{HeightHistogramChart, height_histogram};
 pub use interface_pressure::{InterfacePressureChart, interface_pressure};
@@ -49,7 +52,7 @@ pub use ratios::{RatioSeries, RatiosChart, ratios};
 pub use residuals::{ResidualsChart, residuals};
 pub use section::{SectionChart, SpectrumChart, section, spectrum};
 pub use surface_map::{SurfaceMapChart, surface_map};
-pub use target::{TargetChart, TargetPoint, target};
+pub use target::{TargetChart, TargetPoint, target, target_narrow};
 pub use trade_offs::{TradeOffsChart, trade_offs};
 pub use trials::{Prediction, TrialsChart, trials};
 pub use tribometer::{RepeatTrace, TribometerChart, tribometer};

@@ -1,4 +1,4 @@
-use super::canvas::{GREY, LEFT, Mark, PALETTE, RIGHT, Swatch, WIDTH, picture};
+use super::canvas::{GREY, LEFT, Mark, NARROW, PALETTE, RIGHT, Swatch, WIDTH, picture_of_size};
 use super::plot::{Axis, Plot};
 use super::{ChartError, Estimate, check};
 
@@ -47,6 +47,18 @@ const SPREAD_WIDTH: f64 = 0.007;
 /// # Errors
 /// [`ChartError`] if there is no target or a value is not finite.
 pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
+    target_of_width(chart, WIDTH)
+}
+
+/// The same for a phone.
+///
+/// # Errors
+/// As [`target`].
+pub fn target_narrow(chart: &TargetChart<'_>) -> Result<String, ChartError> {
+    target_of_width(chart, NARROW)
+}
+
+fn target_of_width(chart: &TargetChart<'_>, width: f64) -> Result<String, ChartError> {
     check(chart.title, chart.target.iter().map(|point| &point.pressure_mpa))?;
     let estimates = || chart.predicted.iter().chain(chart.flat).chain(chart.confirmed);
     let bars = || {
@@ -113,9 +125,9 @@ pub fn target(chart: &TargetChart<'_>) -> Result<String, ChartError> {
 
     let x_axis = Axis::around("nominal pressure (MPa)", pressures());
     let y_axis = Axis::around(chart.quantity, values().chain(opened));
-    picture(HEIGHT, |canvas| {
+    picture_of_size([width, HEIGHT], |canvas| {
         let top = canvas.heading(chart.title, &legend)?;
-        let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
+        let plot = Plot::new(canvas, [LEFT, top, width - RIGHT, HEIGHT - 62.0], x_axis, y_axis)?;
         if !band.is_empty() {
             plot.polygon(&band, green, BAND)?;
         }

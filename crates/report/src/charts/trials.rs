@@ -35,6 +35,8 @@ const FIRST: f64 = 380.0;
 const HEIGHT: f64 = 680.0;
 /// Room between panels, for the numbers of the axis.
 const GAP: f64 = 60.0;
+/// Room above and below all ratios over their range, at most.
+const BEYOND: f64 = 0.75;
 /// Trials that the legend names.
 const NAMED: usize = 4;
 
@@ -47,7 +49,18 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         chart.predictions.iter().flat_map(|of| [of.interval[0], of.interval[1], of.measured]).collect();
     check(chart.title, &ends)?;
     let count = chart.predictions.len();
-    let y_axis = Axis::around("ratio patterned / flat", ends);
+    // Before a first trial an interval may be far wider than all that is measured: bars end at the frame.
+    let middles = || chart.predictions.iter().flat_map(|of| [of.predicted.value, of.measured]);
+    let (least, most) =
+        middles().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let room = (BEYOND * (most - least)).max(BEYOND * 0.02 * most);
+    let [lowest, highest] = [least - room, most + room];
+    let drawn = Axis::around("ratio patterned / flat", ends.iter().map(|end| end.clamp(lowest, highest)));
+    let y_axis = if ends.iter().all(|end| (lowest..=highest).contains(end)) {
+        drawn
+    } else {
+        Axis::over("ratio patterned / flat", [lowest, highest])
+    };
     let colour = |trial: usize| PALETTE[trial % PALETTE.len()];
     picture(HEIGHT, |canvas| {
         let mut legend = vec![(Swatch::Mark(Mark::Circle, GREY), "predicted before, with 95 %")];
@@ -59,8 +72,8 @@ pub fn trials(chart: &TrialsChart<'_>) -> Result<String, ChartError> {
         let x_axis = Axis::of_names("measured ratio", numbers);
         let plot = Plot::new(canvas, [LEFT, top, WIDTH - RIGHT, FIRST], x_axis, y_axis.clone())?;
         for (place, of) in chart.predictions.iter().enumerate() {
-            let middle = f64::midpoint(of.interval[0], of.interval[1]);
-            let half = 0.5 * (of.interval[1] - of.interval[0]);
+            let [low, high] = of.interval.map(|end| end.clamp(lowest, highest));
+            let (middle, half) = (f64::midpoint(low, high), 0.5 * (high - low));
             plot.error_bar([place as f64, middle], half, -3.0, GREY)?;
             plot.mark(Mark::Circle, [place as f64, of.predicted.value], None, -3.0, GREY)?;
             plot.mark(Mark::Square, [place as f64, of.measured], None, 3.0, colour(of.trial))?;

@@ -24,6 +24,9 @@ pub fn design(
 ) -> String {
     let mut page = Page::default();
     page.title(&report.name);
+    if let Some(date) = &report.date {
+        page.marked("date", date);
+    }
     first_screen(&mut page, report, outputs, found);
     if let Some(found) = found {
         super::explorer::explorer(&mut page, found, outputs);

@@ -19,8 +19,8 @@
     const first = Math.min(Math.floor(place), axis.nodes - 2), t = place - first, s = 1 - t;
     return [first, [s * s * s / 6, (3 * t * t * t - 6 * t * t + 4) / 6, (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6]];
   };
-  const surface = (packed, axes, outputs) => {
-    const coefficients = unpack(packed), rows = count(axes[1].nodes), columns = count(axes[2].nodes);
+  const surface = (coefficients, axes, outputs) => {
+    const rows = count(axes[1].nodes), columns = count(axes[2].nodes);
     const at = lengths => {
       const [[a, u], [b, v], [c, w]] = axes.map((axis, k) => weights(axis, lengths[k]));
       const found = new Array(outputs).fill(0);
@@ -52,8 +52,37 @@
     return { at, plane };
   };
   const axes = data.axes, loads = data.pressure_mpa.length;
-  const endless = surface(data.values, axes, loads), logPeak = surface(data.log_peak, axes, 1);
-  const density = surface(data.areal_density, [axes[0], axes[1], { nodes: 1 }], 1);
+  const endless = surface(unpack(data.values), axes, loads), logPeak = surface(unpack(data.log_peak), axes, 1);
+  const density = surface(unpack(data.areal_density), [axes[0], axes[1], { nodes: 1 }], 1);
+
+  // Rims of other heights: what they change is the polynomial through the heights that were solved (Lagrange), of every coefficient.
+  const rims = (() => {
+    if (!data.rim) return null;
+    const { factors, heights_um } = data.rim, nodes = [...factors, 1];
+    const made = (packed, outputs) => {
+      const all = packed.map(unpack), mixed = new Float64Array(all[0].length);
+      const mix = factor => {
+        mixed.fill(0);
+        all.forEach((own, n) => {
+          const weight = nodes.reduce((product, other, k) => k === n ? product : product * (factor - other) / (factors[n] - other), 1);
+          for (let k = 0; k < mixed.length; k++) mixed[k] += weight * own[k];
+        });
+      };
+      return { mix, ...surface(mixed, data.rim.axes, outputs) };
+    };
+    const values = made(data.rim.values, loads), logPeak = made(data.rim.log_peak, 1);
+    const height = depth => {
+      const after = heights_um.findIndex(([at]) => at > depth);
+      if (after === 0) return heights_um[0][1];
+      if (after < 0) return heights_um[heights_um.length - 1][1];
+      const [[d0, h0], [d1, h1]] = heights_um.slice(after - 1, after + 1);
+      return h0 + (h1 - h0) * (depth - d0) / (d1 - d0);
+    };
+    return { factor: 1, least: factors[0], most: factors[factors.length - 1], values, logPeak, height };
+  })();
+  const sum = (one, other) => { for (let k = 0; k < one.length; k++) one[k] += other[k]; return one; };
+  const valuesAt = at => rims ? sum(endless.at(at), rims.values.at(at)) : endless.at(at);
+  const peakAt = at => Math.exp(logPeak.at(at)[0] + (rims ? rims.logPeak.at(at)[0] : 0));
 
   // The chance: draws of the errors of the design found, the same for every design.
   const draws = (() => {
@@ -83,11 +112,11 @@
   const round = (value, step) => Math.round(value / step) * step;
   const bursts = depth => data.burst_um ? Math.max(1, Math.round(depth / data.burst_um)) : null;
   const describe = at => {
-    const values = endless.at(at).map((value, load) => value + data.offset[load]);
+    const values = valuesAt(at).map((value, load) => value + data.offset[load]);
     const share = density.at(at)[0], laser = data.laser;
     const steps = depth => data.burst_um ? bursts(depth) : depth;
     return {
-      at, values, share, peak: Math.exp(logPeak.at(at)[0]), chance: chance(values), bursts: bursts(at[2]),
+      at, values, share, peak: peakAt(at), chance: chance(values), bursts: bursts(at[2]),
       minutes: laser ? laser.time_s / 60 * share / laser.areal_density * steps(at[2]) / steps(laser.depth_um) : null,
     };
   };
@@ -117,9 +146,20 @@
     slider.addEventListener("input", () => set(k, toLength(axes[k], +slider.value)));
   }
   for (const field of all("number")) field.addEventListener("change", () => set(+field.dataset.number, parseFloat(field.value)));
+  const raise = factor => {
+    if (!Number.isFinite(factor)) return;
+    rims.factor = Math.min(Math.max(factor, rims.least), rims.most);
+    rims.values.mix(rims.factor);
+    rims.logPeak.mix(rims.factor);
+  };
+  if (rims) {
+    find("rim").addEventListener("input", event => { raise(+event.target.value); draw(); });
+    find("rim-height").addEventListener("change", event => { raise(parseFloat(event.target.value) / rims.height(state[2])); draw(); });
+  }
   const pressing = find("pressure");
   if (pressing) pressing.addEventListener("input", () => { pressure = +pressing.value; draw(); });
-  find("reset").addEventListener("click", () => { state = data.design.slice(); draw(); });
+  for (const button of all("go")) button.addEventListener("click", () => { state = button.dataset.go.split(",").map(Number); draw(); });
+  find("reset").addEventListener("click", () => { state = data.design.slice(); if (rims) raise(1); draw(); });
 
   // A value at any pressure between those of the target, straight between them.
   const between = (values, at) => {
@@ -182,10 +222,11 @@
     let outline = `M20 20H440V${face}`;
     for (const place of [1, 0]) outline += `H${20 + start + place * pitch + w * scale}V${face - deep}H${20 + start + place * pitch}V${face}`;
     const drawing = find("section");
-    drawing.setAttribute("viewBox", `0 0 460 ${face + 30}`);
+    drawing.setAttribute("viewBox", `0 0 460 ${face + 48}`);
     drawing.replaceChildren(
       svg("path", { d: outline + "H20z", fill: "#cfe3f0", stroke: "#333" }), svg("path", { d: `M20 ${face + 2}H440`, stroke: "#333", "stroke-width": 3 }),
-      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} wide, ${fixed(s, 1)} apart, ${fixed(d, 1)} deep, in µm; both axes at one scale`));
+      svg("text", { x: 20, y: face + 22 }, `${fixed(w, 1)} µm wide, ${fixed(s, 1)} µm apart, ${fixed(d, 1)} µm deep`),
+      svg("text", { x: 20, y: face + 41 }, "both axes at one scale"));
   };
 
   // The map of two lengths.
@@ -210,12 +251,16 @@
   let image = null;
   const drawMap = () => {
     const [h, v] = plane, hidden = free.find(k => k !== h && k !== v);
-    const key = `${plane} ${hidden === undefined ? "" : state[hidden]} ${hasTarget ? "" : pressure}`;
+    const key = `${plane} ${hidden === undefined ? "" : state[hidden]} ${hasTarget ? "" : pressure} ${rims ? rims.factor : ""}`;
     if (key !== mapped) {
       mapped = key;
       const hs = Array.from({ length: COLUMNS }, (_, column) => lengthAt(h, (column + 0.5) / COLUMNS));
       const vs = Array.from({ length: ROWS }, (_, row) => lengthAt(v, 1 - (row + 0.5) / ROWS));
       const values = endless.plane(state, h, v, hs, vs), peaks = logPeak.plane(state, h, v, hs, vs);
+      if (rims && rims.factor !== 1) {
+        sum(values, rims.values.plane(state, h, v, hs, vs));
+        sum(peaks, rims.logPeak.plane(state, h, v, hs, vs));
+      }
       const side = [h, v].includes(2) ? null : density.plane(state, h, v, hs, vs);
       image = context.createImageData(map.width, map.height);
       // Without a target: how low the value is at the pressure chosen, among those of the map.
@@ -238,7 +283,7 @@
     const mark = (at, fill, size, name) => {
       const x = shareAt(h, at[h]) * map.width, y = (1 - shareAt(v, at[v])) * map.height;
       context.beginPath();
-      if (name === "diamond") { context.moveTo(x, y - size); context.lineTo(x + size, y); context.lineTo(x, y + size); context.lineTo(x - size, y); context.closePath(); } else context.arc(x, y, size, 0, 7);
+      if (name === "square") context.rect(x - size, y - size, 2 * size, 2 * size); else if (name === "diamond") { context.moveTo(x, y - size); context.lineTo(x + size, y); context.lineTo(x, y + size); context.lineTo(x - size, y); context.closePath(); } else context.arc(x, y, size, 0, 7);
       context.fillStyle = fill;
       context.fill();
       context.strokeStyle = "#fff";
@@ -246,7 +291,7 @@
       context.stroke();
       context.lineWidth = 1;
     };
-    for (const point of data.points) mark(point.at, point.kind === "trial" ? "#7a0060" : "#555", 4, "disc");
+    for (const { at, kind, on_map } of data.points) if (on_map && kind !== "found") kind === "trial" ? mark(at, "#7a0060", 5, "square") : mark(at, "#555", 4, "disc");
     mark(data.design, "#000", 8, "diamond");
     mark(state, "#d55e00", 6, "disc");
     find("across").textContent = `${axes[h].name} in µm: ${fixed(axes[h].from, 0)} (left) to ${fixed(axes[h].to, 0)}`;
@@ -267,7 +312,12 @@
     for (const slider of all("slider")) slider.value = toStep(axes[+slider.dataset.slider], state[+slider.dataset.slider]);
     for (const field of all("number")) field.value = fixed(state[+field.dataset.number], 1);
     if (pressing) pressing.value = pressure;
+    if (rims) {
+      find("rim").value = rims.factor;
+      find("rim-height").value = fixed(rims.factor * rims.height(state[2]), 3);
+    }
     const say = (name, text) => { const place = find(name); if (place) place.textContent = text; };
+    say("rim-words", rims ? `${fixed(rims.factor, 2)} times as high as modelled at this depth` : "");
     say("at", `${fixed(pressure, 2)} MPa`);
     say("first", fixed(between(shown.values, pressure), 4));
     say("second", second ? fixed(between(second, pressure), 4) : "-");
@@ -292,6 +342,10 @@
     let place = "";
     copied.value = data.toml.split("\n").map(line => {
       if (line.startsWith("[")) place = line;
+      if (rims && place === "[pattern]" && /^rim_heights?_um = /.test(line)) {
+        const pairs = data.rim.heights_um.map(([depth, height]) => `[${depth}, ${fixed(rims.factor * height, 4)}]`);
+        return line.startsWith("rim_height_um") ? `rim_height_um = ${fixed(rims.factor * data.rim.heights_um[0][1], 4)}` : `rim_heights_um = [${pairs.join(", ")}]`;
+      }
       const k = ["width_um", "spacing_um", "depth_um"].findIndex(key => place === "[pattern]" && line.startsWith(`${key} = `));
       return k < 0 ? line : `${line.split(" = ")[0]} = ${fixed(state[k], 3)}`;
     }).join("\n");

@@ -6,14 +6,15 @@ use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 use slipgrid_design::optimize::{Bound, Quantity};
 use slipgrid_design::records::TargetReport;
-use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer};
+use slipgrid_design::{ConstraintQuantity, DesignOutcome, DesignReport, DesignTask, Explored, Explorer, KnownMaterial};
 use slipgrid_export::laser_time_s;
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{PatternReport, VERSION};
 use slipgrid_statistics::ResponseSurface;
-use slipgrid_units::LENGTH_UM;
+use slipgrid_units::{LENGTH_UM, tidy};
 
 use super::page::{Page, number};
+use super::points::{Among, Point};
 use crate::Outputs;
 
 const SCRIPT: &str = include_str!("explorer.js");
@@ -67,10 +68,39 @@ struct LaserData {
     depth_um: f64,
 }
 
+/// Rims of other heights than the modelled.
 #[derive(Serialize)]
-struct PointData {
-    kind: &'static str,
-    at: [f64; 3],
+struct RimData {
+    axes: Vec<AxisData>,
+    /// Heights over those modelled.
+    factors: Vec<f64>,
+    /// Modelled heights by the depth of the cavity.
+    heights_um: Vec<[f64; 2]>,
+    values: Vec<Packed>,
+    log_peak: Vec<Packed>,
+}
+
+impl RimData {
+    fn new(explorer: &Explorer, pattern: &Pattern) -> Option<Self> {
+        let (changes, rim) = (explorer.rims.as_ref()?, pattern.texture().rim()?);
+        Some(Self {
+            axes: axes_data(changes.values.first()?),
+            factors: changes.factors.clone(),
+            heights_um: rim.heights_m().iter().map(|pair| pair.map(|m| tidy(LENGTH_UM.from_si(m)))).collect(),
+            values: changes.values.iter().map(Packed::new).collect(),
+            log_peak: changes.log_peak.iter().map(Packed::new).collect(),
+        })
+    }
+
+    /// Least and greatest factor.
+    fn ends(&self) -> [f64; 2] {
+        [self.factors.first().copied().unwrap_or(1.0), self.factors.last().copied().unwrap_or(1.0)]
+    }
+}
+
+fn axes_data(surface: &ResponseSurface) -> Vec<AxisData> {
+    let named = surface.axes().iter().zip(LENGTHS);
+    named.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect()
 }
 
 #[derive(Serialize)]
@@ -83,6 +113,7 @@ struct Data {
     flat_mu: Option<Vec<f64>>,
     values: Packed,
     log_peak: Packed,
+    rim: Option<RimData>,
     areal_density: Packed,
     offset: Vec<f64>,
     covariance: Vec<Vec<f64>>,
@@ -90,11 +121,16 @@ struct Data {
     burst_um: Option<f64>,
     laser: Option<LaserData>,
     design: [f64; 3],
-    points: Vec<PointData>,
+    points: Vec<Point>,
     toml: String,
 }
 
 impl Data {
+    /// Whether the map shows a point of this kind.
+    fn shows(&self, kind: &str) -> bool {
+        self.points.iter().any(|point| point.on_map && point.kind == kind)
+    }
+
     fn has_target(&self) -> bool {
         self.lowest.iter().chain(&self.highest).any(Option::is_some)
     }
@@ -103,6 +139,7 @@ impl Data {
 /// What a page explores, with what is known of it.
 struct Subject<'a> {
     task: &'a DesignTask,
+    material: &'a KnownMaterial,
     pattern: &'a Pattern,
     explorer: &'a Explorer,
     /// The design found, where one was searched.
@@ -144,7 +181,6 @@ impl Subject<'_> {
     fn data(&self) -> Data {
         let (task, explorer, pattern) = (self.task, self.explorer, self.pattern);
         let target: TargetReport = (&task.target).into();
-        let axes = explorer.values.axes().iter().zip(LENGTHS);
         let count = target.pressure_mpa.len();
         let edge = |edges: &[Option<f64>]| (0..count).map(|row| edges.get(row).copied().flatten()).collect();
         let confirmed = self.report.map_or(&[][..], |report| &report.confirmed);
@@ -156,18 +192,26 @@ impl Subject<'_> {
                 depth_um: LENGTH_UM.from_si(pattern.depth_m()),
             })
         });
-        let traded = self.report.and_then(|report| report.trade_offs.as_ref());
-        let listed = traded.iter().flat_map(|found| &found.listed).map(|listed| &listed.design);
-        let at = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
+        let flat_mu = flat_mu.filter(|all| all.len() == count);
+        let among = Among {
+            task,
+            material: self.material,
+            explorer,
+            flat_mu: flat_mu.as_deref(),
+            pressure_mpa: &target.pressure_mpa,
+        };
+        let points = among.points(self.report);
+        let own = PatternReport::from(pattern);
         Data {
             is_ratio: task.target.quantity() == Quantity::Ratio,
-            axes: axes.map(|(axis, name)| AxisData { name, from: axis.from, to: axis.to, nodes: axis.nodes }).collect(),
+            axes: axes_data(&explorer.values),
             lowest: edge(&target.lowest),
             highest: edge(&target.highest),
             pressure_mpa: target.pressure_mpa,
-            flat_mu: flat_mu.filter(|all| all.len() == count),
+            flat_mu,
             values: Packed::new(&explorer.values),
             log_peak: Packed::new(&explorer.log_peak),
+            rim: RimData::new(explorer, pattern),
             areal_density: Packed::new(&explorer.areal_density),
             offset: explorer.offset.clone(),
             covariance: explorer
@@ -179,8 +223,8 @@ impl Subject<'_> {
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
             laser,
-            design: at(&pattern.into()),
-            points: listed.map(|design| PointData { kind: "trade-off", at: at(design) }).collect(),
+            design: [own.width_um, own.spacing_um, own.depth_um],
+            points,
             toml: self.toml.clone(),
         }
     }
@@ -201,10 +245,15 @@ impl Subject<'_> {
         };
         let words = format!(
             "What any design within the bounds would do, by a table of steady solutions: the {quantity} is off the solver's by {} in \
-             the median and {} at worst over {} designs drawn at random. {corrected}",
+             the median and {} at worst over {} designs drawn at random{}. {corrected}",
             number(error.median, 4),
             number(error.worst, 4),
             error.points,
+            data.rim.as_ref().map_or_else(String::new, |rim| format!(
+                ", their rims from {} to {} times as high as modelled",
+                rim.ends()[0],
+                rim.ends()[1]
+            )),
         );
         let is_all = self.task.also_at.is_empty() && self.task.directions.different_deg.is_empty();
         let words =
@@ -220,7 +269,8 @@ impl Subject<'_> {
 pub(super) fn explorer(page: &mut Page, found: &DesignOutcome, outputs: &Outputs) {
     let Some(explorer) = &found.explorer else { return };
     let toml = outputs.text("design.toml").unwrap_or_default();
-    Subject { task: &found.task, pattern: &found.pattern, explorer, report: Some(&found.report), toml }.add(page);
+    let (task, material, pattern) = (&found.task, &found.material, &found.pattern);
+    Subject { task, material, pattern, explorer, report: Some(&found.report), toml }.add(page);
 }
 
 /// The page of what a task's designs do, before any is searched; `toml` is a scene of the design in the middle.
@@ -229,11 +279,44 @@ pub fn exploration(found: &Explored, toml: String) -> String {
     let Explored { task, material, pattern, explorer, .. } = found;
     let mut page = Page::default();
     page.title(&task.name);
+    if let Some(date) = &task.date {
+        page.marked("date", date);
+    }
     if material.material.provenance.synthetic_surface {
         page.warning("The area law behind these numbers rests on a synthetic surface, not on a measured one.");
     }
-    Subject { task, pattern, explorer, report: None, toml }.add(&mut page);
+    Subject { task, material, pattern, explorer, report: None, toml }.add(&mut page);
     page.finish(&task.name, VERSION)
+}
+
+/// The points in words, each with a button that chooses it.
+fn listed(data: &Data) -> Markup {
+    let has_measured = data.points.iter().any(|point| !point.measured.is_empty());
+    html! {
+        details class="points" {
+            summary { "Points of the map" }
+            div class="scroll" {
+                table {
+                    caption {
+                        "Lengths in µm." @if has_measured { " Measured: ratio patterned over flat; in brackets what this page draws there, or what was modelled of the sample." }
+                    }
+                    thead {
+                        tr { th scope="col" { "point" } @for name in LENGTHS { th scope="col" { (name) } } th scope="col" { "choose" } @if has_measured { th scope="col" class="words" { "measured" } } }
+                    }
+                    tbody {
+                        @for point in &data.points {
+                            tr {
+                                td { (point.name) }
+                                @for length in point.at { td { (number(length, 1)) } }
+                                td { @if point.on_map { button type="button" data-go=(format!("{},{},{}", point.at[0], point.at[1], point.at[2])) aria-label=(format!("Choose {}", point.name)) { "show" } } @else { "-" } }
+                                @if has_measured { td class="words" { (point.measured) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
 }
 
 fn controls(data: &Data) -> Markup {
@@ -255,6 +338,14 @@ fn controls(data: &Data) -> Markup {
                             aria-label=(format!("{} in µm, as a number", data.axes[*axis].name)) data-number=(axis);
                     }
                 }
+                @if let Some(rim) = &data.rim {
+                    div class="knob" {
+                        label for="x-rim" { "rim height in µm" }
+                        input id="x-rim" type="range" min=(rim.ends()[0]) max=(rim.ends()[1]) step="0.01" value="1" data-rim;
+                        input type="number" inputmode="decimal" step="0.01" min="0" aria-label="rim height in µm, as a number" data-rim-height;
+                        span data-rim-words {}
+                    }
+                }
                 @if pressures.len() > 1 {
                     div class="knob" {
                         label for="x-p" { "pressure in MPa" }
@@ -273,8 +364,11 @@ fn controls(data: &Data) -> Markup {
                 textarea data-toml hidden readonly rows="8" aria-label="The design as a scene for slipgrid simulate" {}
             }
             div class="views" {
-                figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="13" fill="#333" {} }
-                    figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
+                div {
+                    figure { div class="card" { svg data-curve viewBox="0 0 460 300" role="img" aria-label="Values against pressure with the target's band" font-family="sans-serif" font-size="15" fill="#333" {} }
+                        figcaption { "Values against pressure: this design with one standard deviation, and the target's band" } }
+                    figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="15" fill="#333" {} } }
+                }
                 @if free.len() > 1 {
                     figure {
                         div class="card" { canvas data-map width="384" height="288" role="img" aria-label="Where designs are on target; the sliders choose the same" {} }
@@ -286,12 +380,12 @@ fn controls(data: &Data) -> Markup {
                                 " "
                             }
                             span data-across {} "; " span data-up {} @if data.has_target() { ". Green: on target" } @else { ". The darker, the lower" } ". Hatched: breaks a limit" span data-limits {}
-                            ". Diamond: where it started; orange: chosen here" @if !data.points.is_empty() { "; grey: trade-offs" } ". Click to choose."
+                            ". Diamond: where it started; orange: chosen here" @if data.shows("trade-off") { "; grey: trade-offs" } @if data.shows("trial") { "; purple squares: trials, cut and measured" } ". Click to choose."
                         }
                     }
                 }
-                figure { div class="card" { svg data-section viewBox="0 0 460 120" role="img" aria-label="Vertical section of two periods to scale" font-family="sans-serif" font-size="13" fill="#333" {} } }
             }
+            @if !data.points.is_empty() { (listed(data)) }
         }
     }
 }

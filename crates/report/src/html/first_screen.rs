@@ -7,6 +7,7 @@ use slipgrid_units::LENGTH_MM;
 
 use super::page::{Page, known, number, percent, plain, sentence};
 use crate::Outputs;
+use crate::target::target_narrow;
 
 /// Class of a verdict that is no success.
 const MISSED: &str = "verdict missed";
@@ -40,7 +41,7 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
             page.terms(&TERMS);
         },
         |page| {
-            page.picture_of(outputs, "target.svg", target_caption(report));
+            page.picture_of_both(outputs, "target.svg", target_narrow(report).ok(), target_caption(report));
             let extents_mm = found.map(|found| found.task.specimen.outline.extents_m().map(|m| LENGTH_MM.from_si(m)));
             let [along, across] = extents_mm.unwrap_or([0.0; 2]);
             let words = format!("The specimen seen from above, {} mm by {} mm", plain(along), plain(across));
@@ -125,14 +126,7 @@ fn caveat(page: &mut Page, report: &DesignReport) {
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()
     };
     all.extend(report.confirmed.iter().flat_map(doubts));
-    let mut all = all.into_iter();
-    if let Some(first) = all.next() {
-        page.warning(&first);
-    }
-    let others: Vec<String> = all.collect();
-    if !others.is_empty() {
-        page.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
-    }
+    page.doubts(all);
 }
 
 const fn target_caption(report: &DesignReport) -> &'static str {

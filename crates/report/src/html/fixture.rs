@@ -32,6 +32,7 @@ pub fn report() -> DesignReport {
     let nearest = NearestReport { design: design.clone(), misfit: 1.75 };
     let node = NodeReport { design: design.clone(), cost: 0.5, misfit: 0.5, feasible: true };
     DesignReport {
+        date: Some("2026-11-22".to_owned()),
         program: "slipgrid".into(),
         version: "0.0.0".into(),
         name: "a <b> & \"c\"".into(),

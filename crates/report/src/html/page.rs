@@ -16,6 +16,9 @@ const NL: PreEscaped<&str> = PreEscaped("\n");
 /// Bytes of a picture above which a page only names it: browsers draw tens of thousands of shapes slowly.
 const LARGEST_PICTURE: usize = 3_000_000;
 
+/// Height of the smallest text of a drawing as it is shown, in pixels of the page.
+const LEAST_TEXT_PX: f64 = 9.0;
+
 /// Characters of a number with its error and unit; longer cells are sentences.
 const LONGEST_NUMBER: usize = 24;
 
@@ -110,9 +113,18 @@ impl Page {
         }
     }
 
-    /// Two parts side by side where there is room.
+    /// Two parts side by side where there is room, the pictures at the right low enough for two of them.
     pub fn side_by_side(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
-        self.body.push_str("<div class=\"first\">\n<div>\n");
+        self.beside("first", left, right);
+    }
+
+    /// The same with one picture at the right, which may be higher.
+    pub fn beside_picture(&mut self, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
+        self.beside("first tall", left, right);
+    }
+
+    fn beside(&mut self, class: &str, left: impl FnOnce(&mut Self), right: impl FnOnce(&mut Self)) {
+        self.body.push_str(&format!("<div class=\"{class}\">\n<div>\n"));
         left(self);
         self.body.push_str("</div>\n<div>\n");
         right(self);
@@ -154,12 +166,37 @@ impl Page {
         self.marked("warning", text);
     }
 
+    /// What makes numbers doubtful: the first that matters most, the others folded.
+    pub fn doubts(&mut self, all: Vec<String>) {
+        let mut all = all.into_iter();
+        if let Some(first) = all.next() {
+            self.warning(&first);
+        }
+        let others: Vec<String> = all.collect();
+        if !others.is_empty() {
+            self.fold("Further doubts", |page| others.iter().for_each(|doubt| page.warning(doubt)));
+        }
+    }
+
     /// A share from 0 to 1 as a bar, which words beside it say too.
     pub fn bar(&mut self, share: f64) {
         let percent = 100.0 * share.clamp(0.0, 1.0);
         self.add(&html! {
             div class="bar" aria-hidden="true" { div style=(format!("width:{percent:.1}%")) {} }
         });
+    }
+
+    /// The sentence that a reader should take along.
+    pub fn lead(&mut self, text: &str) {
+        self.marked("chance", text);
+    }
+
+    /// A list with bullets under a name; nothing where there are no items.
+    pub fn named_list(&mut self, name: &str, items: &[String]) {
+        if !items.is_empty() {
+            self.subheading(name);
+            self.list(items);
+        }
     }
 
     /// A list with bullets; nothing where there are no items.
@@ -215,6 +252,12 @@ impl Page {
             self.paragraph(&format!("{caption} The picture is too large for this page: it stands beside it."));
             return;
         }
+        let card = self.card(svg, caption);
+        self.add(&html! { figure { (card) figcaption { (Text(caption)) } } });
+    }
+
+    /// A picture on its card, told apart from the page's others.
+    fn card(&mut self, svg: &str, caption: &str) -> Markup {
         self.pictures += 1;
         let start = svg.find("<svg").unwrap_or(0);
         let prefix = format!("p{}-", self.pictures);
@@ -223,9 +266,9 @@ impl Page {
             .replace(" id=\"", &format!(" id=\"{prefix}"))
             .replace("url(#", &format!("url(#{prefix}"))
             .replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{}\" ", Text(caption).render().0), 1);
-        self.add(&html! {
-            figure { div class="card" { (PreEscaped(named.trim_end())) } figcaption { (Text(caption)) } }
-        });
+        // So wide that its smallest text can be read: a narrower window scrolls it.
+        let least = least_width_px(&named).map(|px| format!("--least:{px:.0}px"));
+        html! { div class="card" style=[least] { (PreEscaped(named.trim_end())) } }
     }
 
     /// The picture `name` of `outputs`, where it was made.
@@ -233,6 +276,17 @@ impl Page {
         if let Some(svg) = outputs.text(name) {
             self.picture(&svg, caption);
         }
+    }
+
+    /// The same with another one for a narrow window, where that was made.
+    pub fn picture_of_both(&mut self, outputs: &Outputs, name: &str, narrow: Option<String>, caption: &str) {
+        let (Some(wide), Some(narrow)) = (outputs.text(name), narrow) else {
+            return self.picture_of(outputs, name, caption);
+        };
+        let [wide, narrow] = [self.card(&wide, caption), self.card(&narrow, caption)];
+        self.add(&html! {
+            figure { div class="wide" { (wide) } (NL) div class="narrow" { (narrow) } (NL) figcaption { (Text(caption)) } }
+        });
     }
 
     /// The specimen's face alone, `extents_mm` wide and high, of the drawing `name` of `outputs`, whose legend stands elsewhere.
@@ -284,6 +338,14 @@ impl Page {
     }
 }
 
+/// Width of a drawing at which its smallest text is as high as [`LEAST_TEXT_PX`]; `None` without text.
+fn least_width_px(svg: &str) -> Option<f64> {
+    let after = |text: &'static str| svg.split(text).skip(1).filter_map(|rest| rest.split('"').next());
+    let width: f64 = after("viewBox=\"").next()?.split_whitespace().nth(2)?.parse().ok()?;
+    let smallest = after("font-size=\"").filter_map(|size| size.parse::<f64>().ok()).fold(f64::INFINITY, f64::min);
+    (smallest > 0.0 && smallest.is_finite()).then(|| (LEAST_TEXT_PX * width / smallest).ceil())
+}
+
 /// A number that is one: infinities, and what is no number, say nothing.
 pub fn known(value: impl Into<Option<f64>>) -> Option<f64> {
     value.into().filter(|value| value.is_finite())
@@ -333,4 +395,20 @@ pub fn ends(interval: Option<[f64; 2]>, digits: usize) -> String {
 /// Yes or no.
 pub fn yes_or_no(is_so: bool) -> String {
     if is_so { "yes" } else { "no" }.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drawings_are_so_wide_that_their_smallest_text_can_be_read() {
+        let svg =
+            "<svg viewBox=\"0 0 7200 4000\"><text font-size=\"128\">a</text><text font-size=\"100\">b</text></svg>";
+        assert_eq!(least_width_px(svg), Some(648.0));
+        assert_eq!(least_width_px("<svg viewBox=\"0 0 9 9\"/>"), None);
+        let mut page = Page::default();
+        page.picture(svg, "c");
+        assert!(page.finish("t", "0").contains("style=\"--least:648px\""));
+    }
 }

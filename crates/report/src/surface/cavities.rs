@@ -10,12 +10,13 @@ use slipgrid_units::tidy;
 use super::um;
 use crate::ChartError;
 use crate::charts::{self, EdgeProfileChart};
+use crate::html::page::sentence;
 
 /// Points of the drawn rim.
 const RIM_POINTS: u32 = 240;
 
 #[derive(Clone, Debug, Serialize)]
-pub(super) struct CavityReport {
+pub(crate) struct CavityReport {
     width_x: Option<SpreadReport>,
     width_y: Option<SpreadReport>,
     spacing_x: Option<SpreadReport>,
@@ -102,35 +103,80 @@ impl From<&CavityMetrology> for CavityReport {
     }
 }
 
+/// A table of a page: its caption, its header and its rows.
+pub(crate) type PageTable = (&'static str, &'static [&'static str], Vec<Vec<String>>);
+
 impl CavityReport {
     pub(super) fn table(&self) -> String {
         let mut table = Table::new(["cavities", "mean um", "std um", "number"]);
-        for (name, spread) in [
+        for (name, spread) in self.spreads() {
+            let number = |value: f64| fixed(Some(value), 2);
+            table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
+        }
+        let mut edges = Table::new(["edges", "value", "+-", ""]);
+        for (name, [value, error], unit) in self.edges() {
+            edges.row([name.to_owned(), value, error, unit.to_owned()]);
+        }
+        let [rim, wall] = self.edge_words();
+        let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
+        format!(
+            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n\n{edges}\n{rim}{wall}\n",
+            self.count,
+            100.0 * self.area_fraction,
+            fixed(Some(self.land_sq_um), 3),
+        )
+    }
+
+    /// The same as tables of a page.
+    pub(crate) fn tables(&self) -> [PageTable; 2] {
+        let lengths = self.spreads().map(|(name, spread)| {
+            let number = |value: f64| fixed(Some(value), 2);
+            vec![name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]
+        });
+        let edge = |(name, [value, error], unit): (&str, [String; 2], &str)| {
+            vec![name.to_owned(), value, error, unit.to_owned()]
+        };
+        [
+            (
+                "Cavities, in µm: mean, standard deviation from one to the next, and how many were measured.",
+                &["length", "mean", "standard deviation", "number"],
+                lengths.collect(),
+            ),
+            (
+                "Edges and floors, with their standard errors.",
+                &["edges", "value", "±", "unit"],
+                self.edges().map(edge).collect(),
+            ),
+        ]
+    }
+
+    /// What cannot be read from the tables.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
+        let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
+        std::iter::once(land).chain(edges.map(|words| sentence(&words))).collect()
+    }
+
+    /// How many there are and what they take.
+    pub(crate) fn summary(&self) -> String {
+        format!("{}, on {:.1} % of the map", self.count, 100.0 * self.area_fraction)
+    }
+
+    fn spreads(&self) -> impl Iterator<Item = (&'static str, &SpreadReport)> {
+        let all = [
             ("width along x", &self.width_x),
             ("width along y", &self.width_y),
             ("spacing along x", &self.spacing_x),
             ("spacing along y", &self.spacing_y),
             ("depth", &self.depth),
-        ] {
-            if let Some(spread) = spread {
-                let number = |value: f64| fixed(Some(value), 2);
-                table.row([name.to_owned(), number(spread.mean_um), number(spread.std_um), spread.count.to_string()]);
-            }
-        }
-        format!(
-            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n{}",
-            self.count,
-            100.0 * self.area_fraction,
-            fixed(Some(self.land_sq_um), 3),
-            self.edges()
-        )
+        ];
+        all.into_iter().filter_map(|(name, spread)| Some((name, spread.as_ref()?)))
     }
 
-    /// Rims, walls and floors.
-    fn edges(&self) -> String {
+    /// Rims, walls and floors: name, value and error, unit.
+    fn edges(&self) -> impl Iterator<Item = (&'static str, [String; 2], &'static str)> {
         let rim = &self.rim;
-        let mut table = Table::new(["edges", "value", "+-", ""]);
-        for (name, estimate, decimals, unit) in [
+        let all = [
             ("rim height", rim.height_um, 3, "um"),
             ("rim height, cavity to cavity", rim.height_std_um, 3, "um"),
             ("rim height, side to side", rim.side_std_um, 3, "um"),
@@ -138,13 +184,16 @@ impl CavityReport {
             ("share of edge with a rim", rim.share_of_edge, 3, ""),
             ("wall angle", self.wall_angle_deg, 1, "deg"),
             ("floor Sq", self.floor_sq_um, 3, "um"),
-        ] {
-            if let Some(estimate) = estimate {
-                let cells = [Some(estimate.value), estimate.error].map(|value| fixed(value, decimals));
-                let [value, error] = cells;
-                table.row([name.to_owned(), value, error, unit.to_owned()]);
-            }
-        }
+        ];
+        all.into_iter().filter_map(|(name, estimate, decimals, unit)| {
+            let estimate = estimate?;
+            Some((name, [Some(estimate.value), estimate.error].map(|value| fixed(value, decimals)), unit))
+        })
+    }
+
+    /// What rim there is, and whether the pixels show the walls; the latter empty where they do.
+    fn edge_words(&self) -> [String; 2] {
+        let rim = &self.rim;
         let rim = match (rim.profile, rim.height_um) {
             (Some(profile), _) => format!("the rim's profile is {profile}"),
             (None, Some(_)) => "no rim stands out from the roughness".to_owned(),
@@ -152,11 +201,11 @@ impl CavityReport {
         };
         let wall = match (self.wall_angle_deg, self.wall_resolved_deg) {
             (Some(angle), Some(resolved)) if angle.value >= resolved => {
-                format!("; walls are at least as steep as that: the pixels resolve up to {resolved:.1} deg")
+                format!("walls are at least as steep as that: the pixels resolve up to {resolved:.1} deg")
             }
             _ => String::new(),
         };
-        format!("\n{table}\n{rim}{wall}\n")
+        [rim, wall]
     }
 }
 

@@ -1,12 +1,13 @@
 //! An altitude map: parameters, cavities, pictures.
 
 mod cavities;
+mod files;
 mod period;
 mod pictures;
 
 pub use cavities::{cavities_csv, edge_profile_csv, edge_profile_svg};
+pub use files::{FILES, Measured, files};
 pub use period::{period_note, period_text};
-pub use pictures::add as pictures;
 
 use std::fmt::Write as _;
 
@@ -25,57 +26,57 @@ use slipgrid_units::{LENGTH_UM, tidy};
 #[derive(Clone, Debug, Serialize)]
 pub struct SurfaceReport {
     program: &'static str,
-    version: &'static str,
+    pub(crate) version: &'static str,
     schema: u32,
-    map: String,
-    format: &'static str,
+    pub(crate) map: String,
+    pub(crate) format: &'static str,
     /// The file says of itself that it is synthetic.
-    synthetic_surface: bool,
-    rows: usize,
-    columns: usize,
+    pub(crate) synthetic_surface: bool,
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
     /// Along x (between rows) and y (between columns).
-    pixel_um: [f64; 2],
-    missing_points: usize,
-    model: Vec<String>,
+    pub(crate) pixel_um: [f64; 2],
+    pub(crate) missing_points: usize,
+    pub(crate) model: Vec<String>,
     /// What makes the numbers doubtful; each begins with its name.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    warnings: Vec<String>,
-    parameters: ParameterReport,
+    pub(crate) warnings: Vec<String>,
+    pub(crate) parameters: ParameterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
-    cavities: Option<CavityReport>,
-    spectrum: Vec<SpectrumReport>,
+    pub(crate) cavities: Option<CavityReport>,
+    pub(crate) spectrum: Vec<SpectrumReport>,
 }
 
 /// Parameters of ISO 25178-2, and the rms slope of contact theories.
 #[derive(Clone, Debug, Serialize)]
-struct ParameterReport {
-    sa_um: f64,
-    sq_um: f64,
-    ssk: f64,
-    sku: f64,
-    sp_um: f64,
-    sv_um: f64,
-    sz_um: f64,
-    sdq: f64,
-    sdr_pct: f64,
+pub(crate) struct ParameterReport {
+    pub(crate) sa_um: f64,
+    pub(crate) sq_um: f64,
+    pub(crate) ssk: f64,
+    pub(crate) sku: f64,
+    pub(crate) sp_um: f64,
+    pub(crate) sv_um: f64,
+    pub(crate) sz_um: f64,
+    pub(crate) sdq: f64,
+    pub(crate) sdr_pct: f64,
     /// Spectral: what the area law takes.
-    rms_slope: f64,
+    pub(crate) rms_slope: f64,
     /// Null where the autocorrelation does not fall to 0.2 within half the map.
-    sal_um: Option<f64>,
-    r#str: Option<f64>,
-    sk_um: f64,
-    spk_um: f64,
-    svk_um: f64,
-    smr1_pct: f64,
-    smr2_pct: f64,
+    pub(crate) sal_um: Option<f64>,
+    pub(crate) r#str: Option<f64>,
+    pub(crate) sk_um: f64,
+    pub(crate) spk_um: f64,
+    pub(crate) svk_um: f64,
+    pub(crate) smr1_pct: f64,
+    pub(crate) smr2_pct: f64,
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct SpectrumReport {
-    wavelength_um: f64,
-    q_per_um: f64,
-    psd_um4: f64,
-    waves: f64,
+pub(crate) struct SpectrumReport {
+    pub(crate) wavelength_um: f64,
+    pub(crate) q_per_um: f64,
+    pub(crate) psd_um4: f64,
+    pub(crate) waves: f64,
 }
 
 fn um(length_m: f64) -> f64 {
@@ -149,6 +150,31 @@ impl SurfaceReport {
         }
     }
 
+    /// Every parameter: name, value to four digits or a dash, unit.
+    pub(crate) fn values(&self) -> Vec<(&'static str, String, &'static str)> {
+        let p = &self.parameters;
+        let all = [
+            ("Sa", Some(p.sa_um), "um"),
+            ("Sq", Some(p.sq_um), "um"),
+            ("Ssk", Some(p.ssk), ""),
+            ("Sku", Some(p.sku), ""),
+            ("Sp", Some(p.sp_um), "um"),
+            ("Sv", Some(p.sv_um), "um"),
+            ("Sz", Some(p.sz_um), "um"),
+            ("Sdq", Some(p.sdq), ""),
+            ("rms slope", Some(p.rms_slope), ""),
+            ("Sdr", Some(p.sdr_pct), "%"),
+            ("Sk", Some(p.sk_um), "um"),
+            ("Spk", Some(p.spk_um), "um"),
+            ("Svk", Some(p.svk_um), "um"),
+            ("Smr1", Some(p.smr1_pct), "%"),
+            ("Smr2", Some(p.smr2_pct), "%"),
+            ("Sal", p.sal_um, "um"),
+            ("Str", p.r#str, ""),
+        ];
+        all.map(|(name, value, unit)| (name, value.map_or_else(|| "-".to_owned(), significant), unit)).to_vec()
+    }
+
     /// The report for people.
     pub fn table(&self) -> String {
         let mut text = format!(
@@ -167,32 +193,10 @@ impl SurfaceReport {
         for warning in &self.warnings {
             text += &format!("! {warning}\n");
         }
-        let p = &self.parameters;
         let mut table = Table::new(["parameter", "value", ""]);
-        let mut row = |name: &str, value: Option<f64>, unit: &str| {
-            table.row([name.to_owned(), value.map_or_else(|| "-".to_owned(), significant), unit.to_owned()]);
-        };
-        for (name, value, unit) in [
-            ("Sa", p.sa_um, "um"),
-            ("Sq", p.sq_um, "um"),
-            ("Ssk", p.ssk, ""),
-            ("Sku", p.sku, ""),
-            ("Sp", p.sp_um, "um"),
-            ("Sv", p.sv_um, "um"),
-            ("Sz", p.sz_um, "um"),
-            ("Sdq", p.sdq, ""),
-            ("rms slope", p.rms_slope, ""),
-            ("Sdr", p.sdr_pct, "%"),
-            ("Sk", p.sk_um, "um"),
-            ("Spk", p.spk_um, "um"),
-            ("Svk", p.svk_um, "um"),
-            ("Smr1", p.smr1_pct, "%"),
-            ("Smr2", p.smr2_pct, "%"),
-        ] {
-            row(name, Some(value), unit);
+        for (name, value, unit) in self.values() {
+            table.row([name.to_owned(), value, unit.to_owned()]);
         }
-        row("Sal", p.sal_um, "um");
-        row("Str", p.r#str, "");
         text += &format!("\n{table}");
         if let Some(cavities) = &self.cavities {
             text += &cavities.table();

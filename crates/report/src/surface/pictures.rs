@@ -15,7 +15,7 @@ const CURVE_POINTS: u32 = 400;
 const SPIKES: f64 = 5e-4;
 
 /// Adds the pictures to `outputs`.
-pub fn add(
+pub(super) fn add(
     outputs: &mut Outputs,
     surface: &PreparedMap,
     curve: &MaterialRatioCurve,

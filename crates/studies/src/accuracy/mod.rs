@@ -3,6 +3,7 @@
 mod difference;
 mod front;
 mod measure;
+mod page;
 mod plan;
 mod report;
 mod scene;
@@ -15,6 +16,7 @@ use crate::StudyError;
 use plan::{Role, rows};
 use report::model_notes;
 
+pub use page::page;
 pub use plan::Size;
 pub use report::{AccuracyReport, Machine};
 pub use scene::{base, paper_scene, reduced};

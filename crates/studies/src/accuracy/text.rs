@@ -8,7 +8,7 @@ use super::report::{AccuracyReport, FrontReport, RowReport, ValueReport};
 use slipgrid_report::charts::{self, WorkPoint, WorkPrecisionChart, WorkPrecisionPanel};
 use slipgrid_results::fixed;
 
-const QUANTITIES: [Quantity; 3] = [Quantity::MuDynamic, Quantity::MuStatic, Quantity::Ratio];
+pub(super) const QUANTITIES: [Quantity; 3] = [Quantity::MuDynamic, Quantity::MuStatic, Quantity::Ratio];
 
 /// The page: what does not depend on the machine first.
 pub fn markdown(report: &AccuracyReport) -> String {
@@ -95,7 +95,7 @@ fn markdown_table(header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) 
     text
 }
 
-fn method_cells(row: &RowReport) -> Vec<String> {
+pub(super) fn method_cells(row: &RowReport) -> Vec<String> {
     let mut cells = vec![
         if row.default_of.is_some() { format!("**{}**", row.name) } else { row.name.clone() },
         fixed(row.step_ns, 2),
@@ -111,7 +111,7 @@ fn method_cells(row: &RowReport) -> Vec<String> {
 }
 
 /// A difference with its standard error, and whether it means anything.
-fn error_text(value: Option<ValueReport>) -> String {
+pub(super) fn error_text(value: Option<ValueReport>) -> String {
     let Some(value) = value else { return "-".to_owned() };
     let Some(percent) = value.difference_pct else { return "-".to_owned() };
     let size = fixed(Some(percent), 2);
@@ -124,14 +124,14 @@ fn error_text(value: Option<ValueReport>) -> String {
 }
 
 /// A difference between two methods without chance.
-fn change(value: Option<ValueReport>) -> String {
+pub(super) fn change(value: Option<ValueReport>) -> String {
     let percent = value.and_then(|value| value.difference_pct);
     let sign = if percent.is_some_and(|percent| percent > 0.0) { "+" } else { "" };
     format!("{sign}{}", fixed(percent, 3))
 }
 
 /// Three significant digits.
-fn significant_digits(value: f64) -> String {
+pub(super) fn significant_digits(value: f64) -> String {
     if value <= 0.0 {
         return "-".to_owned();
     }
@@ -185,7 +185,7 @@ fn front_text(front: &FrontReport) -> String {
     text + "\n"
 }
 
-fn machine(report: &AccuracyReport) -> String {
+pub(super) fn machine(report: &AccuracyReport) -> String {
     let machine = &report.machine;
     let mut text = format!("slipgrid {}, {}, {}", report.version, machine.architecture, machine.system);
     if let Some(processors) = machine.processors {

@@ -1,0 +1,84 @@
+//! Pictures of a calibration: flat friction, and the area law behind it.
+
+use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask, Measurement};
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use crate::ChartError;
+use crate::charts::{self, AreaLawChart, Estimate, FlatFrictionChart, FlatSeries};
+
+/// Pressure up to which the area law is drawn, over the highest nominal one that was measured.
+const DRAWN: f64 = 6.0;
+
+/// Measured friction of flat samples, and that of the fitted model, by speed and humidity.
+///
+/// # Errors
+/// [`ChartError`] if it cannot be drawn.
+pub fn flat_friction(name: &str, task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
+    let title = format!("{name}: friction of flat samples");
+    charts::flat_friction(&FlatFrictionChart { title: &title, series: &series(task, outcome) })
+}
+
+/// The same for a phone, whose page has the title already.
+///
+/// # Errors
+/// As [`flat_friction`].
+pub fn flat_friction_narrow(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, ChartError> {
+    charts::flat_friction_narrow(&FlatFrictionChart { title: "", series: &series(task, outcome) })
+}
+
+fn series(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<FlatSeries> {
+    let mut series: Vec<FlatSeries> = Vec::new();
+    let mut rows: Vec<(f64, &Measurement, Option<f64>)> = outcome
+        .measurements
+        .iter()
+        .enumerate()
+        .map(|(row, of)| {
+            let modelled = outcome.fit.predictions.get(row).map(|predicted| predicted.mu_dynamic);
+            (PRESSURE_MPA.from_si(task.pressure_pa(of)), of, modelled)
+        })
+        .collect();
+    // Stable: of equal pressures the earlier first.
+    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let label = |of: &Measurement| {
+        let (speed, humidity) = (tidy(SPEED_MM_S.from_si(of.speed_m_s)), tidy(HUMIDITY_PCT.from_si(of.humidity)));
+        format!("{speed} mm/s, {humidity} %")
+    };
+    // Conditions in the order in which they were measured.
+    for of in &outcome.measurements {
+        let label = label(of);
+        if !series.iter().any(|other| other.label == label) {
+            series.push(FlatSeries { label, measured: Vec::new(), modelled: Vec::new() });
+        }
+    }
+    for (pressure_mpa, of, modelled) in rows {
+        let label = label(of);
+        let Some(own) = series.iter_mut().find(|own| own.label == label) else { continue };
+        own.measured.push((pressure_mpa, Estimate { value: of.mu_dynamic, error: Some(of.mu_dynamic_std) }));
+        own.modelled.extend(modelled.map(|mu| [pressure_mpa, mu]));
+    }
+    series
+}
+
+/// The area law and the contact area behind it; `None` without one.
+pub fn area_law(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<Option<String>, ChartError> {
+    let surface = &outcome.surface;
+    let Some(law) = surface.law.as_ref().filter(|_| !surface.curve.is_empty()) else { return Ok(None) };
+    let highest_pa = outcome.measurements.iter().map(|of| task.pressure_pa(of)).fold(0.0, f64::max);
+    let drawn = surface.curve.iter().filter(|point| point.pressure_pa < DRAWN * highest_pa).count() + 1;
+    let curve = &surface.curve[..drawn.clamp(surface.curve.len().min(2), surface.curve.len())];
+    let pressure_mpa: Vec<f64> = curve.iter().map(|point| PRESSURE_MPA.from_si(point.pressure_pa)).collect();
+    let area_fraction: Vec<f64> = curve.iter().map(|point| point.area_fraction_corrected).collect();
+    let factor: Vec<f64> = curve.iter().map(|point| law.factor(point.pressure_pa)).collect();
+    let threshold = curve.iter().find(|point| (point.pressure_pa / task.threshold_pa - 1.0).abs() < 1e-9);
+    let title = if surface.synthetic { "Real contact area (synthetic surface)" } else { "Real contact area" };
+    charts::area_law(&AreaLawChart {
+        title,
+        pressure_mpa: &pressure_mpa,
+        area_fraction: &area_fraction,
+        factor: &factor,
+        factor_std: &[],
+        threshold: threshold.map(|point| [PRESSURE_MPA.from_si(point.pressure_pa), point.area_fraction_corrected]),
+        others: &[],
+    })
+    .map(Some)
+}

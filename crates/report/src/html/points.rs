@@ -1,0 +1,139 @@
+//! Designs and samples as points among what any design does: the design found, trade-offs, trials.
+
+use serde::Serialize;
+use slipgrid_design::{DesignReport, DesignTask, Explorer, KnownMaterial};
+use slipgrid_discrepancy::{Features, Trial};
+use slipgrid_optimize::Quantity;
+use slipgrid_pattern::{Pattern, Texture};
+use slipgrid_results::PatternReport;
+use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use super::page::{number, plain};
+
+/// Relative difference of features up to which a trial has the design's texture: what rounding leaves.
+const ALIKE: f64 = 1e-6;
+/// Relative room about the bounds within which a point lies on the map.
+const ROOM: f64 = 1e-6;
+
+/// A point.
+#[derive(Serialize)]
+pub(super) struct Point {
+    /// What it is: `found`, `trade-off` or `trial`.
+    pub kind: &'static str,
+    /// Width, spacing and depth in micrometres.
+    pub at: [f64; 3],
+    /// Whether the map shows it: within the bounds, and of the texture that they are of.
+    pub on_map: bool,
+    #[serde(skip)]
+    pub name: String,
+    #[serde(skip)]
+    pub measured: String,
+}
+
+/// What points are put among.
+pub(super) struct Among<'a> {
+    pub task: &'a DesignTask,
+    pub material: &'a KnownMaterial,
+    pub explorer: &'a Explorer,
+    /// Dynamic friction of the flat surface at each of the target's pressures, where it is known.
+    pub flat_mu: Option<&'a [f64]>,
+    /// The target's pressures.
+    pub pressure_mpa: &'a [f64],
+}
+
+impl Among<'_> {
+    /// The design of `report`, its trade-offs, and the trials of the material.
+    pub fn points(&self, report: Option<&DesignReport>) -> Vec<Point> {
+        let lengths = |of: &PatternReport| [of.width_um, of.spacing_um, of.depth_um];
+        let point = |kind, at, name: String| Point { kind, at, on_map: self.holds(&at), name, measured: String::new() };
+        let found = report.map(|report| point("found", lengths(&report.design), "the design found".to_owned()));
+        let listed = report.and_then(|report| report.trade_offs.as_ref()).map_or(&[][..], |found| &found.listed);
+        let traded = listed
+            .iter()
+            .enumerate()
+            .map(|(place, of)| point("trade-off", lengths(&of.design), format!("trade-off {}", place + 1)));
+        let trials = self.material.uncertainty.learned.as_ref().map_or(&[][..], |learned| learned.trials());
+        found.into_iter().chain(traded).chain(trials.iter().map(|trial| self.trial(trial))).collect()
+    }
+
+    /// Whether a design lies within the bounds.
+    fn holds(&self, at: &[f64; 3]) -> bool {
+        let mut axes = self.explorer.values.axes().iter().zip(at);
+        axes.all(|(axis, length)| (axis.from * (1.0 - ROOM)..=axis.to * (1.0 + ROOM)).contains(length))
+    }
+
+    fn trial(&self, trial: &Trial) -> Point {
+        let Features { width_m, pitch_m, depth_m, .. } = trial.features;
+        let at = [width_m, pitch_m - width_m, depth_m].map(|m| tidy(LENGTH_UM.from_si(m)));
+        let has_texture = is_of(self.task.space.texture(), &trial.features);
+        let on_map = has_texture && self.holds(&at);
+        // Those at the condition designed for, where there are any.
+        let is_wanted = |load: &slipgrid_discrepancy::Load| {
+            self.task.condition.is_none_or(|wanted| {
+                (load.speed_m_s / wanted.speed_m_s - 1.0).abs() < ALIKE
+                    && (load.humidity - wanted.humidity).abs() < ALIKE
+            })
+        };
+        let is_any = trial.measured.iter().any(|of| is_wanted(&of.load));
+        let words = |of: &slipgrid_discrepancy::Measured| {
+            let mut condition = format!("{} MPa", number(PRESSURE_MPA.from_si(of.load.pressure_pa), 2));
+            if !is_any {
+                let (speed, humidity) =
+                    (tidy(SPEED_MM_S.from_si(of.load.speed_m_s)), tidy(HUMIDITY_PCT.from_si(of.load.humidity)));
+                condition += &format!(", {} mm/s, {} %", plain(speed), plain(humidity));
+            }
+            let here = on_map.then(|| self.ratio(&at, of.load.pressure_pa)).flatten();
+            let beside = here.map_or_else(
+                || format!("modelled {}", number(of.modelled, 3)),
+                |ratio| format!("here {}", number(ratio, 3)),
+            );
+            format!("{} at {condition} ({beside})", number(of.measured, 3))
+        };
+        let measured: Vec<String> =
+            trial.measured.iter().filter(|of| !is_any || is_wanted(&of.load)).map(words).collect();
+        let outside = match (has_texture, on_map) {
+            (false, _) => " (another texture)",
+            (true, false) => " (outside the bounds)",
+            _ => "",
+        };
+        Point {
+            kind: "trial",
+            at,
+            on_map,
+            name: format!("trial {}{outside}", trial.name),
+            measured: measured.join("; "),
+        }
+    }
+
+    /// The ratio of a design at a pressure between those of the target, as the page draws it.
+    fn ratio(&self, at: &[f64; 3], pressure_pa: f64) -> Option<f64> {
+        let values = self.explorer.values.at(at);
+        let (pressures, pressure_mpa) = (self.pressure_mpa, PRESSURE_MPA.from_si(pressure_pa));
+        let offset = |load: usize| self.explorer.offset.get(load).copied().unwrap_or(0.0);
+        let ratio = |load: usize| {
+            let value = values.get(load)? + offset(load);
+            match self.task.target.quantity() {
+                Quantity::Ratio => Some(value),
+                _ => Some(value / self.flat_mu?.get(load)?),
+            }
+        };
+        let same = |load: &usize| (pressures[*load] / pressure_mpa - 1.0).abs() < 1e-3;
+        if let Some(load) = (0..pressures.len()).find(same) {
+            return ratio(load);
+        }
+        let upper = pressures.iter().position(|pressure| *pressure > pressure_mpa).filter(|upper| *upper > 0)?;
+        let t = (pressure_mpa - pressures[upper - 1]) / (pressures[upper] - pressures[upper - 1]);
+        Some((1.0 - t) * ratio(upper - 1)? + t * ratio(upper)?)
+    }
+}
+
+/// Whether `features` are those of a pattern of `texture` with their lengths.
+fn is_of(texture: &Texture, features: &Features) -> bool {
+    let Ok(pattern) = Pattern::new(*texture, features.width_m, features.pitch_m - features.width_m, features.depth_m)
+    else {
+        return false;
+    };
+    let own = Features::from(&pattern);
+    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < ALIKE;
+    alike(own.areal_density, features.areal_density) && alike(own.edge_1_m, features.edge_1_m)
+}

@@ -1,0 +1,194 @@
+//! An altitude map: its parameters, what they rest on, and what makes them doubtful.
+
+use super::page::{Page, number, percent, sentence};
+use crate::Outputs;
+use crate::surface::SurfaceReport;
+
+/// Share of the squared slope in waves shorter than two of the shortest from which on pixels limit the slope.
+const LIMITED_BY_PIXELS: f64 = 0.4;
+/// Share of the squared height in the longest waves from which on the map's size limits the heights.
+const LIMITED_BY_SIDE: f64 = 0.4;
+/// Missing points that are worth a sentence.
+const MANY_MISSING: f64 = 0.01;
+
+/// What the parameters are.
+const MEANINGS: [(&str, &str); 17] = [
+    ("Sa", "mean distance of the heights from their mean"),
+    ("Sq", "root mean square of the same"),
+    ("Ssk", "skewness of the heights: below 0 where few valleys are deep"),
+    ("Sku", "their kurtosis: 3 of normally distributed heights, more with single peaks or valleys"),
+    ("Sp", "highest peak above the mean"),
+    ("Sv", "deepest valley below it"),
+    ("Sz", "both together"),
+    ("Sdq", "root mean square slope from one point to its neighbours"),
+    ("rms slope", "the same by the spectrum, of all waves that the map resolves: the area law takes this one"),
+    ("Sdr", "surface area beyond that of the map's plane"),
+    ("Sk", "height of the core, by the bearing curve"),
+    ("Spk", "height of the peaks above the core"),
+    ("Svk", "depth of the valleys below it"),
+    ("Smr1", "share of the surface above the core"),
+    ("Smr2", "share of the surface above the core's lower end"),
+    ("Sal", "distance over which heights are forgotten: their autocorrelation has fallen to 0.2"),
+    ("Str", "shortest over longest such distance: 1 alike in all directions, near 0 with a lay"),
+];
+
+/// The page of a map: from its `report` and the pictures in `outputs`.
+#[must_use]
+pub fn surface(report: &SurfaceReport, outputs: &Outputs) -> String {
+    let mut page = Page::default();
+    let name = report.map.rsplit(['/', '\\']).next().unwrap_or_default();
+    let title = format!("{name}: altitude map");
+    page.title(&title);
+    page.beside_picture(
+        |page| {
+            verdict(page, report);
+            doubts(page, report);
+        },
+        |page| {
+            page.picture_of(outputs, "map.svg", "Heights seen from above; the arrow at the right marks the section. The colours leave out the highest and lowest 0.05 %");
+        },
+    );
+    page.part("What limits the parameters", |page| page.list(&limits(report)));
+    page.part("Parameters", |page| parameters(page, report));
+    if let Some(cavities) = &report.cavities {
+        page.part("Cavities", |page| {
+            for (caption, header, rows) in cavities.tables() {
+                let rows: Vec<Vec<String>> =
+                    rows.iter().map(|row| row.iter().map(|cell| symbol(cell)).collect()).collect();
+                page.table(caption, header, &rows);
+            }
+            page.list(&cavities.words().iter().map(|words| symbol(words)).collect::<Vec<_>>());
+            page.picture_of(
+                outputs,
+                "edge-profile.svg",
+                "Land before the edges of cavities: mean height against the distance from the edge",
+            );
+        });
+    }
+    page.part("Heights and waves", |page| {
+        page.picture_of(
+            outputs,
+            "histogram.svg",
+            "How often heights occur, and the share of the surface at or above a height",
+        );
+        page.picture_of(
+            outputs,
+            "section.svg",
+            "Height along the section that the map marks; heights are far from to scale",
+        );
+        page.picture_of(outputs, "spectrum.svg", "Power against wave number, both axes logarithmic");
+    });
+    page.part("What was done to the map", |page| {
+        page.list(&report.model.iter().map(|done| sentence(done)).collect::<Vec<_>>())
+    });
+    page.finish(&title, report.version)
+}
+
+fn verdict(page: &mut Page, report: &SurfaceReport) {
+    let p = &report.parameters;
+    page.lead(&format!("Rms slope {}, Sq {} µm.", number(p.rms_slope, 4), number(p.sq_um, 3)));
+    page.paragraph("The rms slope decides real contact area and with it the area law; heights alone decide neither.");
+    let side = |count: usize, pixel_um: f64| number(count as f64 * pixel_um * 1e-3, 3);
+    let [dx, dy] = report.pixel_um;
+    let mut rows: Vec<(&str, String)> = vec![
+        ("sides", format!("{} mm by {} mm", side(report.rows, dx), side(report.columns, dy))),
+        ("pixels", format!("{} by {}, of {} µm by {} µm", report.rows, report.columns, number(dx, 3), number(dy, 3))),
+        ("missing points", report.missing_points.to_string()),
+        ("Sa", format!("{} µm", number(p.sa_um, 3))),
+        ("highest peak, deepest valley", format!("{} µm, {} µm", number(p.sp_um, 2), number(p.sv_um, 2))),
+    ];
+    rows.extend(p.sal_um.map(|sal_um| ("heights are forgotten over (Sal)", format!("{} µm", number(sal_um, 1)))));
+    rows.extend(p.r#str.map(|ratio| ("alike in all directions (Str)", number(ratio, 2))));
+    rows.extend(report.cavities.as_ref().map(|cavities| ("cavities", cavities.summary())));
+    rows.push(("file", format!("{} ({})", report.map, report.format)));
+    page.facts("The map", &rows);
+}
+
+/// What makes the numbers doubtful, the gravest first.
+fn doubts(page: &mut Page, report: &SurfaceReport) {
+    let mut all = Vec::new();
+    if report.synthetic_surface {
+        all.push("The map is synthetic: nothing here was measured.".to_owned());
+    }
+    all.extend(report.warnings.iter().map(|warning| format!("Doubtful: {warning}.")));
+    let missing = report.missing_points as f64 / (report.rows * report.columns).max(1) as f64;
+    if missing > MANY_MISSING {
+        all.push(format!("{} % of the points are missing and were filled.", percent(missing, 1)));
+    }
+    page.doubts(all);
+}
+
+/// How far pixel and side of the map decide its parameters.
+fn limits(report: &SurfaceReport) -> Vec<String> {
+    let mut all = Vec::new();
+    // Of a ring of the spectrum: waves times density, in proportion to the square of the heights; times q^2 to that of the slopes.
+    let share = |power: i32, is_in: &dyn Fn(f64) -> bool| {
+        let of = |is_counted: &dyn Fn(f64) -> bool| -> f64 {
+            let rings = report.spectrum.iter().filter(|ring| is_counted(ring.wavelength_um));
+            rings.map(|ring| ring.waves * ring.psd_um4 * ring.q_per_um.powi(power)).sum()
+        };
+        let whole = of(&|_| true);
+        (whole > 0.0).then(|| of(is_in) / whole)
+    };
+    let lengths = || report.spectrum.iter().map(|ring| ring.wavelength_um);
+    let (shortest_um, longest_um) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
+    if let Some(slope) = share(2, &|wavelength_um| wavelength_um < 2.0 * shortest_um) {
+        let words = if slope > LIMITED_BY_PIXELS {
+            "finer pixels would find a higher one, and an area law from this map is one of these pixels"
+        } else {
+            "finer pixels would change it little unless the surface has more below them"
+        };
+        all.push(format!(
+            "Rms slope and Sdq: {} % of the squared slope lies in waves between {} and {} µm, the shortest that the map resolves: {words}.",
+            percent(slope, 0),
+            number(shortest_um, 2),
+            number(2.0 * shortest_um, 2)
+        ));
+    }
+    if let Some(height) = share(0, &|wavelength_um| wavelength_um > 0.5 * longest_um) {
+        let words = if height > LIMITED_BY_SIDE {
+            "a larger map would find higher ones, and what form was subtracted decides them"
+        } else {
+            "the map is large enough for them"
+        };
+        all.push(format!(
+            "Sa and Sq: {} % of the squared height lies in waves longer than {} µm, half the longest: {words}.",
+            percent(height, 0),
+            number(0.5 * longest_um, 0)
+        ));
+    }
+    if report.parameters.sal_um.is_none() {
+        all.push("Sal and Str: heights are not forgotten within half the map. It is too small for them, or a form was left in it.".to_owned());
+    }
+    all.push(
+        "Sp, Sv and Sz are single points: they grow with the map, and with every spike that is left in it.".to_owned(),
+    );
+    all
+}
+
+fn parameters(page: &mut Page, report: &SurfaceReport) {
+    let row = |(name, value, unit): (&str, String, &str)| {
+        let meaning = MEANINGS.iter().find(|(own, _)| *own == name).map_or("", |(_, meaning)| *meaning);
+        vec![name.to_owned(), value, symbol(unit), meaning.to_owned()]
+    };
+    let rows: Vec<Vec<String>> = report.values().into_iter().map(row).collect();
+    page.table(
+        "Parameters of ISO 25178-2, and the rms slope by the spectrum.",
+        &["parameter", "value", "unit", "what it is"],
+        &rows,
+    );
+}
+
+/// Words with their units as a page writes them.
+fn symbol(words: &str) -> String {
+    let one = |word: &str| {
+        let (own, end) = word.strip_suffix('.').map_or((word, ""), |own| (own, "."));
+        let own = match own {
+            "um" => "µm",
+            "deg" => "°",
+            other => other,
+        };
+        format!("{own}{end}")
+    };
+    words.split(' ').map(one).collect::<Vec<_>>().join(" ")
+}

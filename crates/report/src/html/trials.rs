@@ -1,0 +1,250 @@
+//! The ledger of trials: what was predicted of samples before they were cut, what was measured, and what nobody knows yet.
+
+use super::page::{Column, Page, ends, number, percent, plain, sentence, yes_or_no};
+use crate::Outputs;
+use crate::trials::{CoverageReport, EffectReport, MeasuredReport, PredictedReport, TrialReport, TrialsReport};
+
+/// Share of its error before any trial above which an effect is as unknown as it was.
+const UNKNOWN: f64 = 0.9;
+/// Measured ratios from which on a share of them says something.
+const ENOUGH: usize = 4;
+/// Share of the ratios expected in the interval of 95 % below which predictions were too narrow.
+const TOO_FEW: f64 = 0.8;
+/// Standard deviations from which on a measured ratio surprises.
+const SURPRISING: f64 = 2.0;
+
+const TERMS: [(&str, &str); 7] = [
+    ("trial", "A sample that was cut and measured to learn how far the model is off."),
+    (
+        "ratio",
+        "Dynamic friction of the patterned surface over that of the flat one, both at the same nominal pressure.",
+    ),
+    ("modelled", "The ratio of the physical model alone, without anything learned from trials."),
+    (
+        "predicted before",
+        "The modelled ratio with what the trials before this one say that the model lacks: median and interval.",
+    ),
+    (
+        "surprise",
+        "Distance of the measured ratio from the one predicted before, in standard deviations of the prediction.",
+    ),
+    ("discrepancy", "Logarithm of the measured over the modelled ratio: what the model lacks."),
+    ("form", "How the discrepancy grows with the texture: with its areal density, the length of its edges, its depth."),
+];
+
+/// The page of a ledger: from its `report` and the pictures in `outputs`.
+#[must_use]
+pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
+    let mut page = Page::default();
+    let title = format!("{}: trials", report.name);
+    page.title(&title);
+    page.beside_picture(
+        |page| {
+            verdict(page, report);
+            page.named_list("What to measure next", &next(report));
+            page.terms(&TERMS);
+        },
+        |page| picture(page, outputs),
+    );
+    details(&mut page, report);
+    page.finish(&title, &report.version)
+}
+
+/// The same as a part of another page.
+pub(super) fn part(page: &mut Page, report: &TrialsReport, outputs: &Outputs) {
+    verdict(page, report);
+    picture(page, outputs);
+    page.named_list("Which trial would tell most", &next(report));
+    details(page, report);
+}
+
+fn picture(page: &mut Page, outputs: &Outputs) {
+    page.picture_of(
+        outputs,
+        "trials.svg",
+        "Above: every measured ratio (squares, a colour a trial) beside what the trials before it predicted (grey, with the interval of \
+         95 %, cut off at the frame). Below: measured ratios against the texture and the pressure",
+    );
+}
+
+/// What the trials say, in a few sentences.
+fn verdict(page: &mut Page, report: &TrialsReport) {
+    let Some(before) = report.coverage.first().filter(|_| !report.trials.is_empty()) else {
+        page.lead("No trial was measured: what the model lacks is as wide as what is believed before any.");
+        return;
+    };
+    page.lead(&format!(
+        "{} of {} measured ratios lay within what was predicted of 95 % of samples before they were cut.",
+        before.within_95, before.ratios
+    ));
+    if let Some(effect) = report.effects.first() {
+        // Of the logarithm, so that the ends are not as far from the middle.
+        let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
+        let [low, middle, high] = [-2.0, 0.0, 2.0].map(times);
+        page.paragraph(&format!(
+            "Samples have {middle} times the modelled ratio ({low} to {high} with two standard deviations) {}.",
+            effect.of.trim_start_matches("discrepancy ")
+        ));
+    }
+    page.paragraph(&match &report.identified {
+        Some(family) => format!("The trials say that what the model lacks grows with {family}."),
+        None => "The trials do not say how what the model lacks depends on the texture: several forms fit, and other textures are \
+                 predicted by their mixture."
+            .to_owned(),
+    });
+    let surprises = report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
+    let largest = surprises.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));
+    if let Some((trial, at)) = largest.filter(|(_, at)| at.before.surprise.abs() >= SURPRISING) {
+        page.warning(&format!(
+            "The largest surprise: {} at {} MPa, {} measured where {} was predicted ({} standard deviations).",
+            trial.name,
+            number(at.pressure_mpa, 2),
+            number(at.measured, 3),
+            number(at.before.ratio, 3),
+            number(at.before.surprise, 1)
+        ));
+    }
+}
+
+/// What would be learned most from, by what is not known.
+fn next(report: &TrialsReport) -> Vec<String> {
+    let mut all = Vec::new();
+    if !report.pending.is_empty() {
+        all.push(format!("What was cut and is not measured yet: {}.", report.pending.join(", ")));
+    }
+    if report.trials.is_empty() {
+        all.push(
+            "A first trial: any texture of the kind that is wanted. slipgrid next says which is likeliest on target."
+                .to_owned(),
+        );
+        return all;
+    }
+    if report.identified.is_none() {
+        all.push("A texture of another areal density, edge length and depth than those below: it would tell the forms apart.".to_owned());
+    }
+    let is_narrow = |before: &&CoverageReport| {
+        before.ratios >= ENOUGH && (before.within_95 as f64) < TOO_FEW * before.ratios as f64
+    };
+    if report.coverage.first().filter(is_narrow).is_some() {
+        all.push(
+            "A repeat of a texture: predictions were too narrow, and only a repeat tells the scatter of samples from a wrong form."
+                .to_owned(),
+        );
+    }
+    let unknown = |effect: &&EffectReport| effect.std >= UNKNOWN * effect.prior_std;
+    let names: Vec<&str> = report.effects.iter().skip(1).filter(unknown).map(|effect| effect.of.as_str()).collect();
+    if !names.is_empty() {
+        all.push(format!(
+            "A sample at other conditions: nothing is known of the effect of {} but what is believed before any trial.",
+            names.join(" and of ")
+        ));
+    }
+    if all.is_empty() {
+        all.push("The texture that slipgrid next names for your target: the trials leave no gap that another one alone would close.".to_owned());
+    }
+    all
+}
+
+fn details(page: &mut Page, report: &TrialsReport) {
+    let rows: Vec<(&TrialReport, &MeasuredReport)> =
+        report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at))).collect();
+    page.part("The ledger", |page| {
+        page.records(
+            "Ratios patterned over flat, dimensionless. Predicted: by the trials before, with the interval of 95 %, the measurement's own \
+             errors included.",
+            &rows,
+            &[
+                ("trial", |(trial, _)| trial.name.clone()),
+                ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
+                ("speed in mm/s", |(_, at)| plain(at.speed_mm_s)),
+                ("humidity in %", |(_, at)| plain(at.humidity_pct)),
+                ("measured", |(_, at)| number(at.measured, 3)),
+                ("modelled", |(_, at)| number(at.modelled, 3)),
+                ("predicted before", |(_, at)| predicted(&at.before)),
+                ("surprise", |(_, at)| number(at.before.surprise, 1)),
+                ("within 95 %", |(_, at)| yes_or_no(is_within(at))),
+            ],
+        );
+        let mut columns: Vec<Column<TrialReport>> = vec![("trial", |trial| trial.name.clone())];
+        if report.trials.iter().any(|trial| !trial.date.is_empty()) {
+            columns.push(("date", |trial| trial.date.clone()));
+        }
+        columns.extend([
+            ("width in µm", (|trial| number(trial.width_um, 1)) as fn(&TrialReport) -> String),
+            ("spacing in µm", |trial| number(trial.spacing_um, 1)),
+            ("depth in µm", |trial| number(trial.depth_um, 1)),
+            ("areal density in %", |trial| percent(trial.areal_density, 1)),
+            ("edges in 1/mm", |trial| number(trial.edge_per_mm, 2)),
+        ]);
+        if report.trials.iter().any(|trial| !trial.notes.is_empty()) {
+            columns.push(("notes", |trial| trial.notes.clone()));
+        }
+        page.records("The samples.", &report.trials, &columns);
+    });
+    page.part("How good the predictions were", |page| {
+        page.records(
+            "Measured ratios within the intervals predicted of them. Of intervals that are right about 68 and 95 % hold what is measured.",
+            &report.coverage,
+            &[
+                ("predicted by", |of| of.by.clone()),
+                ("ratios", |of| of.ratios.to_string()),
+                ("within 68 %", |of| share(of, of.within_68)),
+                ("within 95 %", |of| share(of, of.within_95)),
+            ],
+        );
+        page.fold("Every ratio predicted by the other trials, and by the other conditions", |page| {
+            page.records(
+                "By all other trials; by all other conditions, of the same trial as well.",
+                &rows,
+                &[
+                    ("trial", |(trial, _)| trial.name.clone()),
+                    ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
+                    ("measured", |(_, at)| number(at.measured, 3)),
+                    ("by other trials", |(_, at)| predicted(&at.without_trial)),
+                    ("surprise", |(_, at)| number(at.without_trial.surprise, 1)),
+                    ("by other conditions", |(_, at)| predicted(&at.without_condition)),
+                    ("surprise", |(_, at)| number(at.without_condition.surprise, 1)),
+                ],
+            );
+        });
+    });
+    page.part("What the model lacks", |page| {
+        page.fold("How it depends on the condition", |page| {
+            page.records(
+                "Of the logarithm of the measured over the modelled ratio: 0.01 is one per cent. An error as large as the one before any trial is \
+                 what is believed, not what was measured.",
+                &report.effects,
+                &[
+                    ("of", |effect| sentence(&effect.of)),
+                    ("value", |effect| number(effect.value, 3)),
+                    ("±", |effect| number(effect.std, 3)),
+                    ("± before any trial", |effect| number(effect.prior_std, 3)),
+                ],
+            );
+        });
+        page.fold("How it grows with the texture", |page| {
+            page.records(
+                "How much each form is believed, in %.",
+                &report.forms,
+                &[
+                    ("form", |of| of.form.clone()),
+                    ("weight now", |of| percent(of.weight, 1)),
+                    ("before any trial", |of| percent(of.prior, 1)),
+                ],
+            );
+        });
+    });
+}
+
+fn share(of: &CoverageReport, within: usize) -> String {
+    format!("{within} ({} %)", percent((of.ratios > 0).then(|| within as f64 / of.ratios as f64), 0))
+}
+
+fn predicted(of: &PredictedReport) -> String {
+    format!("{} ({})", number(of.ratio, 3), ends(Some(of.interval_95), 3))
+}
+
+fn is_within(at: &MeasuredReport) -> bool {
+    let [low, high] = at.before.interval_95;
+    (low..=high).contains(&at.measured)
+}

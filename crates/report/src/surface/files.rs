@@ -1,0 +1,57 @@
+//! Everything that is kept of an altitude map.
+
+use slipgrid_results::json;
+use slipgrid_topography::{CavityMetrology, MaterialRatioCurve, PreparedMap, SpectrumBin};
+
+use super::{SurfaceReport, cavities_csv, edge_profile_csv, edge_profile_svg, pictures, section_csv, spectrum_csv};
+use crate::{Outputs, ReportError, html};
+
+/// Names of the files, with `*` for any letters.
+pub const FILES: [&str; 8] = [
+    "report.html",
+    "result.json",
+    "map.svg",
+    "histogram.svg",
+    "section.*",
+    "spectrum.*",
+    "cavities.*",
+    "edge-profile.*",
+];
+
+/// A map that was measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Measured<'a> {
+    /// The map.
+    pub surface: &'a PreparedMap,
+    /// Its bearing curve.
+    pub curve: &'a MaterialRatioCurve,
+    /// Its power spectrum.
+    pub spectrum: &'a [SpectrumBin],
+    /// Its cavities, where they were sought.
+    pub cavities: Option<&'a CavityMetrology>,
+    /// The column of pixels along which the section runs.
+    pub column: usize,
+}
+
+/// The files of a map, of which `report` tells: record, tables, pictures and the page.
+///
+/// # Errors
+/// [`ReportError`] where a picture cannot be drawn or the record has no JSON form.
+pub fn files(report: &SurfaceReport, of: Measured<'_>) -> Result<Outputs, ReportError> {
+    let Measured { surface, curve, spectrum, cavities, column } = of;
+    let mut outputs = Outputs::default();
+    outputs.add("result.json", json(report)?);
+    outputs.add("section.csv", section_csv(&surface.map, column));
+    outputs.add("spectrum.csv", spectrum_csv(spectrum));
+    if let Some(cavities) = cavities {
+        outputs.add("cavities.csv", cavities_csv(cavities));
+        outputs.add("edge-profile.csv", edge_profile_csv(&cavities.rim));
+        if let Some(svg) = edge_profile_svg(&cavities.rim, surface.synthetic)? {
+            outputs.add("edge-profile.svg", svg);
+        }
+    }
+    pictures::add(&mut outputs, surface, curve, spectrum, column)?;
+    let page = html::surface(report, &outputs);
+    outputs.add("report.html", page);
+    Ok(outputs)
+}

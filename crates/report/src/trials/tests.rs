@@ -1,0 +1,74 @@
+use super::*;
+use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Measured, Trial};
+use slipgrid_pattern::{Pattern, Planform};
+
+fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
+    let pattern = Pattern::new(Planform::Groove, 100e-6, spacing_um * 1e-6, 10e-6).unwrap();
+    let at = |pressure_pa: f64| Measured {
+        load: Load { pressure_pa, speed_m_s: 2e-3, humidity: 0.4 },
+        measured: 0.9 * excess.exp(),
+        modelled: 0.9,
+        patterned_std: 0.005,
+        flat_std: 0.005,
+        modulus_sensitivity: 0.1,
+    };
+    Trial {
+        name: name.to_owned(),
+        features: Features::from(&pattern),
+        sample_std: None,
+        disc: None,
+        measured: vec![at(1e6), at(2e6)],
+        of_dimensions: Vec::new(),
+    }
+}
+
+fn ledger(trials: Vec<Trial>) -> TrialsReport {
+    let learned = Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.2, trials).unwrap();
+    TrialsReport::new("a <polymer>", &[], &learned)
+}
+
+#[test]
+fn the_ledger_says_what_was_predicted_and_what_is_known() {
+    // As the areal density: 0.2, 0.1 and 0.05.
+    let trials = [("A \"1\"", 400.0, -0.2), ("B", 900.0, -0.1), ("C", 1900.0, -0.05)];
+    let found = ledger(trials.map(|(name, spacing_um, excess)| trial(name, spacing_um, excess)).to_vec());
+    let text = found.text();
+    assert!(
+        text.contains("3 trials with 6 measured ratios") && text.contains("of 6 within 68 %, 6 within 95 %"),
+        "{text}"
+    );
+    // What is known of the third before it is far narrower than of the first.
+    let width = |trial: usize| {
+        let [low, high] = found.trials[trial].measured[0].before.interval_95;
+        (high / low).ln()
+    };
+    assert!(width(2) < 0.2 * width(0), "{} {}", width(0), width(2));
+    let lines: Vec<String> = found.csv().lines().map(str::to_owned).collect();
+    assert_eq!(lines.len(), 7);
+    assert!(lines[1].starts_with("\"A \"\"1\"\"\",\"\",0.2,"), "{}", lines[1]);
+    let columns = |line: &String| line.matches(',').count();
+    assert!(lines.iter().all(|line| columns(line) == columns(&lines[0])));
+    let outputs = found.files().unwrap();
+    assert_eq!(outputs.names(), ["trials.csv", "trials.svg", "result.json", "timings.json", "report.html"]);
+    let page = outputs.text("report.html").unwrap();
+    for text in [
+        "6 of 6 measured ratios",
+        "a &lt;polymer&gt;: trials",
+        "What to measure next",
+        "<svg role=\"img\"",
+        "400.0",
+        "1900.0",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let json = serde_json::to_string(&found).unwrap();
+    assert_eq!(serde_json::from_str::<TrialsReport>(&json).unwrap(), found);
+}
+
+#[test]
+fn before_any_trial_there_is_nothing_to_draw() {
+    let found = ledger(Vec::new());
+    assert!(found.text().contains("no trial was measured") && found.identified.is_none());
+    assert_eq!(found.files().unwrap().names(), ["trials.csv", "result.json", "timings.json", "report.html"]);
+    assert!((found.effects[0].std - found.effects[0].prior_std).abs() < 1e-12);
+}

@@ -1,0 +1,231 @@
+//! Every page as it is seen: on a desk and on a phone, by day and by night.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::devtools::Chromium;
+use super::{Page, slipgrid};
+
+/// Windows: of a desk and of a phone.
+const WINDOWS: [[u32; 2]; 2] = [[1280, 800], [390, 844]];
+
+/// A calibration with one trial: grooves, so that it is learned in a second.
+const CALIBRATION: &str = r#"name = "<i>polymer</i>"
+source = "nobody measured it"
+[material]
+youngs_modulus_gpa = 0.38
+youngs_modulus_std_gpa = 0.08
+density_g_cm3 = 0.9
+[surface]
+persson_rms_slope = 0.0137
+[specimen]
+radius_mm = 5.0
+[measurements]
+flat = "flat.csv"
+[[trial]]
+name = "cut & measured"
+date = "2026-11-22"
+pattern = { planform = "groove", width_um = 120.0, spacing_um = 660.0, depth_um = 10.4 }
+measurements = "cut.csv"
+[[trial]]
+name = "squares"
+pattern = { planform = "square", width_um = 130.0, spacing_um = 370.0, depth_um = 5.2 }
+measurements = "cut.csv"
+"#;
+const HEADER: &str = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std\n";
+const DESIGN: &str = r#"name = "grooves"
+material = "material.toml"
+condition = { speed_mm_s = 2.0, humidity_pct = 40.0 }
+[target]
+quantity = "ratio"
+pressure_mpa = [0.6366, 2.5465]
+value = [0.87, 0.80]
+tolerance = 0.01
+[bounds]
+width_um = [40.0, 200.0]
+spacing_um = [40.0, 1000.0]
+depth_um = [5.0, 20.0]
+[specimen]
+shape = "disc"
+diameter_mm = 10.0
+"#;
+
+fn file(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+fn run(args: &[&str]) {
+    let (code, told) = slipgrid(args);
+    assert_eq!(code, 0, "{args:?}: {told}");
+}
+
+#[test]
+#[ignore = "needs Chromium; a minute"]
+fn pages_can_be_read_on_a_desk_and_on_a_phone() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let calibration = file(folder.path(), "calibration.toml", CALIBRATION);
+    file(
+        folder.path(),
+        "flat.csv",
+        &format!("{HEADER}50,2,40,0.2480,0.001\n100,2,40,0.2620,0.001\n200,2,40,0.2700,0.001\n"),
+    );
+    file(
+        folder.path(),
+        "cut.csv",
+        &format!("{HEADER}50,2,40,0.2344,0.001\n100,2,40,0.2452,0.001\n200,2,40,0.2465,0.001\n"),
+    );
+    run(&["calibrate", &calibration, "-o", &at("material.toml"), "--report", &at("fit")]);
+    run(&["trials", &calibration, "-o", &at("trials")]);
+    run(&["surface", &grooved_map(folder.path()), "--cavities", "-o", &at("surface")]);
+    let design = file(folder.path(), "design.toml", DESIGN);
+    run(&["explore", &design, "-o", &at("explore.html")]);
+    for name in ["fit/report.html", "trials/report.html", "surface/report.html", "explore.html"] {
+        let Some(mut page) = Chromium::open(&folder.path().join(name)) else {
+            println!("skipped: no Chromium");
+            return;
+        };
+        page.ask("document.querySelectorAll('details').forEach(own => { own.open = true; })");
+        for window in WINDOWS {
+            page.resize(window);
+            assert_eq!(page.ask(CUT_OFF), json!([]), "{name} {window:?}");
+            assert_eq!(page.ask(SMALL_TEXT), json!([]), "{name} {window:?}");
+            for scheme in ["light", "dark"] {
+                page.scheme(scheme);
+                assert_eq!(page.ask(CONTRAST), json!([]), "{name} {scheme}");
+            }
+        }
+        assert_eq!(page.ask("document.querySelector('i') === null"), json!(true), "{name}");
+        assert_eq!(page.complaints(), Vec::<String>::new(), "{name}");
+        if name == "explore.html" {
+            trials_are_points(&mut page);
+        }
+    }
+}
+
+/// The trial of grooves is on the map and can be chosen; the one of squares stands in the list alone.
+fn trials_are_points(page: &mut Chromium) {
+    let points = page.ask("JSON.parse(document.getElementById('explorer-data').textContent).points");
+    let on_map: Vec<&Value> = points.as_array().unwrap().iter().map(|point| &point["on_map"]).collect();
+    assert_eq!(on_map, [&json!(true), &json!(false)]);
+    page.ask("document.querySelector('[data-go]').click()");
+    let lengths = page.ask("[...document.querySelectorAll('[data-number]')].map(field => parseFloat(field.value))");
+    let lengths: Vec<f64> = lengths.as_array().unwrap().iter().map(super::number).collect();
+    assert_eq!(lengths, [120.0, 660.0, 10.4]);
+    let listed = page.ask("[...document.querySelectorAll('.points tbody tr')].map(row => row.textContent)");
+    let listed: Vec<&str> = listed.as_array().unwrap().iter().map(|row| row.as_str().unwrap()).collect();
+    // The ratio that was measured, beside the one that the curve shows there.
+    let shown = page.ask("JSON.parse(document.getElementById('explorer').dataset.values)[0]").as_f64().unwrap();
+    assert!(listed[0].contains(&format!("0.945 at 0.64 MPa (here {shown:.3})")), "{listed:?} {shown}");
+    assert!(listed[1].contains("squares (another texture)") && listed[1].contains("(modelled 0.9"), "{listed:?}");
+}
+
+/// Grooves with rims whose height follows the depth.
+const RIMS: &str =
+    "[pattern]\nplanform = \"groove\"\nrim_heights_um = [[5.0, 0.05], [20.0, 0.2]]\nrim_width_um = 20.0\n";
+
+#[test]
+#[ignore = "needs Chromium; half a minute"]
+fn rims_of_another_height_do_what_the_solver_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let material = "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[material.friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n\
+                    [material.area_law]\npressure_mpa = [0.7, 1.3, 2.6, 10.0]\nfactor = [1.0, 0.96, 0.90, 0.60]\n";
+    let rest = DESIGN.split("[target]").nth(1).unwrap();
+    let design = file(folder.path(), "design.toml", &format!("name = \"rims\"\n{material}[target]{rest}{RIMS}"));
+    run(&["explore", &design, "-o", &at("explore.html")]);
+    let Some(mut page) = Chromium::open(&folder.path().join("explore.html")) else {
+        println!("skipped: no Chromium");
+        return;
+    };
+    let words = page.ask("document.querySelector('.screen p').textContent");
+    let words = words.as_str().unwrap();
+    println!("{words}");
+    assert!(words.contains("their rims from 0.5 to 1.5 times as high as modelled"), "{words}");
+    let worst: f64 = words.split_whitespace().filter_map(|word| word.parse().ok()).nth(1).unwrap();
+    let mut last = String::new();
+    for presses in [0, 40, 40] {
+        page.ask("document.querySelector('[data-rim]').focus()");
+        for _ in 0..presses {
+            page.press("ArrowRight");
+        }
+        let shown = page.ask("JSON.parse(document.getElementById('explorer').dataset.values)");
+        let told = page.ask("document.querySelector('[data-rim-words]').textContent").to_string();
+        assert!(told != last, "{told}");
+        last = told;
+        page.ask("document.querySelector('[data-copy]').click()");
+        let copied = page.ask("document.querySelector('[data-toml]').value");
+        let mut scene: toml::Table = copied.as_str().unwrap().parse().unwrap();
+        scene.remove("specimen");
+        let scene = file(folder.path(), "endless.toml", &toml::to_string(&scene).unwrap());
+        let (code, told) = slipgrid(&["simulate", &scene, "--fidelity", "steady", "--extent", "cell", "--json"]);
+        assert_eq!(code, 0, "{told}");
+        let found: Value = serde_json::from_str(&told).unwrap();
+        for (load, shown) in found["results"].as_array().unwrap().iter().zip(shown.as_array().unwrap()) {
+            let (exact, shown) = (super::number(&load["ratio"]), super::number(shown));
+            assert!((shown - exact).abs() <= worst, "{last}: {shown} {exact}");
+        }
+    }
+    assert_eq!(page.complaints(), Vec::<String>::new());
+}
+
+/// A map of five grooves with rims on a rough surface, as a matrix of heights.
+fn grooved_map(folder: &Path) -> String {
+    const SIDE: usize = 200;
+    const PITCH: usize = 40;
+    let mut text = "# Width: 0.4 mm\n# Height: 0.4 mm\n# Value units: m\n".to_owned();
+    for row in 0..SIDE {
+        let heights = (0..SIDE).map(|column| {
+            let roughness = 0.05 * ((row * 7 + column * 13) as f64 * 0.7).sin();
+            let depth = if column % PITCH < 12 { -5.0 } else { 0.0 };
+            format!("{:.3e}", (roughness + depth) * 1e-6)
+        });
+        text += &(heights.collect::<Vec<_>>().join("\t") + "\n");
+    }
+    file(folder, "grooves.asc", &text)
+}
+
+/// What reaches beyond the window and cannot be scrolled to within its own frame.
+const CUT_OFF: &str = r"(() => {
+  const cut = [], width = document.documentElement.clientWidth;
+  for (const element of document.querySelectorAll('body *')) {
+    if (element.closest('svg') && element.tagName !== 'svg') continue;
+    const box = element.getBoundingClientRect();
+    if (!box.width || box.right <= width + 1 && box.left >= -1) continue;
+    let scrolls = false;
+    for (let own = element.parentElement; own && !scrolls; own = own.parentElement) scrolls = getComputedStyle(own).overflowX === 'auto';
+    if (!scrolls) cut.push(`${element.tagName} ${element.className} ${box.left.toFixed(0)} to ${box.right.toFixed(0)} ${element.textContent.slice(0, 30)}`);
+  }
+  return cut;
+})()";
+
+/// Text of drawings that is lower than 9 pixels as it is shown.
+const SMALL_TEXT: &str = r"(() => {
+  const small = [];
+  for (const text of document.querySelectorAll('svg text')) {
+    if (!text.getClientRects().length) continue;
+    const turn = text.getScreenCTM(), size = parseFloat(getComputedStyle(text).fontSize) * Math.hypot(turn.a, turn.b);
+    if (size < 8.95) small.push(`${size.toFixed(1)} ${text.textContent}`);
+  }
+  return small.slice(0, 5);
+})()";
+
+/// Text whose contrast with what lies behind it is less than WCAG 2.2 AA asks for: 4.5, of large text 3.
+pub const CONTRAST: &str = r"(() => {
+  const parse = colour => { const found = colour.match(/[\d.]+/g).map(Number); return [found.slice(0, 3), found[3] ?? 1]; };
+  const luminance = rgb => { const [r, g, b] = rgb.map(v => { v /= 255; return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4; }); return 0.2126 * r + 0.7152 * g + 0.0722 * b; };
+  const behind = element => { for (let own = element; own; own = own.parentElement) { const [rgb, alpha] = parse(getComputedStyle(own).backgroundColor); if (alpha > 0.5) return rgb; } return parse(getComputedStyle(document.body).backgroundColor)[0]; };
+  const poor = [];
+  for (const element of document.querySelectorAll('body *')) {
+    if (element.closest('svg') || !element.getClientRects().length) continue;
+    if (![...element.childNodes].some(node => node.nodeType === 3 && node.textContent.trim())) continue;
+    const style = getComputedStyle(element), size = parseFloat(style.fontSize), large = size >= 24 || (size >= 18.66 && +style.fontWeight >= 700);
+    const [a, b] = [luminance(parse(style.color)[0]), luminance(behind(element))], ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < (large ? 3 : 4.5)) poor.push(`${element.tagName} ${element.className} ${ratio.toFixed(2)} ${element.textContent.slice(0, 40)}`);
+  }
+  return poor;
+})()";
