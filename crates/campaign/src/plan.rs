@@ -50,12 +50,18 @@ pub struct Planned {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CampaignFile {
+    /// Name of the campaign; the file's name when absent.
     name: Option<String>,
+    /// Path of a scene or a design, or `laboratories` for the simulated laboratories.
     base: Spanned<String>,
+    /// What is done with a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
     work: Option<Spanned<String>>,
+    /// Options of simulated laboratories, with `base = "laboratories"`.
     laboratories: Option<Spanned<laboratories::Options>>,
+    /// One table for each key that is varied by itself; every combination of all grids is a task.
     #[serde(default)]
     grid: Vec<Spanned<GridFile>>,
+    /// Rows of keys that go together, each with every combination of the grids.
     #[serde(default)]
     list: Vec<Spanned<Table>>,
 }
@@ -63,7 +69,9 @@ struct CampaignFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct GridFile {
+    /// Dotted key of the base, present there or not.
     key: String,
+    /// The values that it takes.
     values: Vec<Value>,
 }
 

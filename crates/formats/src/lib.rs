@@ -20,6 +20,7 @@
 pub mod altitude_map;
 pub mod calibrated;
 pub mod calibration;
+mod calibration_file;
 pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;
