@@ -67,6 +67,8 @@ struct Field {
 #[derive(Clone, Debug)]
 struct Structure {
     is_public: bool,
+    /// Each of its keys may be absent.
+    has_defaults: bool,
     comment: String,
     fields: Vec<Field>,
 }
@@ -109,8 +111,9 @@ impl Types {
                     let head = line.strip_suffix(" {").and_then(|line| line.split_once("struct "));
                     if let Some((before, name)) = head.filter(|_| attributes.contains("Deserialize")) {
                         let comment = comment.trim().to_owned();
-                        // Where the whole structure has a default each of its keys may be absent.
-                        let structure = Structure { is_public: before == "pub ", comment, fields: Vec::new() };
+                        let has_defaults = attributes.contains("serde(default");
+                        let structure =
+                            Structure { is_public: before == "pub ", has_defaults, comment, fields: Vec::new() };
                         open = Some((name.to_owned(), structure));
                     }
                     comment.clear();
@@ -130,7 +133,7 @@ impl Types {
         let keys = structure.fields.iter().map(|field| {
             let (kind, is_optional) = match inside(&field.kind, "Option") {
                 Some(kind) => (kind, true),
-                None => (field.kind.as_str(), field.has_default),
+                None => (field.kind.as_str(), field.has_default || structure.has_defaults),
             };
             Ok(Key {
                 name: field.name.clone(),

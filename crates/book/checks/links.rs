@@ -62,10 +62,9 @@ mod tests {
 
     #[test]
     fn headings_make_the_anchors_that_pages_have() {
-        assert_eq!(anchors("# One, two\n```\n# no\n```\n## `code` & more\n## One, two\n"), [
-            "one-two",
-            "code--more",
-            "one-two-1"
-        ]);
+        assert_eq!(
+            anchors("# One, two\n```\n# no\n```\n## `code` & more\n## One, two\n"),
+            ["one-two", "code--more", "one-two-1"]
+        );
     }
 }

@@ -1,8 +1,7 @@
 //! JSON schemas of files, and whether a file obeys one.
 //!
 //! A schema here has only these words of JSON Schema (draft 07, which editors of TOML know): `type`, `properties`, `required`,
-//! `additionalProperties`, `items`, `minItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`, `maximum`, `$ref`, `description`,
-//! `default`.
+//! `additionalProperties`, `items`, `minItems`, `anyOf`, `enum`, `minimum`, `exclusiveMinimum`, `maximum`, `description`, `default`.
 
 use std::collections::BTreeMap;
 

@@ -64,7 +64,8 @@ fn pages_name_files_that_there_are() {
     let mut missing = Vec::new();
     for page in pages().iter().filter(|page| !page.ends_with("CHANGELOG.md")) {
         for word in text(page).split('`').skip(1).step_by(2) {
-            let is_path = ["designs/", "calibration/", "crates/", "tests/"].iter().any(|folder| word.starts_with(folder));
+            let is_path =
+                ["designs/", "calibration/", "crates/", "tests/"].iter().any(|folder| word.starts_with(folder));
             if is_path && !word.contains(['*', ' ', '<']) && !root().join(word).exists() {
                 missing.push(format!("{}: {word}", page.display()));
             }

@@ -32,6 +32,17 @@ pub struct Kind {
 /// Every kind of file in TOML that the program reads.
 pub const KINDS: [Kind; 5] = [
     Kind {
+        name: "material",
+        root: ("material.rs", "MaterialFile"),
+        meaning: "A material as `calibrate` writes it; a scene or a design may hold the same keys in its table `[material]`.",
+        examples: materials,
+        read: |path, text| {
+            let document = Document::within(&disk(), path, text);
+            let file: MaterialFile = document.parse()?;
+            Ok(format!("{:?}", read_material(&document, &file, &(0..text.len()))?))
+        },
+    },
+    Kind {
         name: "design",
         root: ("design.rs", "DesignFile"),
         meaning: "What is wanted of a surface, read by `optimize`, `next` and `explore`.",
@@ -55,20 +66,7 @@ pub const KINDS: [Kind; 5] = [
         root: ("calibration_file.rs", "CalibrationFile"),
         meaning: "What was measured, read by `calibrate`, `traces` and `trials`, and by every command that takes a material.",
         examples: calibrations,
-        read: |path, text| {
-            Ok(format!("{:?}", Calibration::from_document(&Document::within(&disk(), path, text))?))
-        },
-    },
-    Kind {
-        name: "material",
-        root: ("material.rs", "MaterialFile"),
-        meaning: "A material as `calibrate` writes it; a scene or a design may hold the same keys in its table `[material]`.",
-        examples: materials,
-        read: |path, text| {
-            let document = Document::within(&disk(), path, text);
-            let file: MaterialFile = document.parse()?;
-            Ok(format!("{:?}", read_material(&document, &file, &(0..text.len()))?))
-        },
+        read: |path, text| Ok(format!("{:?}", Calibration::from_document(&Document::within(&disk(), path, text))?)),
     },
     Kind {
         name: "campaign",
@@ -106,7 +104,8 @@ fn template(name: &str) -> String {
 
 /// Every key that stands commented out in a template, in place.
 fn uncommented(text: &str, keys: &[&str]) -> String {
-    let begins = |line: &str| keys.iter().any(|key| line.starts_with(&format!("# {key} =")) || line == format!("# [{key}]"));
+    let begins =
+        |line: &str| keys.iter().any(|key| line.starts_with(&format!("# {key} =")) || line == format!("# [{key}]"));
     let bare = |line: &str| line.split("   ").next().unwrap_or(line).to_owned();
     let shown = text.lines().map(|line| match begins(&bare(line)) || begins(line) {
         true => line.trim_start_matches("# ").to_owned(),
@@ -121,7 +120,8 @@ fn designs() -> Vec<String> {
     vec![
         design.clone(),
         uncommented(&design, &rims),
-        design.replace("depth_per_burst_um = 2.6", "# no burst") + "\n[laser.ablation]\nfluence_j_cm2 = [1.0, 2.0, 4.0]\n\
+        design.replace("depth_per_burst_um = 2.6", "# no burst")
+            + "\n[laser.ablation]\nfluence_j_cm2 = [1.0, 2.0, 4.0]\n\
             depth_per_burst_um = [0.6, 1.1, 1.7]\n",
         design.replace("value = [0.97, 0.85]", "").replace("tolerance = 0.02", "goal = \"lowest\""),
         design.replace("planform = \"groove\"", "planform = \"square\""),
@@ -134,8 +134,11 @@ fn designs() -> Vec<String> {
         design
             .replace("shape = \"disc\"", "shape = \"rectangle\"")
             .replace("diameter_mm = 10.0", "length_mm = 10.0\nwidth_mm = 10.0"),
-        design.replace("name = \"my design\"", "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\
-            also_at = [{ speed_mm_s = 2.0, humidity_pct = 15.0 }]"),
+        design.replace(
+            "name = \"my design\"",
+            "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\
+            also_at = [{ speed_mm_s = 2.0, humidity_pct = 15.0 }]",
+        ),
     ]
 }
 
@@ -145,8 +148,10 @@ fn scenes() -> Vec<String> {
     vec![
         scene.clone(),
         scene.replace("length_um = 9960.0", "") + specimen,
-        scene.replace("length_um = 9960.0", "") + "\n[specimen]\nshape = \"ring\"\nouter_diameter_mm = 30.0\ninner_diameter_mm = 20.0\n",
-        scene.replace("length_um = 9960.0", "") + "\n[specimen]\nshape = \"rectangle\"\nlength_mm = 10.0\nwidth_mm = 10.0\n",
+        scene.replace("length_um = 9960.0", "")
+            + "\n[specimen]\nshape = \"ring\"\nouter_diameter_mm = 30.0\ninner_diameter_mm = 20.0\n",
+        scene.replace("length_um = 9960.0", "")
+            + "\n[specimen]\nshape = \"rectangle\"\nlength_mm = 10.0\nwidth_mm = 10.0\n",
         uncommented(&scene, &["rim_height_um", "rim_width_um"]),
         scene.replace("planform = \"groove\"", "planform = \"square\""),
         scene.replace("planform = \"groove\"", "planform = \"rectangle\"\nlength_um = 100.0"),
@@ -159,7 +164,8 @@ fn scenes() -> Vec<String> {
 fn calibrations() -> Vec<String> {
     let calibration = template("calibration.toml");
     let patterned = "[pattern]\nplanform = \"square\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
-    let traces = "[traces]\n[[traces.condition]]\nforce_n = 1.0\nspeed_mm_s = 1.0\nhumidity_pct = 1.0\nfiles = [\"none.csv\"]\n";
+    let traces =
+        "[traces]\n[[traces.condition]]\nforce_n = 1.0\nspeed_mm_s = 1.0\nhumidity_pct = 1.0\nfiles = [\"none.csv\"]\n";
     let trial = "[[trial]]\nname = \"cut-1\"\n[trial.pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
     let rims = "rim_height_um = 0.1\nrim_width_um = 20.0\n";
     let mapped = calibration.replace("persson_rms_slope = 0.0137", "map = \"flat-map.asc\"");
@@ -171,13 +177,19 @@ fn calibrations() -> Vec<String> {
         format!("{calibration}{trial}"),
         format!("{calibration}{trial}{rims}"),
         format!("{calibration}[trial_prior]\n"),
-        calibration.replace("[measurements]", "[measurements_]").replace("flat = \"flat.csv\"", "").replace("[measurements_]", "") + traces,
+        calibration
+            .replace("[measurements]", "[measurements_]")
+            .replace("flat = \"flat.csv\"", "")
+            .replace("[measurements_]", "")
+            + traces,
         calibration.replace("radius_mm = 5.0", "diameter_mm = 10.0"),
         calibration.replace("radius_mm = 5.0", ring),
         calibration.replace("radius_mm = 5.0", "length_mm = 10.0\nwidth_mm = 5.0"),
         calibration.replace("persson_rms_slope = 0.0137", "local_law = \"measured\"\nextrapolation = \"constant\""),
-        calibration.replace("[surface]", "").replace("persson_rms_slope = 0.0137", "")
-            .replace("coefficients = \"per-condition\"", "coefficients = \"single\"\narea_law_scale_mpa = [1.0, 100.0]"),
+        calibration.replace("[surface]", "").replace("persson_rms_slope = 0.0137", "").replace(
+            "coefficients = \"per-condition\"",
+            "coefficients = \"single\"\narea_law_scale_mpa = [1.0, 100.0]",
+        ),
         format!("{calibration}{}", patterned.replace("square", "rectangle") + "length_um = 100.0\n"),
         format!("{calibration}{}", patterned.replace("square", "crosshatch")),
         format!("{calibration}{}", patterned.replace("square", "groove")),
@@ -266,6 +278,11 @@ impl Kind {
     pub fn accepted(&self, types: &Types) -> Accepted {
         let examples = self.examples();
         let mut accepted = Accepted::new();
+        // A scene and a design hold a material, or name the file of one.
+        if ["design", "scene"].contains(&self.name) {
+            let inner = KINDS.into_iter().find(|kind| kind.name == "material").unwrap().accepted(types);
+            accepted.extend(inner.into_iter().map(|(path, range)| (format!("material.{path}"), range)));
+        }
         for (path, key) in self.keys(types) {
             let Some(value) = nonsense(&key.shape) else { continue };
             let parts: Vec<&str> = path.split('.').collect();
@@ -276,7 +293,8 @@ impl Kind {
                 }
                 let Err(refused) = self.read(file, &spoiled) else { continue };
                 // The message names the key that it is about, in a list without its place.
-                let is_about = refused.key.as_deref().is_some_and(|about| about == path || about.ends_with(&format!(".{path}")));
+                let is_about =
+                    refused.key.as_deref().is_some_and(|about| about == path || about.ends_with(&format!(".{path}")));
                 if let Some(expected) = refused.expected.as_ref().filter(|_| is_about) {
                     accepted.insert(path.clone(), expected.clone());
                     break;

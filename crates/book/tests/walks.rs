@@ -80,7 +80,11 @@ fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
         match block.info.split_whitespace().collect::<Vec<_>>()[..] {
             [] | ["text"] => {}
             ["python" | "rust" | "toml" | "sh", "=", file] => {
-                assert!(text(&root().join(file)).contains(&own), "{}: {file} has no such lines:\n{own}", path.display());
+                assert!(
+                    text(&root().join(file)).contains(&own),
+                    "{}: {file} has no such lines:\n{own}",
+                    path.display()
+                );
             }
             ["toml" | "csv", name] => fs::write(place.path().join(name), own).unwrap(),
             ["toml", name, "+"] => {

@@ -56,24 +56,24 @@ struct AblationFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
-    /// `disc`, `rectangle` or `ring`.
+    /// Shape of the face: `disc`, `rectangle` or `ring`.
     pub shape: Spanned<String>,
-    /// Of a disc.
+    /// Diameter of a disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<Number>,
-    /// Of a rectangle, along the sliding direction.
+    /// Length of a rectangle along the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<Number>,
-    /// Of a rectangle, across it.
+    /// Width of a rectangle across the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<Number>,
-    /// Of a ring.
+    /// Outer diameter of a ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outer_diameter_mm: Option<Number>,
-    /// Of its hole.
+    /// Diameter of a ring's hole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<Number>,
-    /// What becomes of cavities at the rim: `whole` or `clipped`.
+    /// What becomes of cavities at the rim: `whole` ones stay and others are left out, or they are `clipped`; `whole` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavities: Option<Spanned<String>>,
 }

@@ -17,7 +17,7 @@ use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes.
+    /// Depth that one burst removes; depths are whole multiples of it.
     pub depth_per_burst_um: Option<Number>,
     /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure.
     max_peak_pressure_mpa: Option<Number>,

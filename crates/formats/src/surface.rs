@@ -53,7 +53,7 @@ pub struct SurfaceFile {
     form: Option<Spanned<String>>,
     /// Older word for `form`: true is `plane`, false is `mean`.
     level: Option<Spanned<bool>>,
-    /// P0.
+    /// P0, the pressure up to which friction is proportional to load; 0.7 when absent.
     pub threshold_mpa: Option<Number>,
     /// Windows along each side whose spread gives the law's errors; 0 for none, 2 where the map has room and the key is absent.
     windows: Option<Spanned<usize>>,

@@ -23,7 +23,7 @@ pub struct TolerancesFile {
     spacing_std_um: Option<Number>,
     /// Standard deviation of a sample's mean depth; 0 when absent.
     depth_std_um: Option<Number>,
-    /// Of the mean height of a sample's rims.
+    /// Standard deviation of the mean height of a sample's rims; 0 when absent.
     pub(crate) rim_height_std_um: Option<Number>,
     /// Correlation of width and spacing, -1 where the pitch is exact; 0 when absent.
     width_spacing_correlation: Option<Number>,
