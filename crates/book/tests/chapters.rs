@@ -79,7 +79,9 @@ fn the_readme_fits_on_two_screens() {
     let readme = text(&root().join("README.md"));
     let [lines, letters] = README;
     assert!(readme.lines().count() <= lines, "{} lines", readme.lines().count());
-    let longest = readme.lines().filter(|line| !line.starts_with(['<', '|'])).map(|line| line.chars().count()).max();
+    // What the program prints is as wide as it is.
+    let own = readme.split("```").step_by(2).flat_map(str::lines).filter(|line| !line.starts_with(['<', '|']));
+    let longest = own.map(|line| line.chars().count()).max();
     assert!(longest.unwrap() <= letters, "{longest:?}");
 }
 

@@ -228,7 +228,7 @@ pub struct TracesArgs {
     slipgrid area-law scan.txt --pixel-um 0.5 --height-unit nm --pressures-mpa 0.1,0.7,2.6 --json\n\n\
     The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through\n\
     the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.\n\n\
-    Maps that look wrong are told (lines with !) or refused: calibration/README.md has the limits.\n\
+    Maps that look wrong are told (lines with !) or refused: the book (crates/book) has the limits.\n\
     Last digits (1e-14) differ between processors that have AVX and others.")]
 pub struct AreaLawArgs {
     /// Altitude map
