@@ -60,6 +60,8 @@ struct Field {
     name: String,
     kind: String,
     has_default: bool,
+    /// Its keys stand among those of the structure that it is in.
+    is_flattened: bool,
     comment: String,
 }
 
@@ -77,6 +79,8 @@ struct Structure {
 #[derive(Clone, Debug, Default)]
 pub struct Types {
     structures: BTreeMap<Place, Structure>,
+    /// Types that are not known stand for anything.
+    is_record: bool,
 }
 
 impl Types {
@@ -99,7 +103,8 @@ impl Types {
                         structure.fields.push(Field {
                             name: field.rsplit(' ').next().unwrap_or(field).to_owned(),
                             kind: kind.to_owned(),
-                            has_default: attributes.contains("default"),
+                            has_default: attributes.contains("default") || attributes.contains("skip_serializing_if"),
+                            is_flattened: attributes.contains("flatten"),
                             comment: std::mem::take(&mut comment).trim().to_owned(),
                         });
                     } else if line == "}" {
@@ -121,7 +126,21 @@ impl Types {
                 }
             }
         }
-        Self { structures }
+        Self { structures, is_record: false }
+    }
+
+    /// The same of records that are written: keys without a value are null, and types that are not known, enumerations and types
+    /// of other libraries, stand for anything.
+    #[must_use]
+    pub fn records(mut self) -> Self {
+        self.is_record = true;
+        self
+    }
+
+    /// Whether these are records that are written.
+    #[must_use]
+    pub const fn is_record(&self) -> bool {
+        self.is_record
     }
 
     /// The table of the structure at `place`.
@@ -130,19 +149,28 @@ impl Types {
     /// What is not known: the structure, or the type of one of its fields.
     pub fn table(&self, place: &Place) -> Result<Table, String> {
         let structure = self.structures.get(place).ok_or_else(|| format!("no structure {} in {}", place.1, place.0))?;
-        let keys = structure.fields.iter().map(|field| {
+        let mut keys = Vec::new();
+        for field in &structure.fields {
+            if field.is_flattened {
+                if let Shape::Table(inner) = self.shape(&field.kind, &place.0)? {
+                    let is_optional = field.kind.starts_with("Option<");
+                    let own = self.table(&inner)?.keys.into_iter();
+                    keys.extend(own.map(|key| Key { is_required: key.is_required && !is_optional, ..key }));
+                }
+                continue;
+            }
             let (kind, is_optional) = match inside(&field.kind, "Option") {
                 Some(kind) => (kind, true),
                 None => (field.kind.as_str(), field.has_default || structure.has_defaults),
             };
-            Ok(Key {
+            keys.push(Key {
                 name: field.name.clone(),
                 shape: self.shape(kind, &place.0)?,
                 is_required: !is_optional,
                 meaning: self.meaning(field, &place.0)?,
-            })
-        });
-        Ok(Table { meaning: structure.comment.clone(), keys: keys.collect::<Result<_, String>>()? })
+            });
+        }
+        Ok(Table { meaning: structure.comment.clone(), keys })
     }
 
     /// What a field's comment says; "As in [`Other`]." is that of the field of the same name there.
@@ -166,7 +194,7 @@ impl Types {
     }
 
     fn shape(&self, kind: &str, file: &str) -> Result<Shape, String> {
-        for wrapper in ["Spanned", "Box"] {
+        for wrapper in ["Spanned", "Box", "Option"] {
             if let Some(kind) = inside(kind, wrapper) {
                 return self.shape(kind, file);
             }
@@ -180,15 +208,19 @@ impl Types {
         let list = |shape| Shape::List(Box::new(shape));
         Ok(match kind {
             "f64" | "Number" => Shape::Number,
-            "u64" | "u32" | "usize" => Shape::Whole,
+            "u64" | "u32" | "u8" | "usize" => Shape::Whole,
             "bool" => Shape::Flag,
-            "String" => Shape::Text,
+            "String" | "Cow<'static, str>" => Shape::Text,
             "Numbers" => Shape::OneOrMore,
             "NumberList" | "[f64; 2]" => list(Shape::Number),
             "Value" | "Table" | "toml::Table" => Shape::Any,
             _ => {
                 let name = kind.rsplit("::").next().unwrap_or(kind);
-                Shape::Table(self.named(name, file).ok_or_else(|| format!("{file}: the type {kind} is not known"))?)
+                match self.named(name, file) {
+                    Some(place) => Shape::Table(place),
+                    None if self.is_record => Shape::Any,
+                    None => return Err(format!("{file}: the type {kind} is not known")),
+                }
             }
         })
     }

@@ -37,6 +37,9 @@ fn table(types: &Types, place: &Place, path: &str, accepted: &Accepted) -> Resul
     for key in &table.keys {
         let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
         let mut property = value(types, &key.shape, &path, accepted)?;
+        if types.is_record() && !key.is_required {
+            property = json!({ "anyOf": [{ "type": "null" }, property] });
+        }
         if let Some(object) = property.as_object_mut() {
             object.insert("description".to_owned(), json!(describe(key)));
             if let Some(default) = key.default().and_then(|words| literal(words, &key.shape)) {
@@ -45,7 +48,9 @@ fn table(types: &Types, place: &Place, path: &str, accepted: &Accepted) -> Resul
         }
         properties.insert(key.name.clone(), property);
     }
-    let required: Vec<&str> = table.keys.iter().filter(|key| key.is_required).map(|key| key.name.as_str()).collect();
+    // What is not said is left out of a record or is null there.
+    let is_required = |key: &&Key| key.is_required;
+    let required: Vec<&str> = table.keys.iter().filter(is_required).map(|key| key.name.as_str()).collect();
     // A line `#:schema` is a comment; a key `$schema` would be refused.
     Ok(json!({
         "type": "object",
@@ -138,6 +143,7 @@ fn check(schema: &Value, value: &Value, path: &str, found: &mut Vec<String>) {
             "integer" => value.is_u64() || value.is_i64(),
             "boolean" => value.is_boolean(),
             "string" => value.is_string(),
+            "null" => value.is_null(),
             "array" => value.is_array(),
             _ => value.is_object(),
         };

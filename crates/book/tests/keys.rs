@@ -7,7 +7,7 @@ use slipgrid_book::keys::{Place, Types};
 use slipgrid_book::schema::{Accepted, literal, schema, violations};
 use toml::Value;
 
-use crate::probes::{KINDS, Kind, changed, types};
+use crate::probes::{KINDS, Kind, changed, records, types};
 use crate::{book, files, keep, root, text};
 
 /// The schema that files of this program have.
@@ -38,6 +38,101 @@ fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
         describe(&types, kind, (&kind.root(), ""), &accepted, &mut described, &mut chapter);
     }
     keep(&book().join("reference/keys.md"), &chapter);
+}
+
+/// The records of `optimize` and of `simulate`: name, structure, what wrote it.
+const RECORDS: [(&str, [&str; 2], &str); 2] = [
+    ("result", ["design/src/outcome.rs", "DesignReport"], "result.json of `optimize`"),
+    (
+        "simulation",
+        ["results/src/simulation.rs", "SimulationReport"],
+        "result.json of `simulate`, and what `simulate --json` prints",
+    ),
+];
+
+#[test]
+fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
+    let types = records();
+    let mut chapter = "# Keys of result.json\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
+                       there; others are left out, or null, where there is nothing to say. Numbers that are not known are null.\n"
+        .to_owned();
+    for (name, [file, structure], title) in RECORDS {
+        let root = (file.to_owned(), structure.to_owned());
+        let _ = write!(
+            chapter,
+            "\n## {}\n\nSchema: [{name}-{VERSION}.json](../schemas/{name}-{VERSION}.json).\n",
+            capital(title)
+        );
+        let mut described = BTreeMap::new();
+        record(&types, (&root, ""), &mut described, &mut chapter);
+        let now = schema(&types, &root, (name, VERSION), &Accepted::new()).unwrap();
+        keep(
+            &book().join(format!("schemas/{name}-{VERSION}.json")),
+            &(serde_json::to_string_pretty(&now).unwrap() + "\n"),
+        );
+    }
+    keep(&book().join("reference/result-json.md"), &chapter);
+}
+
+/// Writes the keys of the record at `path` and of those in it, each structure once.
+fn record(types: &Types, (place, path): (&Place, &str), described: &mut BTreeMap<Place, ()>, chapter: &mut String) {
+    if described.insert(place.clone(), ()).is_some() {
+        return;
+    }
+    let table = types.table(place).unwrap();
+    if !path.is_empty() {
+        let _ = write!(chapter, "\n### `{path}`\n");
+    }
+    let comment = if table.meaning.is_empty() { String::new() } else { format!("\n{}\n", plain(&table.meaning)) };
+    chapter.push_str(&comment);
+    chapter.push_str("\n| key | type | unit | meaning |\n|---|---|---|---|\n");
+    for key in &table.keys {
+        let name = if key.is_required { format!("**`{}`**", key.name) } else { format!("`{}`", key.name) };
+        let cells = [&name, &key.shape.words(), key.unit(), &plain(&key.meaning)];
+        let _ = writeln!(chapter, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
+    }
+    for key in &table.keys {
+        if let Some(inner) = key.shape.table() {
+            let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+            record(types, (inner, &path), described, chapter);
+        }
+    }
+}
+
+/// A comment without the links of the code's pages.
+fn plain(comment: &str) -> String {
+    comment.replace("[`", "`").replace("`]", "`")
+}
+
+/// What two commands write obeys the schemas, and every key of it is described.
+#[test]
+fn results_obey_their_schemas() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n\
+                  friction = { static_mean = 0.30, dynamic_mean = 0.27, dynamic_std_error = 0.003 }\n\
+                  area_law = { pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }\n[target]\nquantity = \"ratio\"\n\
+                  pressure_mpa = 2.6\nvalue = 0.95\ntolerance = 0.02\n[bounds]\nwidth_um = [100, 200]\nspacing_um = [200, 400]\n\
+                  depth_um = [5, 20]\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
+                  [tolerances]\nwidth_std_um = 4.0\n[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n";
+    std::fs::write(folder.path().join("d.toml"), design).unwrap();
+    for (name, arguments) in [
+        ("result", vec!["optimize", "d.toml", "-o", "out", "--table", "--no-explorer"]),
+        ("simulation", vec!["simulate", "out/design.toml", "--fidelity", "steady", "-o", "out/scene"]),
+    ] {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+        let output = program.current_dir(folder.path()).args(&arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let written = text(
+            &folder
+                .path()
+                .join(arguments.iter().rev().find(|word| word.starts_with("out")).unwrap())
+                .join("result.json"),
+        );
+        let known: serde_json::Value =
+            serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
+        let found = violations(&known, &serde_json::from_str(&written).unwrap());
+        assert!(found.is_empty(), "{name}: {found:?}");
+    }
 }
 
 fn capital(name: &str) -> String {

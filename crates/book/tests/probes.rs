@@ -98,6 +98,22 @@ pub fn types() -> Types {
     Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
 }
 
+/// The source files of the records that are written.
+pub fn records() -> Types {
+    let folders = ["results", "design", "export"].map(|name| root().join("crates").join(name).join("src"));
+    let mut read = Vec::new();
+    for (folder, path) in
+        folders.iter().flat_map(|folder| files(folder, ".rs").into_iter().map(move |path| (folder, path)))
+    {
+        // Names of files occur in several crates.
+        read.push((
+            path.strip_prefix(folder.parent().unwrap().parent().unwrap()).unwrap().display().to_string(),
+            text(&path),
+        ));
+    }
+    Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str()))).records()
+}
+
 fn template(name: &str) -> String {
     text(&root().join("crates/cli/src/templates").join(name))
 }
