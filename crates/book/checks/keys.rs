@@ -1,7 +1,7 @@
 //! The keys of a file, read from the source text of the types that read it.
 //!
 //! A file format is a set of structures that derive `Deserialize`. Their fields are the keys, the comments above the fields say
-//! what they mean, and the types say what may stand there. [`Types::new`] collects them from source files, and [`Types::keys`]
+//! what they mean, and the types say what may stand there. [`Types::new`] collects them from source files, and [`Types::table`]
 //! follows the types from one structure to the next. A type that is not known here is an error, so that nothing is left out.
 
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! What a design must keep to beside its bounds: [limits] of design files.
+//! What a design must keep to beside its bounds: `[limits]` of design files.
 
 use serde::Deserialize;
 use slipgrid_design::ConstraintQuantity;

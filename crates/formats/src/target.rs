@@ -1,4 +1,4 @@
-//! What friction should be: [target] of design files.
+//! What friction should be: `[target]` of design files.
 
 use serde::Deserialize;
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
