@@ -60,6 +60,21 @@ fn every_link_leads_to_a_file_and_every_anchor_to_a_heading() {
 }
 
 #[test]
+fn what_a_chapter_includes_is_there_and_has_no_links_of_its_own() {
+    let mut included = 0;
+    for page in files(&book(), ".md") {
+        for name in
+            text(&page).split("{{#include ").skip(1).filter_map(|rest| rest.split("}}").next().map(str::to_owned))
+        {
+            let own = text(&page.parent().unwrap().join(&name));
+            assert!(targets(&own).is_empty(), "{name}");
+            included += 1;
+        }
+    }
+    assert_eq!(included, 2);
+}
+
+#[test]
 fn pages_name_files_that_there_are() {
     let mut missing = Vec::new();
     for page in pages().iter().filter(|page| !page.ends_with("CHANGELOG.md")) {
