@@ -139,7 +139,7 @@ fn equal_coefficients_give_ratio_one_in_every_run_that_converged() {
 }
 
 #[test]
-#[ignore = "six minutes: prints the table of tests/README.md"]
+#[ignore = "six minutes: prints a table of the book, evidence/verification.md"]
 fn equal_coefficients_give_ratio_one_in_two_thousand_scenes() {
     let wrong = wrong(2000);
     assert!(wrong.is_empty(), "{wrong:#?}");

@@ -69,7 +69,7 @@ fn the_estimate_of_the_error_of_blocks_holds_with_rims() {
 }
 
 #[test]
-#[ignore = "half a minute: prints what tests/README.md says of 40 patterns with rims"]
+#[ignore = "half a minute: prints what the book, evidence/verification.md, says of 40 patterns with rims"]
 fn the_estimate_of_the_error_of_blocks_with_rims_holds_in_95_of_100_cases() {
     for is_refined in [false, true] {
         let [held, all] = covered(40, is_refined, true);
@@ -78,7 +78,7 @@ fn the_estimate_of_the_error_of_blocks_with_rims_holds_in_95_of_100_cases() {
 }
 
 #[test]
-#[ignore = "half a minute: prints what tests/README.md says of 40 patterns"]
+#[ignore = "half a minute: prints what the book, evidence/verification.md, says of 40 patterns"]
 fn the_estimate_of_the_error_of_blocks_holds_in_95_of_100_cases() {
     for is_refined in [false, true] {
         let [held, all] = covered(40, is_refined, false);

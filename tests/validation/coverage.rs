@@ -88,7 +88,7 @@ fn covers([sixty, ninety]: [f64; 2]) -> bool {
 type Told = (f64, f64, [f64; 2], [f64; 2]);
 
 #[test]
-#[ignore = "half a minute: prints the table of tests/README.md"]
+#[ignore = "half a minute: prints a table of the book, evidence/verification.md"]
 fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
     let friction = [0.248, 0.263, 0.272, 0.278];
     let pattern = published_groove().unwrap();
@@ -146,7 +146,7 @@ fn intervals_of_patterned_ratios_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
-#[ignore = "two minutes: prints the table of tests/README.md"]
+#[ignore = "two minutes: prints a table of the book, evidence/verification.md"]
 fn intervals_of_flat_friction_and_of_its_coefficient_hold_the_truth_as_often_as_they_say() {
     const PRESSURE_PA: f64 = 2.55e6;
     const MEAN: f64 = 0.32;

@@ -43,7 +43,7 @@ fn travel(step_ns: f64) -> f64 {
 }
 
 #[test]
-#[ignore = "two minutes: prints what tests/README.md says of steps of 8, 10 and 11 ns"]
+#[ignore = "two minutes: prints what the book, evidence/verification.md, says of steps of 8, 10 and 11 ns"]
 fn near_the_stability_limit_friction_falls_as_a_slipping_block_overshoots() {
     const SEEDS: u32 = 8;
     let mut found: Vec<[f64; 3]> = Vec::new();
@@ -77,7 +77,7 @@ fn near_the_stability_limit_friction_falls_as_a_slipping_block_overshoots() {
 }
 
 #[test]
-#[ignore = "two minutes: prints the table of tests/README.md"]
+#[ignore = "two minutes: prints a table of the book, evidence/verification.md"]
 fn excess_of_dynamic_friction_against_step_damping_and_static_friction() {
     println!(
         "| choice | flat sample: dynamic over steady friction, less one | ratio patterned over flat |\n|---|---|---|"

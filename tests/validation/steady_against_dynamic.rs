@@ -71,7 +71,7 @@ fn a_warm_start_reaches_the_same_sliding_as_a_start_from_rest() {
 
 /// What time adds to ratios, by pattern and load, in per cent of them: the same draws of the local coefficients in both.
 #[test]
-#[ignore = "five minutes: prints the table of tests/README.md"]
+#[ignore = "five minutes: prints a table of the book, evidence/verification.md"]
 fn what_time_adds_to_ratios() {
     let loads_mpa = [0.65, 1.3, 2.6];
     println!("| groove | 0.65 MPa | 1.3 MPa | 2.6 MPa |\n|---|---|---|---|");

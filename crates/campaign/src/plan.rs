@@ -31,6 +31,8 @@ use crate::{CampaignError, worker};
 
 /// Most tasks of one campaign: each result is a file.
 const MOST_TASKS: usize = 1_000_000;
+/// Most trials of a simulated laboratory, and most widths that it chooses from.
+const MOST_CHOICES: usize = 1000;
 /// The base of a campaign of simulated laboratories, which is no file.
 const LABORATORIES: &str = "laboratories";
 /// What can be done with a design.
@@ -50,12 +52,18 @@ pub struct Planned {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CampaignFile {
+    /// Name of the campaign; the file's name when absent.
     name: Option<String>,
+    /// Path of a scene or a design, or `laboratories` for the simulated laboratories.
     base: Spanned<String>,
+    /// What is done with a design: `search`, or `table` for every design of its table as a steady scene; `search` when absent.
     work: Option<Spanned<String>>,
+    /// Options of simulated laboratories, with `base = "laboratories"`.
     laboratories: Option<Spanned<laboratories::Options>>,
+    /// One table for each key that is varied by itself; every combination of all grids is a task.
     #[serde(default)]
     grid: Vec<Spanned<GridFile>>,
+    /// Rows of keys that go together, each with every combination of the grids.
     #[serde(default)]
     list: Vec<Spanned<Table>>,
 }
@@ -63,7 +71,9 @@ struct CampaignFile {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct GridFile {
+    /// Dotted key of the base, present there or not.
     key: String,
+    /// The values that it takes.
     values: Vec<Value>,
 }
 
@@ -140,6 +150,17 @@ fn base(
     let failed = |error: &dyn std::fmt::Display| CampaignError::Failed(error.to_string());
     if file.base.get_ref() == LABORATORIES {
         let options = file.laboratories.as_ref().map_or_else(laboratories::Options::default, |own| *own.get_ref());
+        let own = file.laboratories.as_ref().map_or_else(|| file.base.span(), Spanned::span);
+        for (key, number, most) in [
+            ("laboratories", options.laboratories, MOST_TASKS),
+            ("most_trials", options.most_trials, MOST_CHOICES),
+            ("steps", options.steps, MOST_CHOICES),
+        ] {
+            if number > most {
+                let refused = document.refuse(own, format!("has {number} as its `{key}`"));
+                return Err(refused.expected(format!("a whole number from 0 to {most}")).into());
+            }
+        }
         let row = |job: Job| {
             let named = [("start", job.start.name()), ("policy", job.policy.name())];
             let named = named.map(|(key, name)| (key.to_owned(), Json::from(name)));

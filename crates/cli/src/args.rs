@@ -50,33 +50,33 @@ pub struct Arguments {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Friction of a given surface at given loads
+    /// Compute the friction of a given surface at given loads
     Simulate(SimulateArgs),
     /// Search the pattern that brings friction to a target, confirm it, and write what a laser needs
     Optimize(OptimizeArgs),
-    /// A page with sliders: what any design would do, before a search
+    /// Write a page with sliders that shows what any design would do, before a search
     Explore(ExploreArgs),
-    /// Local friction coefficients from measurements on flat samples
+    /// Fit local friction coefficients to measurements on flat samples
     Calibrate(CalibrateArgs),
-    /// The sample to cut next, with its chance to be on target by what trials say
+    /// Choose the sample to cut next, with its chance to be on target by what trials say
     Next(NextArgs),
-    /// What was predicted of trial samples before they were cut, beside what was measured
+    /// Compare what was predicted of trial samples, before they were cut, with what was measured
     Trials(TrialsArgs),
-    /// Dynamic friction, static peak and stick-slip from tribometer exports
+    /// Read dynamic friction, static peak and stick-slip from tribometer exports
     Traces(TracesArgs),
-    /// Real contact area of an altitude map against pressure
+    /// Compute the real contact area of an altitude map against pressure
     AreaLaw(AreaLawArgs),
-    /// Parameters, pictures and cavities of an altitude map
+    /// Measure parameters and cavities of an altitude map, and draw it
     Surface(SurfaceArgs),
     /// Make a synthetic self-affine altitude map, with cavities if wanted
     Synthesize(SynthesizeArgs),
     /// Write a result's design again in other formats
     Export(ExportArgs),
-    /// Measured ratios patterned/flat beside the model's
+    /// Compare measured ratios, patterned over flat, with the model's
     Validate(ValidateArgs),
-    /// Speed against error of every method, on one page
+    /// Compare speed and error of every method, on one page
     Accuracy(AccuracyArgs),
-    /// Thousands of scenes or designs, done by any number of machines
+    /// Do thousands of scenes or designs on any number of machines
     Campaign(CampaignArgs),
     /// Write a commented file to start from
     New(NewArgs),
@@ -92,10 +92,10 @@ pub enum Command {
     slipgrid simulate scene.toml\n  \
     slipgrid simulate scene.toml --json > result.json\n  \
     slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n\n\
-    steady solves the equilibrium with every contact block sliding: no time, no static friction;\n\
-    for searching. dynamic integrates in time by the fastest scheme whose error is measured; for\n\
-    confirming. reference is the published scheme to the letter (RK4, 1 ns); for judging the others.\n\n\
-    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
+    steady solves the equilibrium with every contact block sliding. It knows neither time nor static\n\
+    friction, and serves searches. dynamic integrates in time by the fastest scheme whose error is measured,\n\
+    and confirms. reference is the published scheme to the letter (RK4, 1 ns), and judges the others.\n\n\
+    The model leaves out plasticity, viscoelasticity, heating, wear, and recast rims unless [pattern] gives them.")]
 pub struct SimulateArgs {
     /// Scene file
     pub scene: PathBuf,
@@ -128,7 +128,7 @@ pub struct SimulateArgs {
     folder: out/NAME.lock says which.\n\n\
     Grooves across the sliding direction are solved in the vertical plane, squares, rectangles, discs and\n\
     grooves that slide along or aslant in space; dimensions = 2 or 3 in [search] overrides it.\n\n\
-    Not modelled: recast rims but those that [pattern] gives, plasticity, viscoelasticity, heating, wear.")]
+    The model leaves out plasticity, viscoelasticity, heating, wear, and recast rims unless [pattern] gives them.")]
 pub struct OptimizeArgs {
     /// Design file
     pub design: PathBuf,
@@ -232,7 +232,7 @@ pub struct TracesArgs {
     slipgrid area-law scan.txt --pixel-um 0.5 --height-unit nm --pressures-mpa 0.1,0.7,2.6 --json\n\n\
     The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through\n\
     the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.\n\n\
-    Maps that look wrong are told (lines with !) or refused: calibration/README.md has the limits.\n\
+    Maps that look wrong are named in lines that begin with !, or are refused; crates/book has the limits.\n\
     Last digits (1e-14) differ between processors that have AVX and others.")]
 pub struct AreaLawArgs {
     /// Altitude map

@@ -1,6 +1,6 @@
 //! Ctrl-C: a first one ends a run as soon as the stage under way has heard of it, a second one at once.
 //!
-//! The handler sets one flag. Long loops ask it through their monitor ([`crate::progress::Progress`]) and the models that
+//! The handler sets one flag. Long loops ask it through their monitor (`Progress`) and the models that
 //! searches call; a stage that did not hear of it in time is ended from here. What was being written is finished or taken
 //! back first, so that no file is half written either way.
 

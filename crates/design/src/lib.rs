@@ -6,7 +6,7 @@
 //! ```
 //!
 //! [`run`] is the job. It needs a [`DesignTask`], a place for the answers of its model that may outlive the run
-//! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`](slipgrid_monitor::Monitor) that shows progress, tells the time
+//! ([`EvaluationCache`], [`NoCache`]), and a [`Monitor`] that shows progress, tells the time
 //! and may cancel.
 //!
 //! | module | role |

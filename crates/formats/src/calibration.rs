@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use slipgrid_calibrate::{
     CalibrationTask, Coefficients, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
     flat_friction_law,
@@ -13,6 +12,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
+use super::calibration_file::{BulkFile, CalibrationFile, SpecimenFile};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser;
@@ -23,9 +23,8 @@ use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
-use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition, TracesFile};
-use super::trials::{self, PriorFile, TrialFile};
-use super::values::{Number, NumberList};
+use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition};
+use super::trials;
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
@@ -34,60 +33,6 @@ use slipgrid_units::{DENSITY_G_CM3, LENGTH_MM, MODULUS_GPA, MODULUS_STD_GPA, POI
 
 /// Poisson's ratio of the contact computation where a file names none: that of the lattice.
 pub const DEFAULT_POISSON_RATIO: f64 = 1.0 / 3.0;
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CalibrationFile {
-    name: String,
-    source: String,
-    material: Spanned<BulkFile>,
-    surface: Option<Spanned<SurfaceFile>>,
-    specimen: Spanned<SpecimenFile>,
-    measurements: Option<Spanned<MeasurementsFile>>,
-    traces: Option<Spanned<TracesFile>>,
-    pattern: Option<Spanned<PatternFile>>,
-    #[serde(default)]
-    trial: Vec<Spanned<TrialFile>>,
-    trial_prior: Option<Spanned<PriorFile>>,
-    fit: Option<FitFile>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BulkFile {
-    youngs_modulus_gpa: Number,
-    youngs_modulus_std_gpa: Option<Number>,
-    density_g_cm3: Number,
-    yield_pressure_mpa: Option<Number>,
-    poisson_ratio: Option<Number>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SpecimenFile {
-    radius_mm: Option<Number>,
-    shape: Option<Spanned<String>>,
-    diameter_mm: Option<Number>,
-    length_mm: Option<Number>,
-    width_mm: Option<Number>,
-    outer_diameter_mm: Option<Number>,
-    inner_diameter_mm: Option<Number>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MeasurementsFile {
-    flat: Option<Spanned<String>>,
-    patterned: Option<Spanned<String>>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FitFile {
-    coefficients: Option<Spanned<String>>,
-    area_law_scale_mpa: Option<NumberList>,
-    relative_std: Option<Number>,
-}
 
 /// A calibration ready to be fitted.
 #[derive(Clone, Debug, PartialEq)]

@@ -13,7 +13,9 @@ use slipgrid_units::{HUMIDITY_PCT, Quantity, SPEED_MM_S};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConditionRangeFile {
+    /// Sliding speed: one number, or the lowest and the highest.
     speed_mm_s: Spanned<Numbers>,
+    /// Relative humidity: one number, or the lowest and the highest.
     humidity_pct: Spanned<Numbers>,
 }
 

@@ -35,24 +35,39 @@ use crate::source::Source;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct DesignFile {
+    /// Name for reports; the file's name when absent.
     name: Option<String>,
+    /// The day of the design, shown beside its name on the page: a date of the calendar as YYYY-MM-DD.
     date: Option<Spanned<String>>,
+    /// The material: a table, the path of a material file, or that of a calibration, which is then fitted first.
     material: Spanned<PathOr<MaterialFile>>,
+    /// Speed and humidity that select coefficients of a material that has them per condition.
     condition: Option<Spanned<ConditionRangeFile>>,
+    /// Further conditions, or ranges of them, at which the target must hold, too.
     also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
+    /// What friction is wanted.
     target: Spanned<TargetFile>,
+    /// Between which dimensions the search looks.
     bounds: Spanned<BoundsFile>,
+    /// All of the texture that is not searched; grooves across the sliding direction when absent.
     #[serde(default = "plain_texture")]
     pattern: Spanned<TextureFile>,
+    /// What the laser and the surface demand.
     #[serde(default)]
     limits: LimitsFile,
+    /// The laser, for the process sheet and the files that it takes.
     laser: Option<Spanned<LaserFile>>,
+    /// The specimen that the pattern is laid on.
     specimen: Spanned<SpecimenFile>,
+    /// The modelled layer.
     #[serde(default = "default_sample")]
     sample: Spanned<SampleFile>,
+    /// How to search, and for how long.
     #[serde(default)]
     search: SearchFile,
+    /// How the mean dimensions of samples scatter; without this table the chance leaves them out.
     tolerances: Option<TolerancesFile>,
+    /// A table of designs that no other beats in every goal.
     trade_offs: Option<Spanned<TradeOffsFile>>,
 }
 
@@ -64,20 +79,30 @@ fn plain_texture() -> Spanned<TextureFile> {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoundsFile {
+    /// Width of a cavity along its row: the least and the greatest, or one number, which fixes it.
     width_um: Spanned<Numbers>,
+    /// Gap between two cavities of a row: the least and the greatest, or one number.
     spacing_um: Spanned<Numbers>,
+    /// Depth of a cavity: the least and the greatest, or one number.
     depth_um: Spanned<Numbers>,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SearchFile {
+    /// Seed of the search, of the local coefficients and of all draws; 1 when absent.
     seed: Option<u64>,
+    /// Most evaluations of the search's model; 2000 when absent.
     max_evaluations: Option<Spanned<u64>>,
+    /// Most seconds of the whole job; no limit when absent.
     max_seconds: Option<Number>,
+    /// Also compute every design of whole blocks and bursts, for `table.csv`; false when absent.
     table: Option<bool>,
+    /// Confirm from an unloaded layer at rest, with static friction; false when absent.
     from_rest: Option<bool>,
+    /// Choose the design with the least mean squared misfit of its samples; needs `[tolerances]`; false when absent.
     robust: Option<Spanned<bool>>,
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
     dimensions: Option<Spanned<u64>>,
 }
 

@@ -16,16 +16,27 @@ use slipgrid_units::{LENGTH_MM, LENGTH_UM, POSITIVE, WALL_TAPER_DEG};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LaserFile {
+    /// Wavelength, for the process sheet.
     wavelength_nm: Option<Number>,
+    /// Diameter of the spot; no cavity is narrower.
     spot_um: Option<Number>,
+    /// Length of a pulse, for the process sheet.
     pulse_ns: Option<Number>,
+    /// Power density, for the process sheet.
     power_density_gw_cm2: Option<Number>,
+    /// Pulses a second.
     repetition_hz: Option<Number>,
+    /// Speed of the spot; with the repetition rate it gives pulses, overlap, passes and time.
     speed_mm_s: Option<Number>,
+    /// Distance of marked lines; the spot when absent.
     hatch_um: Option<Number>,
+    /// How far walls lean from upright; 0 when absent.
     wall_taper_deg: Option<Number>,
+    /// `hatch` marks lines inside each contour, `mask` exposes contours as wholes; `hatch` when absent.
     exposure: Option<Spanned<String>>,
+    /// Fluence in use, with `[laser.ablation]`.
     fluence_j_cm2: Option<Number>,
+    /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted; in place of `limits.depth_per_burst_um`.
     ablation: Option<Spanned<AblationFile>>,
 }
 
@@ -33,8 +44,11 @@ pub struct LaserFile {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct AblationFile {
+    /// Fluences of the measurements, three or more.
     fluence_j_cm2: NumberList,
+    /// Measured depths per burst.
     depth_per_burst_um: NumberList,
+    /// Standard errors of these depths.
     depth_std_um: Option<NumberList>,
 }
 
@@ -42,24 +56,24 @@ struct AblationFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenFile {
-    /// `disc`, `rectangle` or `ring`.
+    /// Shape of the face: `disc`, `rectangle` or `ring`.
     pub shape: Spanned<String>,
-    /// Of a disc.
+    /// Diameter of a disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diameter_mm: Option<Number>,
-    /// Of a rectangle, along the sliding direction.
+    /// Length of a rectangle along the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_mm: Option<Number>,
-    /// Of a rectangle, across it.
+    /// Width of a rectangle across the sliding direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub width_mm: Option<Number>,
-    /// Of a ring.
+    /// Outer diameter of a ring.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outer_diameter_mm: Option<Number>,
-    /// Of its hole.
+    /// Diameter of a ring's hole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<Number>,
-    /// What becomes of cavities at the rim: `whole` or `clipped`.
+    /// What becomes of cavities at the rim: `whole` ones stay and others are left out, or they are `clipped`; `whole` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavities: Option<Spanned<String>>,
 }

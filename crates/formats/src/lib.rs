@@ -16,10 +16,24 @@
 //! | [`stored_pattern`] | the design of a result |
 //! | [`plausible`], [`unusual`] | numbers that are likely slips |
 //! | [`confirmed_scene`], [`written_material`] | what is written: the scene of a design, the material of a calibration |
+//!
+//! A number in a file is one of a [`slipgrid_units::Quantity`], and what is outside of its range is refused where it stands:
+//!
+//! ```
+//! use slipgrid_formats::{Document, material::{MaterialFile, read_material}};
+//! let text = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 900.0\nfriction = { static_mean = 0.30, dynamic_mean = 0.27 }\n";
+//! let document = Document::new("polymer.toml", text);
+//! let file: MaterialFile = document.parse()?;
+//! let refused = read_material(&document, &file, &(0..text.len())).unwrap_err();
+//! assert_eq!((refused.line, refused.key.as_deref()), (Some(2), Some("density_g_cm3")));
+//! assert!(refused.expected.is_some_and(|expected| expected.starts_with("a number above 0 up to 30 g/cm3")));
+//! # Ok::<(), slipgrid_formats::Diagnostic>(())
+//! ```
 
 pub mod altitude_map;
 pub mod calibrated;
 pub mod calibration;
+mod calibration_file;
 pub mod condition_ranges;
 pub mod confirmed_scene;
 pub mod design;

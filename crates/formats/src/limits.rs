@@ -1,4 +1,4 @@
-//! What a design must keep to beside its bounds: [limits] of design files.
+//! What a design must keep to beside its bounds: `[limits]` of design files.
 
 use serde::Deserialize;
 use slipgrid_design::ConstraintQuantity;
@@ -17,13 +17,19 @@ use slipgrid_units::{FRACTION, LENGTH_UM, PRESSURE_MPA, Quantity, TIME_S};
 pub struct LimitsFile {
     /// Smallest gap between two cavities.
     pub min_land_um: Option<Number>,
-    /// Depth that one burst removes.
+    /// Depth that one burst removes; depths are whole multiples of it.
     pub depth_per_burst_um: Option<Number>,
+    /// Greatest pressure on a contact block at the block size of `[sample]`, at every target pressure.
     max_peak_pressure_mpa: Option<Number>,
+    /// Least share of the face that is land.
     min_bearing_area: Option<Number>,
+    /// Greatest share of the face that is cavity.
     max_areal_density: Option<Number>,
+    /// Most time under the laser, as the process sheet estimates it; needs spot, repetition rate and depth per burst.
     max_laser_time_s: Option<Number>,
+    /// Least gap left under a cavity's ceiling at every target pressure.
     min_clearance_um: Option<Number>,
+    /// `refuse` rejects designs of which a contact block is under tension in the steady model.
     lift_off: Option<Spanned<String>>,
 }
 

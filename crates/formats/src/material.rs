@@ -32,13 +32,13 @@ pub struct MaterialFile {
     /// Publication or laboratory.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
-    /// Schema of the file; the first where it is absent.
+    /// Schema of the file; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<Spanned<u32>>,
     /// Version of the program that wrote the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slipgrid_version: Option<String>,
-    /// The surface behind the area law is synthetic, not measured.
+    /// The surface behind the area law is synthetic, not measured; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub synthetic_surface: Option<bool>,
     /// How values were obtained.
@@ -84,7 +84,7 @@ pub struct FrictionFile {
     /// Mean local dynamic coefficient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_mean: Option<Spanned<Numbers>>,
-    /// Scatter of both relative to their means.
+    /// Scatter of both relative to their means; 0.05 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.

@@ -13,43 +13,43 @@ use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// `steady`, `dynamic` or `reference`.
+    /// How it is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fidelity: Option<Spanned<String>>,
-    /// `cell` or `sample`.
+    /// `cell`, one period, or `sample`, the whole specimen; `cell` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub extent: Option<Spanned<String>>,
-    /// Seed of the local coefficients.
+    /// Seed of the local coefficients; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Travel of the bulk in dynamic runs.
+    /// Planned travel of the bulk in dynamic runs; 2 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_um: Option<Number>,
-    /// Unilateral contact.
+    /// A block under tension leaves the counterface, in place of being pinned; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liftoff: Option<bool>,
-    /// Standard error of mu relative to mu at which a dynamic run may end.
+    /// Standard error of mu relative to mu at which a dynamic run may end; none is sought without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mu_stderr: Option<Number>,
-    /// Time step.
+    /// Time step; as the fidelity demands without it, 4 for `dynamic` and 1 for `reference`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_ns: Option<Number>,
-    /// Damping frequency over sqrt(k/m).
+    /// Damping frequency over sqrt(k/m); 0.01 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Number>,
-    /// Start from the sheared steady equilibrium.
+    /// Start dynamic runs from the sheared steady equilibrium; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warm_start: Option<bool>,
-    /// `linear` or `exact`.
+    /// `linear`, for small displacements, or `exact`; the fidelity decides without it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<Spanned<String>>,
     /// 2 or 3; the planform decides when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<Spanned<u64>>,
-    /// Surfaces with coefficients of their own in dynamic runs, 1 to 64.
+    /// Surfaces with coefficients of their own in dynamic runs, 1 to 64; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws: Option<Spanned<u64>>,
-    /// Ratios of vanishing blocks, as nearly as steady cells tell.
+    /// Give ratios of vanishing blocks, as nearly as steady cells tell; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refine: Option<bool>,
 }

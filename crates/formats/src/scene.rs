@@ -32,7 +32,7 @@ pub struct SceneFile {
     /// Name for reports.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Schema of the file; the first where it is absent.
+    /// Schema of the file; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub schema: Option<Spanned<u32>>,
     /// Selects coefficients of a material that has them per condition.

@@ -17,26 +17,45 @@ use slipgrid_units::{LENGTH_UM, SLOPE};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SurfaceFile {
+    /// Altitude map of a flat sample before the test; the area law comes from it.
     map: Option<Spanned<String>>,
+    /// Altitude map of a flat sample after the test, whose difference from `map` is told.
     map_after: Option<Spanned<String>>,
+    /// `area` for contact area, or `measured` for flat friction itself as the law of local pressure; `area` when absent.
     local_law: Option<Spanned<String>>,
+    /// How a measured law goes on above the last measured pressure: `constant` or `logarithmic`.
     extrapolation: Option<Spanned<String>>,
+    /// Rms slope for Persson's law, where there is no map.
     persson_rms_slope: Option<Number>,
+    /// The map was made, not measured; false when absent.
     synthetic: Option<bool>,
+    /// Distance of points along x, where the file does not say.
     pixel_um: Option<Number>,
+    /// Distance of points along y; as along x when absent.
     pixel_y_um: Option<Number>,
+    /// Unit of heights, where the file does not say: `m`, `cm`, `mm`, `um`, `nm` or `pm`.
     height_unit: Option<Spanned<String>>,
+    /// Unit of x and y in lists of points x y z, in the same words.
     lateral_unit: Option<Spanned<String>>,
+    /// Numbers are written with a decimal comma; false when absent.
     decimal_comma: Option<bool>,
+    /// Part of the map that is wanted: first row, first column, rows, columns.
     crop: Option<Spanned<Vec<usize>>>,
+    /// Every so many points are replaced by one.
     decimate: Option<Spanned<usize>>,
+    /// `mean` of the points or `pick` the first; `mean` when absent.
     decimate_by: Option<Spanned<String>>,
+    /// `fill` points that were not measured, or `refuse` the map; `fill` when absent.
     missing: Option<Spanned<String>>,
+    /// Spikes are replaced by the median of the points about them; false when absent.
     despike: Option<bool>,
+    /// What is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
     form: Option<Spanned<String>>,
+    /// Older word for `form`: true is `plane`, false is `mean`.
     level: Option<Spanned<bool>>,
-    /// P0.
+    /// P0, the pressure up to which friction is proportional to load; 0.7 when absent.
     pub threshold_mpa: Option<Number>,
+    /// Windows along each side whose spread gives the law's errors; 0 for none, 2 where the map has room and the key is absent.
     windows: Option<Spanned<usize>>,
 }
 

@@ -1,4 +1,4 @@
-//! What friction should be: [target] of design files.
+//! What friction should be: `[target]` of design files.
 
 use serde::Deserialize;
 use slipgrid_optimize::{Demand, Goal, Quantity, Target, Wanted};
@@ -13,16 +13,23 @@ use slipgrid_units::{FRICTION, PRESSURE_MPA, RATIO, TOLERANCE, WEIGHT};
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetFile {
+    /// `ratio`, patterned over flat, or `mu_dynamic`.
     quantity: Spanned<String>,
     /// Nominal pressures.
     pub pressure_mpa: Spanned<Numbers>,
+    /// Value wanted: one number, or one per pressure.
     value: Option<Spanned<Numbers>>,
+    /// Half-width about `value` within which the target is met: one number, or one per pressure.
     tolerance: Option<Spanned<Numbers>>,
+    /// Lower end of a band, in place of `value`: one number, or one per pressure.
     lowest: Option<Spanned<Numbers>>,
+    /// Upper end of a band, in place of `value`: one number, or one per pressure.
     highest: Option<Spanned<Numbers>>,
+    /// `lowest` or `highest` mean over the pressures, or `even`, the least standard deviation over mean.
     goal: Option<Spanned<String>>,
+    /// How much each pressure counts in means; all alike when absent.
     weights: Option<Spanned<Numbers>>,
-    /// Modelled values count times what patterned samples of the calibration were found to have over modelled ones.
+    /// Aim with what trials say that the model lacks: modelled values count times its median; false when absent.
     pub discrepancy: Option<bool>,
 }
 

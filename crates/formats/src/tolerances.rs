@@ -17,12 +17,17 @@ const DEFAULT_DRAWS: usize = 500;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TolerancesFile {
+    /// Standard deviation of a sample's mean width; 0 when absent.
     width_std_um: Option<Number>,
+    /// Standard deviation of a sample's mean spacing; 0 when absent.
     spacing_std_um: Option<Number>,
+    /// Standard deviation of a sample's mean depth; 0 when absent.
     depth_std_um: Option<Number>,
-    /// Of the mean height of a sample's rims.
+    /// Standard deviation of the mean height of a sample's rims; 0 when absent.
     pub(crate) rim_height_std_um: Option<Number>,
+    /// Correlation of width and spacing, -1 where the pitch is exact; 0 when absent.
     width_spacing_correlation: Option<Number>,
+    /// Samples drawn of the steady model; 500 when absent.
     draws: Option<Spanned<u64>>,
 }
 

@@ -22,20 +22,30 @@ use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIM
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TracesFile {
+    /// Seconds since the first sample between which friction is averaged; [10, 40] when absent.
     window_s: Option<NumberList>,
+    /// Distance from the axis to a specimen's centre: mu = torque / (normal force x radius).
     effective_radius_mm: Option<Number>,
+    /// Specimens that share the recorded normal force; 1 when absent.
     specimens: Option<Spanned<u64>>,
+    /// Look for a static peak at the onset of sliding; true when absent.
     static_peak: Option<bool>,
+    /// One table a condition.
     condition: Spanned<Vec<ConditionFile>>,
 }
 
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ConditionFile {
+    /// Normal force on one specimen.
     force_n: Number,
+    /// Sliding speed.
     speed_mm_s: Number,
+    /// Relative humidity.
     humidity_pct: Number,
+    /// `flat` or `patterned`; `flat` when absent.
     surface: Option<Spanned<String>>,
+    /// Exports, each once; `*` stands for any letters.
     files: Spanned<Vec<Spanned<String>>>,
 }
 

@@ -20,7 +20,9 @@ const DEFAULT_DESIGNS_WITH_SPREAD: usize = 400;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TradeOffsFile {
+    /// Two or three of `chance`, `misfit`, `laser_time`, `volume`, `peak_pressure` and `spread` (with `[tolerances]`).
     goals: Spanned<Vec<Spanned<String>>>,
+    /// Designs compared at first; 2000 when absent, 400 with `spread`.
     designs: Option<Spanned<u64>>,
 }
 

@@ -23,16 +23,25 @@ use slipgrid_units::{HUMIDITY_PCT, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RELAT
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialFile {
+    /// Name of the sample.
     name: Spanned<String>,
+    /// When it was cut, in any form.
     #[serde(default)]
     date: String,
+    /// Anything worth keeping.
     #[serde(default)]
     notes: String,
+    /// Its pattern, as measured.
     pattern: Spanned<PatternFile>,
+    /// CSV table of friction in the columns of flat samples; a trial without it is pending.
     measurements: Option<Spanned<String>>,
+    /// Standard error of its measured mean width; 0 when absent.
     width_std_um: Option<Number>,
+    /// Standard error of its measured mean spacing; 0 when absent.
     spacing_std_um: Option<Number>,
+    /// Standard error of its measured mean depth; 0 when absent.
     depth_std_um: Option<Number>,
+    /// Scatter of ln(ratio) from one such sample to the next; 0.005 when absent.
     sample_std: Option<Number>,
     disc: Option<Spanned<String>>,
 }
@@ -49,18 +58,25 @@ impl TrialFile {
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
+    /// Size of the discrepancy at the published squares; 0.2 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     amplitude_std: Option<f64>,
+    /// Along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pressure_std: Option<f64>,
+    /// Along P1 / P, with P1 the lowest pressure, as adhesion would be; 0.08 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     inverse_pressure_std: Option<f64>,
+    /// For a speed e times as high; 0.05 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed_std: Option<f64>,
+    /// From one humidity to another; 0.1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     humidity_std: Option<f64>,
+    /// From one sample of a texture to the next; 0.005 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
+    /// Least relative standard error of a measurement; 0.005 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     least_measured_std: Option<f64>,
 }
@@ -230,11 +246,17 @@ pub fn of_tables(
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LearnedFile {
+    /// P0, the mean measured pressure.
     reference_pressure_mpa: f64,
+    /// P1, the lowest measured pressure.
     lowest_pressure_mpa: f64,
+    /// Speed about which the effect of speed is counted.
     reference_speed_mm_s: f64,
+    /// Standard deviation of Young's modulus over the modulus.
     modulus_relative_std: f64,
+    /// What is believed before any trial.
     prior: PriorFile,
+    /// The trials, as they were learned from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     trial: Vec<LearnedTrial>,
 }
@@ -242,24 +264,41 @@ pub struct LearnedFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct LearnedTrial {
+    /// Name of the sample.
     name: String,
+    /// Share of the face that is cavity.
     areal_density: f64,
+    /// Length of edges over area.
     edge_per_mm: f64,
+    /// Width of a cavity.
     width_um: f64,
+    /// Distance of two cavities, from middle to middle.
     pitch_um: f64,
+    /// Depth of a cavity.
     depth_um: f64,
+    /// Scatter of ln(ratio) from one such sample to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
+    /// The disc that the sample was a sector of: trials of one name share what differs from disc to disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     disc: Option<String>,
+    /// Nominal pressures of the measurements.
     pressure_mpa: Vec<f64>,
+    /// Their speeds.
     speed_mm_s: Vec<f64>,
+    /// Their relative humidities.
     humidity_pct: Vec<f64>,
+    /// Measured ratios, patterned over flat.
     measured_ratio: Vec<f64>,
+    /// Modelled ratios.
     modelled_ratio: Vec<f64>,
+    /// Relative standard errors of friction of the patterned sample.
     patterned_std: Vec<f64>,
+    /// Relative standard errors of friction of the flat sample.
     flat_std: Vec<f64>,
+    /// d ln(modelled ratio) / d ln(Young's modulus).
     modulus_sensitivity: Vec<f64>,
+    /// What errors of width, spacing and depth make of ln(modelled ratio), one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
 }

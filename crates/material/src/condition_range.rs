@@ -64,7 +64,7 @@ impl ConditionRange {
     /// The conditions among which coefficients interpolated between `measured` ones are lowest and highest over the range,
     /// at whatever pressure: its corners, and what was measured inside it or stands out there. Where one humidity's
     /// measured speeds end inside the range, coefficients at other humidities jump: both sides are asked, the open one
-    /// [`ASIDE`] of the speed away. Speeds slowest, each once.
+    /// `ASIDE` of the speed away. Speeds slowest, each once.
     ///
     /// # Errors
     /// A condition of the range that is not between measured ones: a corner where one is not.

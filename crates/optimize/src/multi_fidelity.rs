@@ -25,7 +25,7 @@ const SETTLED_EXTREMES: f64 = 0.5;
 /// The model's failure at a design holds within this distance, as a share of the bounds.
 const FAILURE_REACH: f64 = 0.02;
 
-/// As [`search`], where `model` is dear and `guide` is a cheap model that differs from it little, or smoothly.
+/// As [`search`](crate::search()), where `model` is dear and `guide` is a cheap model that differs from it little, or smoothly.
 ///
 /// The whole space is searched along the guide, corrected by what is known of its differences from the model
 /// (`low_fidelity_correction`, which grows). The model then judges what this found: the best design, its alternatives and,
@@ -37,7 +37,7 @@ const FAILURE_REACH: f64 = 0.02;
 /// the best that the guide knows.
 ///
 /// # Errors
-/// As [`search`], for either model.
+/// As [`search`](crate::search()), for either model.
 #[allow(clippy::too_many_arguments, reason = "those of search, and the two that make it guided")]
 pub fn search_multi_fidelity(
     target: &Target,

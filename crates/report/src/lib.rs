@@ -11,6 +11,14 @@
 //! | [`Outputs`] | files of one result, in memory |
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
+//!
+//! ```
+//! use slipgrid_report::Outputs;
+//! let mut outputs = Outputs::default();
+//! outputs.add("ratio.csv", "pressure_mpa,ratio\n2.6,0.83\n");
+//! assert_eq!(outputs.names(), ["ratio.csv"]);
+//! assert!(outputs.text("ratio.csv").is_some_and(|text| text.ends_with("0.83\n")));
+//! ```
 
 pub mod area_law;
 pub mod calibration;

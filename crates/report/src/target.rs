@@ -8,7 +8,7 @@ use slipgrid_results::ErrorReport;
 /// Target, prediction and confirmation against pressure.
 ///
 /// # Errors
-/// [`ReportError`] if the picture cannot be drawn.
+/// [`crate::ReportError`] if the picture cannot be drawn.
 pub fn target(report: &DesignReport) -> Result<String, ChartError> {
     drawn(report, &report.name, charts::target)
 }

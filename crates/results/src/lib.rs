@@ -13,6 +13,15 @@
 //! | [`json`], [`json_and_timings`] | records as JSON, with and without what differs from run to run |
 //!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
+//!
+//! ```
+//! use slipgrid_results::{Table, fixed, with_error};
+//! // The error is a standard deviation with as many decimals; a number that is not known is a dash.
+//! assert_eq!(with_error(0.91531, Some(0.01144), 4), "0.9153 +- 0.0114");
+//! let mut table = Table::new(["P MPa", "ratio"]);
+//! table.row([fixed(Some(2.6), 1), fixed(None, 4)]);
+//! assert_eq!(table.to_string(), "  P MPa  ratio\n    2.6      -\n");
+//! ```
 
 mod corrected;
 pub mod errors;

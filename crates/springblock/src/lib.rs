@@ -24,13 +24,18 @@
 //!
 //! This crate does not know that anyone optimizes it. It opens no files, reads no clock, prints nothing.
 //!
+//! Where the area law leaves every block of the land the same friction, whatever it carries, f(p) = p0 / p, friction counts the
+//! land alone, and the ratio of the patterned to the flat surface is its share, 1 - width / pitch, however pressure is
+//! distributed:
+//!
 //! ```
-//! use slipgrid_material::{Elastic, LocalFriction};
+//! use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 //! use slipgrid_pattern::{Pattern, Planform};
 //! use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Unwatched, simulate};
-//! let scene = Scene {
+//! let mut scene = Scene {
 //!     elastic: Elastic::new(0.38e9, 900.0)?,
-//!     area_law: None, // Amontons-Coulomb: no pattern changes friction
+//!     // Real contact area is complete from 0.1 MPa on: past its last pressure f goes as 1/p.
+//!     area_law: Some(AreaLaw::new(vec![0.05e6, 0.1e6], vec![1.0, 0.5])?),
 //!     pattern: Some(Pattern::new(Planform::Groove, 130e-6, 370e-6, 20e-6)?),
 //!     relief: None,
 //!     layer: Layer { length_m: 9960e-6, height_m: 200e-6, block_m: 10e-6, thickness_m: None },
@@ -38,8 +43,13 @@
 //!     speed_m_s: 2e-3,
 //!     run: RunOptions::default(),
 //! };
-//! let simulation = simulate(&scene, &Unwatched)?;
-//! assert!((simulation.loads[0].ratio.unwrap() - 1.0).abs() < 1e-9);
+//! let saturated = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
+//! assert!((saturated - (1.0 - 130.0 / 500.0)).abs() < 1e-9);
+//!
+//! // Without an area law friction is proportional to load, after Amontons and Coulomb: no pattern changes it.
+//! scene.area_law = None;
+//! let proportional = simulate(&scene, &Unwatched)?.loads[0].ratio.unwrap();
+//! assert!((proportional - 1.0).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

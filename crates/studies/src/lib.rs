@@ -8,6 +8,14 @@
 //!
 //! This crate opens no files, prints nothing and reads no clock: times come through a
 //! [`Monitor`](slipgrid_monitor::Monitor), bytes through [`slipgrid_formats::source::Files`].
+//!
+//! ```
+//! use slipgrid_studies::laboratories::{Job, Options, Policy, Start};
+//! // Every laboratory of each start cuts once by each way of choosing.
+//! let options = Options { laboratories: 20, ..Options::default() };
+//! let jobs = Job::all(&options, &[Policy::ALL[0], Policy::ALL[1]]);
+//! assert_eq!(jobs.len(), Start::ALL.len() * 2 * 20);
+//! ```
 
 pub mod accuracy;
 mod error;

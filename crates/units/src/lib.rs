@@ -1,4 +1,25 @@
 //! Units of the files, SI inside: conversion, and the range in which a number means something.
+//!
+//! ```text
+//! SI = number x factor,     least (<) number <= most
+//! ```
+//!
+//! | item | role |
+//! |---|---|
+//! | [`Quantity`] | a unit with its factor and its range; its text is what a refusal says |
+//! | [`LENGTH_UM`], [`PRESSURE_MPA`] and others | one for each kind of key |
+//! | [`tidy`] | a number without what unit conversion left behind |
+//!
+//! This crate knows no keys and no files.
+//!
+//! ```
+//! use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
+//! assert_eq!(LENGTH_UM.to_si(130.0), 130e-6);
+//! assert_eq!(PRESSURE_MPA.from_si(2.6e6), 2.6);
+//! // A pressure in pascals where megapascals are asked for is out of range.
+//! assert!(!PRESSURE_MPA.accepts(2.6e6));
+//! assert_eq!(PRESSURE_MPA.to_string(), "a number above 0 up to 100000 MPa");
+//! ```
 
 use std::fmt;
 

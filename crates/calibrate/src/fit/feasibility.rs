@@ -107,7 +107,7 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
 /// where static peaks are fitted.
 ///
 /// # Errors
-/// [`FitError`] as [`fit_coefficients`](super::calibrate), of all that is known before the first run.
+/// [`FitError`] as [`fit_coefficients`](crate::fit_coefficients), of all that is known before the first run.
 pub fn planned_steps(problem: &Problem) -> Result<Vec<u64>, FitError> {
     problem.validate()?;
     check(&without_hidden_peaks(problem).0)

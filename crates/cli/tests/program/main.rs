@@ -15,7 +15,6 @@ mod discrepancy;
 mod doubtful_maps;
 mod durations;
 mod guards;
-mod guide;
 mod interruptions;
 mod local_law;
 mod mutations;

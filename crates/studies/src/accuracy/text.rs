@@ -248,7 +248,7 @@ fn number(value: Option<f64>) -> String {
 /// The diagram; `None` where no method has an error.
 ///
 /// # Errors
-/// [`ChartError`] if it cannot be drawn.
+/// [`slipgrid_report::ChartError`] if it cannot be drawn.
 pub fn picture(report: &AccuracyReport) -> Result<Option<String>, charts::ChartError> {
     let families = Family::METHODS.map(Family::name);
     let points: Vec<(Vec<WorkPoint<'_>>, &FrontReport)> = [Quantity::MuDynamic, Quantity::Ratio]

@@ -53,13 +53,13 @@ impl Start {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Laboratories of each start, the mechanisms in turn.
+    /// Laboratories of each start, the mechanisms in turn; 207 when absent.
     pub laboratories: usize,
-    /// Most trials of a laboratory.
+    /// Most trials of a laboratory; 12 when absent.
     pub most_trials: usize,
-    /// Widths and spacings of the textures.
+    /// Widths and spacings of the textures; 12 when absent.
     pub steps: usize,
-    /// Seed.
+    /// Seed of the laboratories; 1 when absent.
     pub seed: u64,
 }
 

@@ -90,9 +90,30 @@ impl Delimiter {
     }
 }
 
+impl Delimiter {
+    /// Whether `line` ends with the mark between fields: after its last field, or before one that is empty.
+    pub(crate) fn ends(self, line: &str) -> bool {
+        match self {
+            Self::Semicolon => line.ends_with(';'),
+            Self::Comma => line.ends_with(','),
+            Self::Tab => line.ends_with('\t'),
+            Self::Space => false,
+        }
+    }
+}
+
 /// The beginning of a field, for a message: a hostile file must not steer a terminal.
 pub(crate) fn excerpt(field: &str) -> String {
     field.chars().take(40).map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+/// What a message says of `field`, which is no height.
+pub(crate) fn expected_height(field: &str) -> &'static str {
+    if field.contains(',') {
+        "a height with a decimal point; for decimal commas decimal_comma = true in a file, or --decimal-comma"
+    } else {
+        "a height with a decimal point, or NaN, BAD, --- where it is missing"
+    }
 }
 
 /// A height: a number, or `None` where the file says that the point is missing.

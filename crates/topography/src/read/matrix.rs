@@ -3,7 +3,7 @@
 use std::io::BufRead;
 
 use super::header::Header;
-use super::lines::{Delimiter, Lines, excerpt, height};
+use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
 use crate::{HeightMap, LengthUnit, MapOption, ReadError};
@@ -37,7 +37,7 @@ impl MatrixReader {
                 line,
                 column: n + 1,
                 value: excerpt(field),
-                expected: "a height with a decimal point, or NaN, BAD, --- where it is missing",
+                expected: expected_height(field),
             })?;
             self.row.push(value.unwrap_or(f64::NAN));
         }

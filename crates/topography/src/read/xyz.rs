@@ -2,7 +2,7 @@
 
 use super::ReadOptions;
 use super::header::Header;
-use super::lines::{Delimiter, excerpt, height, number};
+use super::lines::{Delimiter, excerpt, expected_height, height, number};
 use super::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
 use super::scan::Scan;
 use crate::map::MOST_POINTS;
@@ -59,14 +59,16 @@ impl XyzReader {
     pub(super) fn push(&mut self, text: &str, line: usize) -> Result<(), ReadError> {
         let delimiter = *self.delimiter.get_or_insert_with(|| Delimiter::of(text));
         let mut fields = delimiter.fields(text);
-        let (Some(x), Some(y), Some(z), None) = (fields.next(), fields.next(), fields.next(), fields.next()) else {
+        let (x, y, z) = (fields.next(), fields.next(), fields.next());
+        // A height that was not measured may be an empty field at the end of a line.
+        let z = z.or_else(|| delimiter.ends(text).then_some(""));
+        let (Some(x), Some(y), Some(z), None) = (x, y, z, fields.next()) else {
             return Err(ReadError::RowLength { line, found: delimiter.fields(text).count(), expected: 3 });
         };
         let refused = |column, field, expected| ReadError::NotANumber { line, column, value: excerpt(field), expected };
         let coordinate =
             |column, field| number(field).ok_or_else(|| refused(column, field, "a coordinate with a decimal point"));
-        let z = height(z)
-            .ok_or_else(|| refused(3, z, "a height with a decimal point, or NaN, BAD, --- where it is missing"))?;
+        let z = height(z).ok_or_else(|| refused(3, z, expected_height(z)))?;
         if self.points.len() == MOST_POINTS {
             let points = self.points.len() as f64 + 1.0;
             return Err(MapError::TooManyPoints { points, most: MOST_POINTS }.into());
@@ -251,6 +253,26 @@ mod tests {
         assert_eq!(read(&gaps).unwrap(), whole);
         gaps.insert(2, "\n".to_owned());
         assert_eq!(read(&gaps).unwrap(), whole);
+    }
+
+    #[test]
+    fn a_height_that_was_not_measured_may_be_an_empty_field_at_the_end_of_a_line() {
+        let whole: Vec<String> = scan().iter().map(|line| line.replace(' ', ";")).collect();
+        let mut holed = whole.clone();
+        holed[4] = "0.5;0.25;\n".to_owned();
+        let (whole, holed) = (read(&whole).unwrap(), read(&holed).unwrap());
+        assert_eq!((whole.missing(), holed.missing(), holed.rows(), holed.cols()), (0, 1, 4, 3));
+        let kept = whole.heights_m().iter().zip(holed.heights_m()).filter(|(all, left)| all == left).count();
+        assert_eq!(kept, 11);
+        // Without the mark a field is not there.
+        let short: Vec<String> = ["0;0;1\n", "0;1\n"].map(str::to_owned).to_vec();
+        assert_eq!(read(&short).unwrap_err().to_string(), "line 2: 2 values: expected 3");
+    }
+
+    #[test]
+    fn decimal_commas_are_told_how_they_are_read() {
+        let lines: Vec<String> = ["0;0;1,5\n", "0;1;1,5\n"].map(str::to_owned).to_vec();
+        assert!(read(&lines).unwrap_err().to_string().contains("--decimal-comma"));
     }
 
     #[test]

@@ -1,0 +1,343 @@
+//! The keys of a file, read from the source text of the types that read it.
+//!
+//! A file format is a set of structures that derive `Deserialize`. Their fields are the keys, the comments above the fields say
+//! what they mean, and the types say what may stand there. [`Types::new`] collects them from source files, and [`Types::table`]
+//! follows the types from one structure to the next. A type that is not known here is an error, so that nothing is left out.
+
+use std::collections::BTreeMap;
+
+/// What may stand behind a key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// A number.
+    Number,
+    /// A whole number.
+    Whole,
+    /// True or false.
+    Flag,
+    /// Text.
+    Text,
+    /// Anything.
+    Any,
+    /// A number, or a list of numbers.
+    OneOrMore,
+    /// A list.
+    List(Box<Shape>),
+    /// The path of a file, or what would stand in it.
+    PathOr(Box<Shape>),
+    /// A table, by the file and the name of its structure.
+    Table(Place),
+}
+
+/// A structure: the source file that it stands in, and its name.
+pub type Place = (String, String);
+
+/// A key of a table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Its name.
+    pub name: String,
+    /// What may stand there.
+    pub shape: Shape,
+    /// It must stand there.
+    pub is_required: bool,
+    /// What it means, in sentences.
+    pub meaning: String,
+}
+
+/// What a structure is, and its keys.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Table {
+    /// What the comment above it says.
+    pub meaning: String,
+    /// Its keys, in their order.
+    pub keys: Vec<Key>,
+}
+
+/// A field as it stands in the source.
+#[derive(Clone, Debug)]
+struct Field {
+    name: String,
+    kind: String,
+    has_default: bool,
+    /// Its keys stand among those of the structure that it is in.
+    is_flattened: bool,
+    comment: String,
+}
+
+/// A structure as it stands in the source.
+#[derive(Clone, Debug)]
+struct Structure {
+    is_public: bool,
+    /// Each of its keys may be absent.
+    has_defaults: bool,
+    comment: String,
+    fields: Vec<Field>,
+}
+
+/// The structures that derive `Deserialize` in some source files.
+#[derive(Clone, Debug, Default)]
+pub struct Types {
+    structures: BTreeMap<Place, Structure>,
+    /// Types that are not known stand for anything.
+    is_record: bool,
+}
+
+impl Types {
+    /// Collects the structures of source files, given by their names and texts as `cargo fmt` leaves them.
+    #[must_use]
+    pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
+        let mut structures = BTreeMap::new();
+        for (file, text) in files {
+            let (mut comment, mut attributes) = (String::new(), String::new());
+            let mut open: Option<(String, Structure)> = None;
+            for line in text.lines() {
+                let line = line.trim();
+                if let Some(words) = line.strip_prefix("///") {
+                    comment += words;
+                } else if line.starts_with("#[") {
+                    attributes += line;
+                } else if let Some((name, structure)) = &mut open {
+                    let field = line.strip_suffix(',').and_then(|line| line.split_once(": "));
+                    if let Some((field, kind)) = field {
+                        structure.fields.push(Field {
+                            name: field.rsplit(' ').next().unwrap_or(field).to_owned(),
+                            kind: kind.to_owned(),
+                            has_default: attributes.contains("default") || attributes.contains("skip_serializing_if"),
+                            is_flattened: attributes.contains("flatten"),
+                            comment: std::mem::take(&mut comment).trim().to_owned(),
+                        });
+                    } else if line == "}" {
+                        structures.insert((file.to_owned(), name.clone()), structure.clone());
+                        open = None;
+                    }
+                    attributes.clear();
+                } else {
+                    let head = line.strip_suffix(" {").and_then(|line| line.split_once("struct "));
+                    if let Some((before, name)) = head.filter(|_| attributes.contains("Deserialize")) {
+                        let comment = comment.trim().to_owned();
+                        let has_defaults = attributes.contains("serde(default");
+                        let structure =
+                            Structure { is_public: before == "pub ", has_defaults, comment, fields: Vec::new() };
+                        open = Some((name.to_owned(), structure));
+                    }
+                    comment.clear();
+                    attributes.clear();
+                }
+            }
+        }
+        Self { structures, is_record: false }
+    }
+
+    /// The same of records that are written: keys without a value are null, and types that are not known, enumerations and types
+    /// of other libraries, stand for anything.
+    #[must_use]
+    pub fn records(mut self) -> Self {
+        self.is_record = true;
+        self
+    }
+
+    /// Whether these are records that are written.
+    #[must_use]
+    pub const fn is_record(&self) -> bool {
+        self.is_record
+    }
+
+    /// The table of the structure at `place`.
+    ///
+    /// # Errors
+    /// What is not known: the structure, or the type of one of its fields.
+    pub fn table(&self, place: &Place) -> Result<Table, String> {
+        let structure = self.structures.get(place).ok_or_else(|| format!("no structure {} in {}", place.1, place.0))?;
+        let mut keys = Vec::new();
+        for field in &structure.fields {
+            if field.is_flattened {
+                if let Shape::Table(inner) = self.shape(&field.kind, &place.0)? {
+                    let is_optional = field.kind.starts_with("Option<");
+                    let own = self.table(&inner)?.keys.into_iter();
+                    keys.extend(own.map(|key| Key { is_required: key.is_required && !is_optional, ..key }));
+                }
+                continue;
+            }
+            let (kind, is_optional) = match inside(&field.kind, "Option") {
+                Some(kind) => (kind, true),
+                None => (field.kind.as_str(), field.has_default || structure.has_defaults),
+            };
+            keys.push(Key {
+                name: field.name.clone(),
+                shape: self.shape(kind, &place.0)?,
+                is_required: !is_optional,
+                meaning: self.meaning(field, &place.0)?,
+            });
+        }
+        Ok(Table { meaning: structure.comment.clone(), keys })
+    }
+
+    /// What a field's comment says; "As in [`Other`]." is that of the field of the same name there.
+    fn meaning(&self, field: &Field, file: &str) -> Result<String, String> {
+        let Some(other) = field.comment.strip_prefix("As in [`").and_then(|rest| rest.strip_suffix("`].")) else {
+            return Ok(field.comment.clone());
+        };
+        let place = self.named(other, file).ok_or_else(|| format!("no structure {other}"))?;
+        let same = self.structures[&place].fields.iter().find(|same| same.name == field.name);
+        same.map(|same| same.comment.clone()).ok_or_else(|| format!("{other} has no {}", field.name))
+    }
+
+    /// The structure that `name` stands for in `file`: that of the file itself, or else the public one.
+    fn named(&self, name: &str, file: &str) -> Option<Place> {
+        let own = (file.to_owned(), name.to_owned());
+        if self.structures.contains_key(&own) {
+            return Some(own);
+        }
+        let mut public = self.structures.iter().filter(|((_, other), found)| other == name && found.is_public);
+        public.next().map(|(place, _)| place.clone())
+    }
+
+    fn shape(&self, kind: &str, file: &str) -> Result<Shape, String> {
+        for wrapper in ["Spanned", "Box", "Option"] {
+            if let Some(kind) = inside(kind, wrapper) {
+                return self.shape(kind, file);
+            }
+        }
+        if let Some(kind) = inside(kind, "Vec") {
+            return Ok(Shape::List(Box::new(self.shape(kind, file)?)));
+        }
+        if let Some(kind) = inside(kind, "PathOr") {
+            return Ok(Shape::PathOr(Box::new(self.shape(kind, file)?)));
+        }
+        let list = |shape| Shape::List(Box::new(shape));
+        Ok(match kind {
+            "f64" | "Number" => Shape::Number,
+            "u64" | "u32" | "u8" | "usize" => Shape::Whole,
+            "bool" => Shape::Flag,
+            "String" | "Cow<'static, str>" => Shape::Text,
+            "Numbers" => Shape::OneOrMore,
+            "NumberList" | "[f64; 2]" => list(Shape::Number),
+            "Value" | "Table" | "toml::Table" => Shape::Any,
+            _ => {
+                let name = kind.rsplit("::").next().unwrap_or(kind);
+                match self.named(name, file) {
+                    Some(place) => Shape::Table(place),
+                    None if self.is_record => Shape::Any,
+                    None => return Err(format!("{file}: the type {kind} is not known")),
+                }
+            }
+        })
+    }
+}
+
+/// `T` of `wrapper<T>`.
+fn inside<'a>(kind: &'a str, wrapper: &str) -> Option<&'a str> {
+    kind.strip_prefix(wrapper)?.strip_prefix('<')?.strip_suffix('>')
+}
+
+impl Key {
+    /// What holds where the key is absent, as its comment says: the words before "when absent".
+    #[must_use]
+    pub fn default(&self) -> Option<&str> {
+        let before = self.meaning.split(" when absent").next().filter(|before| before.len() < self.meaning.len())?;
+        Some(before.rsplit("; ").next().unwrap_or(before))
+    }
+
+    /// The unit that stands in the key's name; nothing for pure numbers and for what is no number.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        const UNITS: [(&str, &str); 19] = [
+            ("_gw_cm2", "GW/cm²"),
+            ("_j_cm2", "J/cm²"),
+            ("_g_cm3", "g/cm³"),
+            ("_mm_s", "mm/s"),
+            ("_per_mm", "1/mm"),
+            ("_gpa", "GPa"),
+            ("_mpa", "MPa"),
+            ("_pct", "%"),
+            ("_deg", "°"),
+            ("_um", "µm"),
+            ("_mm", "mm"),
+            ("_nm", "nm"),
+            ("_ns", "ns"),
+            ("_hz", "Hz"),
+            ("seconds", "s"),
+            ("_time_s", "s"),
+            ("window_s", "s"),
+            ("force_n", "N"),
+            ("clearance_um", "µm"),
+        ];
+        let is_number = match &self.shape {
+            Shape::Number | Shape::OneOrMore => true,
+            Shape::List(of) => match &**of {
+                Shape::Number => true,
+                Shape::List(of) => **of == Shape::Number,
+                _ => false,
+            },
+            _ => false,
+        };
+        let found = UNITS.into_iter().find(|(ending, _)| self.name.ends_with(ending));
+        found.filter(|_| is_number).map_or("", |(_, unit)| unit)
+    }
+}
+
+impl Shape {
+    /// What may stand there, in words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match self {
+            Self::Number => "number".to_owned(),
+            Self::Whole => "whole number".to_owned(),
+            Self::Flag => "true or false".to_owned(),
+            Self::Text => "text".to_owned(),
+            Self::Any => "anything".to_owned(),
+            Self::OneOrMore => "number or list".to_owned(),
+            Self::List(of) => match &**of {
+                Self::Table(_) => "tables".to_owned(),
+                Self::Number => "list of numbers".to_owned(),
+                Self::Whole => "list of whole numbers".to_owned(),
+                Self::Text => "list of texts".to_owned(),
+                of => format!("list of: {}", of.words()),
+            },
+            Self::PathOr(_) => "path or table".to_owned(),
+            Self::Table(_) => "table".to_owned(),
+        }
+    }
+
+    /// The structure of the table, or tables, that may stand there.
+    #[must_use]
+    pub fn table(&self) -> Option<&Place> {
+        match self {
+            Self::Table(place) => Some(place),
+            Self::List(of) | Self::PathOr(of) => of.table(),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SOURCE: &str = "/// A thing.\n#[derive(Clone, Deserialize)]\nstruct ThingFile {\n    /// How wide it\n    /// is; 3 when absent.\n    \
+                          #[serde(default)]\n    pub width_um: Option<Number>,\n    parts: Spanned<Vec<Spanned<PartFile>>>,\n}\n\
+                          #[derive(Deserialize)]\npub struct PartFile {\n    /// As in [`ThingFile`].\n    width_um: Numbers,\n}\n\
+                          #[derive(Debug)]\nstruct Other {\n    x: Strange,\n}\n";
+
+    #[test]
+    fn fields_are_keys_with_their_meaning_default_and_unit() {
+        let types = Types::new([("a.rs", SOURCE)]);
+        let place = |name: &str| ("a.rs".to_owned(), name.to_owned());
+        let table = types.table(&place("ThingFile")).unwrap();
+        assert_eq!(table.meaning, "A thing.");
+        let [width, parts] = &table.keys[..] else { panic!("{table:?}") };
+        assert_eq!((width.default(), width.unit(), width.is_required), (Some("3"), "µm", false));
+        assert_eq!(width.meaning, "How wide it is; 3 when absent.");
+        assert_eq!(parts.shape.table(), Some(&place("PartFile")));
+        assert!(parts.is_required && types.table(&place("PartFile")).unwrap().keys[0].meaning.starts_with("How wide"));
+        assert!(types.table(&place("Other")).is_err());
+    }
+
+    #[test]
+    fn a_type_that_is_not_known_is_refused() {
+        let types = Types::new([("a.rs", "#[derive(Deserialize)]\nstruct A {\n    x: Strange,\n}\n")]);
+        let refused = types.table(&("a.rs".to_owned(), "A".to_owned())).unwrap_err();
+        assert!(refused.contains("Strange"), "{refused}");
+    }
+}

@@ -1,0 +1,9 @@
+//! The program that the commands of the book start: `slipgrid`, built beside their tests.
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let args = std::iter::once(OsString::from("slipgrid")).chain(std::env::args_os().skip(1));
+    slipgrid_cli::run(args, &mut std::io::stdout(), &mut std::io::stderr()).into()
+}

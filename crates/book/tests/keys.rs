@@ -1,0 +1,335 @@
+//! The chapter of keys and the schemas are those of the readers.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use slipgrid_book::keys::{Place, Types};
+use slipgrid_book::schema::{Accepted, literal, schema, violations};
+use toml::Value;
+
+use crate::probes::{KINDS, Kind, changed, records, types};
+use crate::{book, files, keep, root, text};
+
+/// The schema that files of this program have.
+const VERSION: u32 = 1;
+
+#[test]
+fn schemas_are_generated_from_the_types_that_read() {
+    let types = types();
+    for kind in KINDS {
+        let now = schema(&types, &kind.root(), (kind.name, VERSION), &kind.accepted(&types)).unwrap();
+        let path = book().join(format!("schemas/{}-{VERSION}.json", kind.name));
+        keep(&path, &(serde_json::to_string_pretty(&now).unwrap() + "\n"));
+    }
+}
+
+#[test]
+fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
+    let types = types();
+    let mut chapter = "# Keys of all files\n\nThis chapter is generated from the types that read the files. A key that is **bold** must \
+                       be there. \"Accepted\" is what the reader itself answers where something else stands there; where it says \
+                       nothing, the type says all. [Files with keys](files.md) tells which file is for what, and how an editor \
+                       checks them.\n"
+        .to_owned();
+    let mut described = BTreeMap::new();
+    for kind in &KINDS {
+        let _ = write!(chapter, "\n## {}\n\n{}\n", capital(kind.name), kind.meaning);
+        let accepted = kind.accepted(&types);
+        describe(&types, kind, (&kind.root(), ""), &accepted, &mut described, &mut chapter);
+    }
+    keep(&book().join("reference/keys.md"), &chapter);
+}
+
+/// The records of `optimize` and of `simulate`: name, structure, what wrote it.
+const RECORDS: [(&str, [&str; 2], &str); 2] = [
+    ("result", ["design/src/outcome.rs", "DesignReport"], "result.json of `optimize`"),
+    (
+        "simulation",
+        ["results/src/simulation.rs", "SimulationReport"],
+        "result.json of `simulate`, and what `simulate --json` prints",
+    ),
+];
+
+#[test]
+fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
+    let types = records();
+    let mut chapter = "# Keys of result.json\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
+                       there; others are left out, or null, where there is nothing to say. Numbers that are not known are null.\n"
+        .to_owned();
+    for (name, [file, structure], title) in RECORDS {
+        let root = (file.to_owned(), structure.to_owned());
+        let _ = write!(
+            chapter,
+            "\n## {}\n\nSchema: [{name}-{VERSION}.json](../schemas/{name}-{VERSION}.json).\n",
+            capital(title)
+        );
+        let mut described = BTreeMap::new();
+        record(&types, (&root, ""), &mut described, &mut chapter);
+        let now = schema(&types, &root, (name, VERSION), &Accepted::new()).unwrap();
+        keep(
+            &book().join(format!("schemas/{name}-{VERSION}.json")),
+            &(serde_json::to_string_pretty(&now).unwrap() + "\n"),
+        );
+    }
+    keep(&book().join("reference/result-json.md"), &chapter);
+}
+
+/// Writes the keys of the record at `path` and of those in it, each structure once.
+fn record(types: &Types, (place, path): (&Place, &str), described: &mut BTreeMap<Place, ()>, chapter: &mut String) {
+    if described.insert(place.clone(), ()).is_some() {
+        return;
+    }
+    let table = types.table(place).unwrap();
+    if !path.is_empty() {
+        let _ = write!(chapter, "\n### `{path}`\n");
+    }
+    let comment = if table.meaning.is_empty() { String::new() } else { format!("\n{}\n", plain(&table.meaning)) };
+    chapter.push_str(&comment);
+    chapter.push_str("\n| key | type | unit | meaning |\n|---|---|---|---|\n");
+    for key in &table.keys {
+        let name = if key.is_required { format!("**`{}`**", key.name) } else { format!("`{}`", key.name) };
+        let cells = [&name, &key.shape.words(), key.unit(), &plain(&key.meaning)];
+        let _ = writeln!(chapter, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
+    }
+    for key in &table.keys {
+        if let Some(inner) = key.shape.table() {
+            let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+            record(types, (inner, &path), described, chapter);
+        }
+    }
+}
+
+/// A comment without the links of the code's pages.
+fn plain(comment: &str) -> String {
+    comment.replace("[`", "`").replace("`]", "`")
+}
+
+/// What two commands write obeys the schemas, and every key of it is described.
+#[test]
+fn results_obey_their_schemas() {
+    let folder = tempfile::tempdir().unwrap();
+    let design = "[material]\nyoungs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\nyoungs_modulus_std_gpa = 0.08\n\
+                  friction = { static_mean = 0.30, dynamic_mean = 0.27, dynamic_std_error = 0.003 }\n\
+                  area_law = { pressure_mpa = [0.7, 2.6, 26.0], factor = [1.0, 0.8, 0.3] }\n[target]\nquantity = \"ratio\"\n\
+                  pressure_mpa = 2.6\nvalue = 0.95\ntolerance = 0.02\n[bounds]\nwidth_um = [100, 200]\nspacing_um = [200, 400]\n\
+                  depth_um = [5, 20]\n[specimen]\nshape = \"disc\"\ndiameter_mm = 2\n[sample]\nlayer_um = 60\nblock_um = 10\n\
+                  [tolerances]\nwidth_std_um = 4.0\n[trade_offs]\ngoals = [\"misfit\", \"volume\"]\n";
+    std::fs::write(folder.path().join("d.toml"), design).unwrap();
+    for (name, arguments) in [
+        ("result", vec!["optimize", "d.toml", "-o", "out", "--table", "--no-explorer"]),
+        ("simulation", vec!["simulate", "out/design.toml", "--fidelity", "steady", "-o", "out/scene"]),
+    ] {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+        let output = program.current_dir(folder.path()).args(&arguments).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let written = text(
+            &folder
+                .path()
+                .join(arguments.iter().rev().find(|word| word.starts_with("out")).unwrap())
+                .join("result.json"),
+        );
+        let known: serde_json::Value =
+            serde_json::from_str(&text(&book().join(format!("schemas/{name}-{VERSION}.json")))).unwrap();
+        let found = violations(&known, &serde_json::from_str(&written).unwrap());
+        assert!(found.is_empty(), "{name}: {found:?}");
+    }
+}
+
+fn capital(name: &str) -> String {
+    name[..1].to_uppercase() + &name[1..]
+}
+
+/// Writes the table at `path` and those in it; one that was described before is named.
+fn describe(
+    types: &Types,
+    kind: &Kind,
+    (place, path): (&Place, &str),
+    accepted: &Accepted,
+    described: &mut BTreeMap<Place, String>,
+    chapter: &mut String,
+) {
+    let table = types.table(place).unwrap();
+    let title = if path.is_empty() {
+        format!("Outermost keys of a {}", kind.name)
+    } else {
+        format!("`[{path}]` of a {}", kind.name)
+    };
+    let _ = write!(chapter, "\n### {title}\n\n");
+    if let Some(before) = described.get(place) {
+        let anchor: String =
+            before.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " _-".contains(*c)).collect();
+        let _ = writeln!(chapter, "The same keys as [{before}](#{}).", anchor.replace(' ', "-"));
+        return;
+    }
+    described.insert(place.clone(), title);
+    if !table.meaning.is_empty() {
+        let _ = write!(chapter, "{}\n\n", table.meaning.replace("[`TextureFile`]", "a design's texture"));
+    }
+    chapter.push_str("| key | type | unit | when absent | accepted | meaning |\n|---|---|---|---|---|---|\n");
+    for key in &table.keys {
+        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+        let name = if key.is_required { format!("**`{}`**", key.name) } else { format!("`{}`", key.name) };
+        let range = accepted.get(&path).map_or(String::new(), |range| {
+            let range = range.split("; ").next().unwrap_or(range).trim_start_matches("a number ");
+            range
+                .trim_end_matches(|c: char| {
+                    c.is_alphabetic() || "/% ".contains(c) || c == '3' && range.ends_with("cm3")
+                })
+                .to_owned()
+        });
+        let words = accepted.get(&path).filter(|range| !range.starts_with("a number ")).map_or(range, Clone::clone);
+        let default = key.default().unwrap_or(if key.is_required { "must be there" } else { "-" });
+        let cells = [&name, &key.shape.words(), key.unit(), default, &words, &key.meaning];
+        let _ = writeln!(chapter, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
+    }
+    for key in &table.keys {
+        if let Some(inner) = key.shape.table() {
+            let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+            describe(types, kind, (inner, &path), accepted, described, chapter);
+        }
+    }
+}
+
+#[test]
+fn every_key_has_a_meaning_and_the_readers_know_no_other() {
+    let types = types();
+    for kind in KINDS {
+        let keys = kind.keys(&types);
+        for (path, key) in &keys {
+            assert!(key.meaning.ends_with('.'), "{}: {path}: {:?}", kind.name, key.meaning);
+        }
+        // The reader lists the keys of a table where it meets one that it does not know.
+        let tables = std::iter::once(String::new())
+            .chain(keys.iter().filter(|(_, key)| key.shape.table().is_some()).map(|(path, _)| format!("{path}.")));
+        let mut seen = 0;
+        for table in tables {
+            let own: Vec<&str> = keys
+                .iter()
+                .filter_map(|(path, _)| path.strip_prefix(&*table))
+                .filter(|key| !key.contains('.'))
+                .collect();
+            for (file, _, spoiled) in changed(&kind, &format!("{table}no_such_key"), &Value::Integer(1)) {
+                let refused = kind.read(&file, &spoiled).unwrap_err();
+                let listed = refused.expected.clone().unwrap_or_default();
+                let Some(listed) = listed.strip_prefix("one of ") else { continue };
+                seen += 1;
+                assert_eq!(listed.split(", ").collect::<Vec<_>>(), own, "{}: {table}", kind.name);
+            }
+        }
+        assert!(seen >= 2, "{}: {seen}", kind.name);
+    }
+}
+
+/// Whether there is something at the dotted `path` of `table`, in the first of each list of tables.
+fn holds(table: &toml::Table, path: &str) -> bool {
+    let mut inner = Some(Value::Table(table.clone()));
+    for part in path.split('.') {
+        inner = inner.and_then(|value| match value {
+            Value::Array(list) => list.first().cloned(),
+            other => Some(other),
+        });
+        inner = inner.and_then(|value| value.get(part).cloned());
+    }
+    inner.is_some()
+}
+
+/// Keys that are kept as they are written: without them their default is taken later, where they are used.
+const TAKEN_LATER: [&str; 3] = ["laser.wall_taper_deg", "laser.exposure", "trial.sample_std"];
+
+/// A default that is written out changes nothing.
+#[test]
+fn defaults_are_what_holds_where_a_key_is_absent() {
+    let types = types();
+    let (mut checked, mut wrong) = (0, Vec::new());
+    for kind in KINDS {
+        for (path, key) in kind.keys(&types) {
+            let Some(default) = key.default().and_then(|words| literal(words, &key.shape)) else { continue };
+            let default = Value::try_from(&default).unwrap();
+            let table = path.rsplit_once('.').map_or("", |(table, _)| table);
+            for (file, example, changed) in changed(&kind, &path, &default) {
+                // A table that is absent may say something by that.
+                if !table.is_empty() && !holds(&example, table) {
+                    continue;
+                }
+                // Where the key stands already its default says nothing of its absence.
+                if holds(&example, &path) {
+                    continue;
+                }
+                if let (Ok(before), Ok(after)) = (kind.read(&file, &example), kind.read(&file, &changed)) {
+                    checked += 1;
+                    if before != after && !TAKEN_LATER.contains(&path.as_str()) {
+                        wrong.push(format!("{}: {path} = {default}", kind.name));
+                    }
+                    break;
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(checked > 40, "{checked} defaults were compared");
+}
+
+/// The schema that judges `text`, by the tables that it has.
+fn kind_of(path: &str, text: &str) -> Option<&'static str> {
+    let table: toml::Table = text.parse().ok()?;
+    let has = |key: &str| table.contains_key(key);
+    if path.contains("process") || path.ends_with("Cargo.toml") || path.ends_with("book.toml") {
+        return None;
+    }
+    match () {
+        () if has("bounds") => Some("design"),
+        () if has("load") => Some("scene"),
+        () if has("measurements") || has("traces") => Some("calibration"),
+        () if has("grid") || has("list") || has("base") => Some("campaign"),
+        () if has("friction") => Some("material"),
+        () => None,
+    }
+}
+
+#[test]
+fn every_shipped_file_obeys_its_schema_and_a_misspelt_key_does_not() {
+    let mut judged = BTreeMap::new();
+    let folders = ["designs", "calibration", "crates/cli/src/templates", "tests/hard_cases/scenes", "tests/accuracy"];
+    for path in folders.iter().flat_map(|folder| files(&root().join(folder), ".toml")) {
+        let own = text(&path);
+        let Some(kind) = kind_of(&path.to_string_lossy(), &own) else { panic!("{}", path.display()) };
+        let known: serde_json::Value =
+            serde_json::from_str(&text(&book().join(format!("schemas/{kind}-{VERSION}.json")))).unwrap();
+        let table: toml::Table = own.parse().unwrap();
+        let found = violations(&known, &serde_json::to_value(&table).unwrap());
+        let reader = KINDS.into_iter().find(|other| other.name == kind).unwrap();
+        // A schema is at most as strict as the reader; some hard cases are there to be refused.
+        assert!(found.is_empty() || reader.read(&path, &table).is_err(), "{}: {found:?}", path.display());
+        if found.is_empty() {
+            *judged.entry(kind).or_insert(0) += 1;
+        }
+        for key in table.keys() {
+            let mut misspelt = table.clone();
+            let value = misspelt.remove(key).unwrap();
+            misspelt.insert(format!("{key}x"), value);
+            let found = violations(&known, &serde_json::to_value(&misspelt).unwrap());
+            assert!(found.contains(&format!("{key}x is not a known key")), "{}: {found:?}", path.display());
+        }
+    }
+    assert!(
+        judged["design"] > 8 && judged["scene"] > 80 && judged["calibration"] > 2 && judged["campaign"] > 0,
+        "{judged:?}"
+    );
+}
+
+#[test]
+fn examples_are_accepted_by_reader_and_schema() {
+    let types = types();
+    for kind in KINDS {
+        let known = schema(&types, &kind.root(), (kind.name, VERSION), &kind.accepted(&types)).unwrap();
+        let mut read = 0;
+        for (path, example) in kind.examples() {
+            let found = violations(&known, &serde_json::to_value(&example).unwrap());
+            if kind.read(&path, &example).is_ok() {
+                read += 1;
+                assert!(found.is_empty(), "{}: {found:?}\n{example}", kind.name);
+            }
+        }
+        assert!(read > 0, "{}", kind.name);
+    }
+}

@@ -1,0 +1,62 @@
+//! The book is true: its commands print what it shows, its links lead somewhere, its keys and schemas are those of the readers,
+//! and the numbers that it quotes stand where it says.
+//!
+//! With `SLIPGRID_UPDATE_GUIDE` set the book takes over what is printed and generated now.
+
+#![allow(clippy::unwrap_used, reason = "a test that unwraps in vain fails, as it should")]
+
+mod chapters;
+mod keys;
+mod numbers;
+mod probes;
+mod walks;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The folder of the repository.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().to_owned()
+}
+
+/// The folder of the chapters.
+fn book() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+}
+
+/// The text of a file of the repository.
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Files below `folder` whose names end with `ending`, in order.
+fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path, ending));
+        } else if path.to_string_lossy().ends_with(ending) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Whether the book takes over what is so now.
+fn updates() -> bool {
+    std::env::var_os("SLIPGRID_UPDATE_GUIDE").is_some()
+}
+
+/// Compares what is kept at `path` with `now`, or keeps it.
+fn keep(path: &Path, now: &str) {
+    if updates() {
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, now).unwrap();
+    } else {
+        let kept = text(path);
+        let line = kept.lines().zip(now.lines()).find(|(kept, now)| kept != now);
+        assert!(kept == now, "{} is not what the program says now; first: {line:?}", path.display());
+    }
+}

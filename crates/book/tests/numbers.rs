@@ -1,0 +1,55 @@
+//! Numbers that the book quotes stand where it says.
+
+use std::process::Command;
+
+use crate::{book, root, text};
+
+/// The table of measured and modelled ratios is what `slipgrid validate` prints.
+#[test]
+fn the_ratios_of_the_validation_are_what_the_program_prints() {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+    let output = program.current_dir(root()).arg("validate").output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let numbers = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>();
+    let rows: Vec<Vec<f64>> = printed.lines().filter_map(numbers).filter(|row| row.len() > 9).collect();
+    let of = |force_n: f64, length: usize| rows.iter().find(|row| row[0] == force_n && row.len() == length).unwrap();
+    let chapter = text(&book().join("evidence/validation.md"));
+    let mut compared = 0;
+    for line in chapter.lines().filter(|line| line.contains(" N | ")) {
+        let cells: Vec<&str> = line.split('|').map(str::trim).filter(|cell| !cell.is_empty()).collect();
+        let force_n: f64 = cells[0].strip_suffix(" N").unwrap().parse().unwrap();
+        // Force, pressure, speed, humidity, flat, patterned and ratio with their errors.
+        let measured = &of(force_n, 10)[8..];
+        // Force, speed, humidity, Amontons; groove and square with their errors at each slope.
+        let modelled = &of(force_n, 16)[4..];
+        // The chapter has the grooves first.
+        let order = [0, 4, 8, 2, 6, 10].map(|place| &modelled[place..place + 2]);
+        for (cell, now) in
+            std::iter::once(cells[1]).chain(cells[3..].iter().copied()).zip([measured].into_iter().chain(order))
+        {
+            let kept: Vec<f64> = cell.split('±').map(|number| number.trim().parse().unwrap()).collect();
+            let is_kept = kept.iter().zip(now).all(|(kept, now)| (kept - now).abs() < 1.5e-3);
+            assert!(is_kept, "{force_n} N: {kept:?}, now {now:?}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 4 * 7);
+}
+
+/// Rows of tables that the evidence quotes stand in the page that the program wrote.
+#[test]
+fn the_laboratories_of_the_book_are_those_of_the_kept_page() {
+    let page = text(&root().join("tests/accuracy/laboratories.md"));
+    let chapter = text(&book().join("theory/trials.md"));
+    let mut rows = 0;
+    for line in chapter.lines().filter(|line| {
+        line.starts_with("| nothing") || line.starts_with("| one groove") || line.starts_with("| the published")
+    }) {
+        for number in line.split('|').filter_map(|cell| cell.trim().parse::<f64>().ok()) {
+            assert!(page.contains(&format!("{number:.2}")), "{number} of {line}");
+            rows += 1;
+        }
+    }
+    assert_eq!(rows, 15);
+}

@@ -1,0 +1,342 @@
+//! What readers accept behind a key, found by writing nonsense there and reading the refusal.
+
+use std::path::{Path, PathBuf};
+
+use slipgrid_book::keys::{Key, Place, Shape, Types};
+use slipgrid_book::schema::Accepted;
+use slipgrid_campaign::plan;
+use slipgrid_disk::disk;
+use slipgrid_formats::calibration::Calibration;
+use slipgrid_formats::design::Design;
+use slipgrid_formats::material::{MaterialFile, read_material};
+use slipgrid_formats::scene::{SceneFile, SceneInput};
+use slipgrid_formats::{Diagnostic, Document};
+use toml::{Table, Value};
+
+use crate::{files, root, text};
+
+/// A kind of file: its name, the structure at its root, files that hold all of its tables, and its reader, which returns what was
+/// read in words.
+pub struct Kind {
+    /// Its name.
+    pub name: &'static str,
+    /// The structure at its root: source file and name.
+    pub root: (&'static str, &'static str),
+    /// What the file says, in one sentence.
+    pub meaning: &'static str,
+    /// Files of this kind that are accepted; together they hold every table.
+    examples: fn() -> Vec<String>,
+    read: fn(&Path, &str) -> Result<String, Box<Diagnostic>>,
+}
+
+/// Every kind of file in TOML that the program reads.
+pub const KINDS: [Kind; 5] = [
+    Kind {
+        name: "material",
+        root: ("material.rs", "MaterialFile"),
+        meaning: "A material as `calibrate` writes it; a scene or a design may hold the same keys in its table `[material]`.",
+        examples: materials,
+        read: |path, text| {
+            let document = Document::within(&disk(), path, text);
+            let file: MaterialFile = document.parse()?;
+            Ok(format!("{:?}", read_material(&document, &file, &(0..text.len()))?))
+        },
+    },
+    Kind {
+        name: "design",
+        root: ("design.rs", "DesignFile"),
+        meaning: "What is wanted of a surface, read by `optimize`, `next` and `explore`.",
+        examples: designs,
+        read: |path, text| Ok(format!("{:?}", Design::from_document(Document::within(&disk(), path, text))?.task)),
+    },
+    Kind {
+        name: "scene",
+        root: ("scene.rs", "SceneFile"),
+        meaning: "One surface under given loads, read by `simulate` and `accuracy`.",
+        examples: scenes,
+        read: |path, text| {
+            let document = Document::within(&disk(), path, text);
+            let file: SceneFile = document.parse()?;
+            let input = SceneInput::from_file(document, &file, slipgrid_formats::run::Overrides::default())?;
+            Ok(format!("{:?}", (input.scene, input.specimen, input.material)))
+        },
+    },
+    Kind {
+        name: "calibration",
+        root: ("calibration_file.rs", "CalibrationFile"),
+        meaning: "What was measured, read by `calibrate`, `traces` and `trials`, and by every command that takes a material.",
+        examples: calibrations,
+        read: |path, text| Ok(format!("{:?}", Calibration::from_document(&Document::within(&disk(), path, text))?)),
+    },
+    Kind {
+        name: "campaign",
+        root: ("plan.rs", "CampaignFile"),
+        meaning: "Many scenes or designs, read by `campaign plan`.",
+        examples: campaigns,
+        read: |path, text| {
+            // A campaign reads a file that stands on the disk.
+            let folder = tempfile::tempdir().unwrap();
+            let copy = folder.path().join("campaign.toml");
+            let base = path.parent().unwrap().join("scene-rims.toml").display().to_string();
+            std::fs::write(&copy, text.replace("\"scene-rims.toml\"", &format!("{base:?}"))).unwrap();
+            match plan(&disk(), &copy, &slipgrid_monitor::Unwatched) {
+                Ok(planned) => Ok(format!("{:?}", planned.tasks)),
+                Err(slipgrid_campaign::CampaignError::Refused(refused)) => Err(Box::new(refused)),
+                Err(other) => panic!("{other}"),
+            }
+        },
+    },
+];
+
+/// The source files of the types that read files.
+pub fn types() -> Types {
+    let mut sources = files(&root().join("crates/formats/src"), ".rs");
+    sources.push(root().join("crates/campaign/src/plan.rs"));
+    sources.push(root().join("crates/studies/src/laboratories/mod.rs"));
+    let named = |path: &PathBuf| (path.file_name().unwrap().to_str().unwrap().to_owned(), text(path));
+    let read: Vec<(String, String)> = sources.iter().map(named).collect();
+    Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str())))
+}
+
+/// The source files of the records that are written.
+pub fn records() -> Types {
+    let folders = ["results", "design", "export"].map(|name| root().join("crates").join(name).join("src"));
+    let mut read = Vec::new();
+    for (folder, path) in
+        folders.iter().flat_map(|folder| files(folder, ".rs").into_iter().map(move |path| (folder, path)))
+    {
+        // Names of files occur in several crates.
+        read.push((
+            path.strip_prefix(folder.parent().unwrap().parent().unwrap()).unwrap().display().to_string(),
+            text(&path),
+        ));
+    }
+    Types::new(read.iter().map(|(name, text)| (name.as_str(), text.as_str()))).records()
+}
+
+fn template(name: &str) -> String {
+    text(&root().join("crates/cli/src/templates").join(name))
+}
+
+/// Every key that stands commented out in a template, in place.
+fn uncommented(text: &str, keys: &[&str]) -> String {
+    let begins =
+        |line: &str| keys.iter().any(|key| line.starts_with(&format!("# {key} =")) || line == format!("# [{key}]"));
+    let bare = |line: &str| line.split("   ").next().unwrap_or(line).to_owned();
+    let shown = text.lines().map(|line| match begins(&bare(line)) || begins(line) {
+        true => line.trim_start_matches("# ").to_owned(),
+        false => line.to_owned(),
+    });
+    shown.collect::<Vec<_>>().join("\n") + "\n"
+}
+
+fn designs() -> Vec<String> {
+    let design = template("design.toml");
+    let rims = ["rim_height_um", "rim_width_um", "tolerances", "width_std_um", "trade_offs", "goals"];
+    vec![
+        design.clone(),
+        uncommented(&design, &rims),
+        design.replace("depth_per_burst_um = 2.6", "# no burst")
+            + "\n[laser.ablation]\nfluence_j_cm2 = [1.0, 2.0, 4.0]\n\
+            depth_per_burst_um = [0.6, 1.1, 1.7]\n",
+        design.replace("value = [0.95, 0.88]", "").replace("tolerance = 0.02", "goal = \"lowest\""),
+        design.replace("planform = \"groove\"", "planform = \"square\""),
+        design.replace("planform = \"groove\"", "planform = \"rectangle\"\nlength_um = 100.0"),
+        design.replace("planform = \"groove\"", "planform = \"crosshatch\""),
+        design.replace("planform = \"groove\"", "planform = \"polygon\"\nvertices_um = [[0, 0], [9, 0], [4, 6]]"),
+        design
+            .replace("shape = \"disc\"", "shape = \"ring\"")
+            .replace("diameter_mm = 10.0", "outer_diameter_mm = 30.0\ninner_diameter_mm = 20.0"),
+        design
+            .replace("shape = \"disc\"", "shape = \"rectangle\"")
+            .replace("diameter_mm = 10.0", "length_mm = 10.0\nwidth_mm = 10.0"),
+        design.replace(
+            "name = \"my design\"",
+            "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }\n\
+            also_at = [{ speed_mm_s = 2.0, humidity_pct = 15.0 }]",
+        ),
+    ]
+}
+
+fn scenes() -> Vec<String> {
+    let scene = template("scene.toml");
+    let specimen = "\n[specimen]\nshape = \"disc\"\ndiameter_mm = 10.0\n";
+    vec![
+        scene.clone(),
+        scene.replace("length_um = 9960.0", "") + specimen,
+        scene.replace("length_um = 9960.0", "")
+            + "\n[specimen]\nshape = \"ring\"\nouter_diameter_mm = 30.0\ninner_diameter_mm = 20.0\n",
+        scene.replace("length_um = 9960.0", "")
+            + "\n[specimen]\nshape = \"rectangle\"\nlength_mm = 10.0\nwidth_mm = 10.0\n",
+        uncommented(&scene, &["rim_height_um", "rim_width_um"]),
+        scene.replace("planform = \"groove\"", "planform = \"square\""),
+        scene.replace("planform = \"groove\"", "planform = \"rectangle\"\nlength_um = 100.0"),
+        scene.replace("planform = \"groove\"", "planform = \"crosshatch\""),
+        scene.replace("planform = \"groove\"", "planform = \"polygon\"\nvertices_um = [[0, 0], [9, 0], [4, 6]]"),
+        scene.replace("name = \"my scene\"", "condition = { speed_mm_s = 2.0, humidity_pct = 15.0 }"),
+    ]
+}
+
+fn calibrations() -> Vec<String> {
+    let calibration = template("calibration.toml");
+    let patterned = "[pattern]\nplanform = \"square\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let traces =
+        "[traces]\n[[traces.condition]]\nforce_n = 1.0\nspeed_mm_s = 1.0\nhumidity_pct = 1.0\nfiles = [\"none.csv\"]\n";
+    let trial = "[[trial]]\nname = \"cut-1\"\n[trial.pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let rims = "rim_height_um = 0.1\nrim_width_um = 20.0\n";
+    let mapped = calibration.replace("persson_rms_slope = 0.0137", "map = \"flat-map.asc\"");
+    let ring = "outer_diameter_mm = 30.0\ninner_diameter_mm = 20.0";
+    vec![
+        calibration.clone(),
+        mapped,
+        format!("{calibration}{patterned}{rims}"),
+        format!("{calibration}{trial}"),
+        format!("{calibration}{trial}{rims}"),
+        format!("{calibration}[trial_prior]\n"),
+        calibration
+            .replace("[measurements]", "[measurements_]")
+            .replace("flat = \"flat.csv\"", "")
+            .replace("[measurements_]", "")
+            + traces,
+        calibration.replace("radius_mm = 5.0", "diameter_mm = 10.0"),
+        calibration.replace("radius_mm = 5.0", ring),
+        calibration.replace("radius_mm = 5.0", "length_mm = 10.0\nwidth_mm = 5.0"),
+        calibration.replace("persson_rms_slope = 0.0137", "local_law = \"measured\"\nextrapolation = \"constant\""),
+        calibration.replace("[surface]", "").replace("persson_rms_slope = 0.0137", "").replace(
+            "coefficients = \"per-condition\"",
+            "coefficients = \"single\"\narea_law_scale_mpa = [1.0, 100.0]",
+        ),
+        format!("{calibration}{}", patterned.replace("square", "rectangle") + "length_um = 100.0\n"),
+        format!("{calibration}{}", patterned.replace("square", "crosshatch")),
+        format!("{calibration}{}", patterned.replace("square", "groove")),
+        format!("{calibration}{}", patterned.replace("square", "polygon") + "vertices_um = [[0, 0], [9, 0], [4, 6]]\n"),
+    ]
+}
+
+fn materials() -> Vec<String> {
+    let bulk = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n";
+    let law = "[area_law]\npressure_mpa = [0.7, 1.3]\nfactor = [1.0, 0.9]\n";
+    let one = "[friction]\nstatic_mean = 0.3\ndynamic_mean = 0.27\n";
+    let each = "[friction]\n[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\npressure_mpa = [0.65, 2.6]\n\
+                static_mean = [0.3, 0.3]\ndynamic_mean = [0.27, 0.27]\n";
+    let several = "[friction]\npressure_mpa = [0.65, 2.6]\nstatic_mean = [0.3, 0.3]\ndynamic_mean = [0.27, 0.27]\n";
+    vec![format!("{bulk}{one}{law}"), format!("{bulk}{each}{law}"), format!("{bulk}{several}{law}")]
+}
+
+fn campaigns() -> Vec<String> {
+    let rims = text(&root().join("designs/campaign-rims.toml"));
+    vec![rims, "base = \"laboratories\"\n[laboratories]\nlaboratories = 9\n".to_owned()]
+}
+
+/// Puts `value` behind the key at `path`, in the first of each list of tables.
+fn put(table: &mut Table, path: &[&str], value: &Value) -> bool {
+    let [first, rest @ ..] = path else { return false };
+    if rest.is_empty() {
+        table.insert((*first).to_owned(), value.clone());
+        return true;
+    }
+    match table.get_mut(*first) {
+        Some(Value::Table(inner)) => put(inner, rest, value),
+        Some(Value::Array(list)) => match list.first_mut() {
+            Some(Value::Table(inner)) => put(inner, rest, value),
+            _ => false,
+        },
+        // A table whose keys may all be absent.
+        None if path.len() == 2 => {
+            let mut inner = Table::new();
+            let done = put(&mut inner, rest, value);
+            table.insert((*first).to_owned(), Value::Table(inner));
+            done
+        }
+        _ => false,
+    }
+}
+
+/// A value that no reader accepts behind a key of this shape.
+fn nonsense(shape: &Shape) -> Option<Value> {
+    Some(match shape {
+        Shape::Number | Shape::OneOrMore => Value::Float(-1e300),
+        Shape::Whole => Value::Integer(i64::MAX),
+        Shape::Text => Value::String("?".to_owned()),
+        Shape::List(of) => Value::Array(vec![nonsense(of)?]),
+        _ => return None,
+    })
+}
+
+impl Kind {
+    /// The structure at its root.
+    pub fn root(&self) -> Place {
+        (self.root.0.to_owned(), self.root.1.to_owned())
+    }
+
+    /// The examples, as tables, with the path by which each is read.
+    pub fn examples(&self) -> Vec<(PathBuf, Table)> {
+        let folder = root().join(match self.name {
+            "calibration" => "calibration/ldpe-cast-iron",
+            _ => "designs",
+        });
+        (self.examples)().iter().map(|text| (folder.join("example.toml"), text.parse().unwrap())).collect()
+    }
+
+    /// Reads `table` as a file at `path`.
+    pub fn read(&self, path: &Path, table: &Table) -> Result<String, Box<Diagnostic>> {
+        (self.read)(path, &toml::to_string(table).unwrap())
+    }
+
+    /// Every key of the files of this kind: its dotted path, and what stands there.
+    pub fn keys(&self, types: &Types) -> Vec<(String, Key)> {
+        let mut found = Vec::new();
+        collect(types, &self.root(), "", &mut found);
+        found
+    }
+
+    /// What the reader says that it accepts behind each key.
+    pub fn accepted(&self, types: &Types) -> Accepted {
+        let examples = self.examples();
+        let mut accepted = Accepted::new();
+        // A scene and a design hold a material, or name the file of one.
+        if ["design", "scene"].contains(&self.name) {
+            let inner = KINDS.into_iter().find(|kind| kind.name == "material").unwrap().accepted(types);
+            accepted.extend(inner.into_iter().map(|(path, range)| (format!("material.{path}"), range)));
+        }
+        for (path, key) in self.keys(types) {
+            let Some(value) = nonsense(&key.shape) else { continue };
+            let parts: Vec<&str> = path.split('.').collect();
+            for (file, example) in &examples {
+                let mut spoiled = example.clone();
+                if !put(&mut spoiled, &parts, &value) {
+                    continue;
+                }
+                let Err(refused) = self.read(file, &spoiled) else { continue };
+                // The message names the key that it is about, in a list without its place.
+                let is_about =
+                    refused.key.as_deref().is_some_and(|about| about == path || about.ends_with(&format!(".{path}")));
+                if let Some(expected) = refused.expected.as_ref().filter(|_| is_about) {
+                    accepted.insert(path.clone(), expected.clone());
+                    break;
+                }
+            }
+        }
+        accepted
+    }
+}
+
+fn collect(types: &Types, place: &Place, path: &str, found: &mut Vec<(String, Key)>) {
+    for key in types.table(place).unwrap().keys {
+        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
+        found.push((path.clone(), key.clone()));
+        if let Some(inner) = key.shape.table() {
+            collect(types, inner, &path, found);
+        }
+    }
+}
+
+/// The examples with another value behind the key at `path`, each beside what it was.
+pub fn changed(kind: &Kind, path: &str, value: &Value) -> Vec<(PathBuf, Table, Table)> {
+    let parts: Vec<&str> = path.split('.').collect();
+    let spoiled = kind.examples().into_iter().filter_map(|(file, example)| {
+        let mut changed = example.clone();
+        put(&mut changed, &parts, value).then_some((file, example, changed))
+    });
+    spoiled.collect()
+}

@@ -1,0 +1,192 @@
+//! The commands of each chapter, run as they stand in a folder of their own, print what the chapter shows.
+//!
+//! A block `toml NAME` or `csv NAME` is a file that is written; `toml NAME +` is added at its end, and `toml NAME -4` takes the
+//! place of its last four lines. A block `console` holds commands with what they print, and `console whole` one command with every
+//! line of it. Blocks `python = PATH` and `rust = PATH`
+//! are lines of that file of the repository. A block `text`, or one of four spaces, is not looked at.
+//!
+//! Chapters with a line `<!-- slow -->` run behind `--ignored`.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use slipgrid_book::console::{LEFT_OUT, blocks, compare};
+use tempfile::TempDir;
+
+use crate::{book, files, root, text, updates};
+
+/// A line of a chapter that begins what a command ends with, where that is not 0.
+const EXIT_CODE: &str = "[exit code ";
+
+/// Files that the walk from raw files to a pattern leaves.
+const LEFT_BY_WALK: [&str; 6] = [
+    "out/design/report.html",
+    "out/design/process.toml",
+    "out/laser/pattern.gcode",
+    "out/laser/height-map.png",
+    "out/fit/fit.json",
+    "out/fit/report.html",
+];
+
+fn copy_folder(from: &Path, to: &Path) {
+    fs::create_dir_all(to).unwrap();
+    for entry in fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let target = to.join(entry.file_name());
+        if entry.file_type().unwrap().is_dir() {
+            copy_folder(&entry.path(), &target);
+        } else {
+            fs::copy(entry.path(), target).unwrap();
+        }
+    }
+}
+
+/// What `command` prints in `folder`, with a last line for an exit code other than 0.
+fn print(folder: &Path, command: &str) -> String {
+    let words: Vec<&str> = command.split_whitespace().collect();
+    match words[..] {
+        ["cp", "-r", from, to] => {
+            copy_folder(&root().join(from), &folder.join(to));
+            String::new()
+        }
+        ["slipgrid", ..] => {
+            let mut program = Command::new(env!("CARGO_BIN_EXE_slipgrid-of-the-book"));
+            let output = program.current_dir(folder).args(&words[1..]).output().unwrap();
+            let mut printed = String::from_utf8(output.stdout).unwrap();
+            match output.status.code() {
+                Some(0) => {}
+                // What is refused is said on the other stream.
+                Some(code) => {
+                    if printed.is_empty() {
+                        printed = String::from_utf8(output.stderr).unwrap();
+                    }
+                    printed += &format!("{EXIT_CODE}{code}]\n");
+                }
+                None => panic!("{command}"),
+            }
+            printed
+        }
+        _ => panic!("a command that no test runs: {command}"),
+    }
+}
+
+/// Goes through the chapter at `path`; returns the folder that its commands filled, their number, and what differs.
+fn walk(path: &Path) -> (TempDir, usize, Vec<String>) {
+    let chapter = text(path);
+    let lines: Vec<String> = chapter.lines().map(str::to_owned).collect();
+    let (found, is_closed) = blocks(&lines);
+    assert!(is_closed, "{}: a block is not closed", path.display());
+    let place = tempfile::tempdir().unwrap();
+    let (mut differ, mut commands) = (Vec::new(), 0);
+    // Blocks as they would be now, by their place in the chapter.
+    let mut updated: Vec<(usize, usize, Vec<String>)> = Vec::new();
+    if found.iter().any(|block| block.info.starts_with("console")) {
+        for folder in ["designs", "calibration"] {
+            copy_folder(&root().join(folder), &place.path().join(folder));
+        }
+    }
+    for block in found {
+        let own = block.lines.join("\n") + "\n";
+        match block.info.split_whitespace().collect::<Vec<_>>()[..] {
+            [] | ["text"] => {}
+            ["python" | "rust" | "toml" | "sh", "=", file] => {
+                assert!(
+                    text(&root().join(file)).contains(&own),
+                    "{}: {file} has no such lines:\n{own}",
+                    path.display()
+                );
+            }
+            ["toml" | "csv", name] => fs::write(place.path().join(name), own).unwrap(),
+            ["toml", name, "+"] => {
+                let old = text(&place.path().join(name));
+                fs::write(place.path().join(name), format!("{old}\n{own}")).unwrap();
+            }
+            ["toml", name, last] => {
+                let last: usize = last.trim_start_matches('-').parse().unwrap();
+                let old = text(&place.path().join(name));
+                let kept: Vec<&str> = old.lines().collect();
+                let kept = kept[..kept.len() - last].join("\n");
+                fs::write(place.path().join(name), format!("{kept}\n{own}")).unwrap();
+            }
+            ["console", "whole"] => {
+                let command = block.lines[0].strip_prefix("$ ").unwrap();
+                let printed = print(place.path(), command);
+                let now = std::iter::once(block.lines[0].as_str()).chain(printed.lines().map(str::trim_end));
+                let now: Vec<String> = now.map(str::to_owned).collect();
+                if now != block.lines {
+                    differ.push(format!("{command}\n  is shown whole and prints something else now"));
+                }
+                commands += 1;
+                updated.push((block.start, block.lines.len(), now));
+            }
+            ["console"] => {
+                let mut now = Vec::new();
+                for shown in block.lines.chunk_by(|_, next| !next.starts_with("$ ")) {
+                    let command = shown[0].strip_prefix("$ ").unwrap();
+                    now.push(shown[0].clone());
+                    let printed = print(place.path(), command);
+                    let ended = printed.lines().last().filter(|line| line.starts_with(EXIT_CODE));
+                    let told = shown.last().filter(|line| line.starts_with(EXIT_CODE)).map(String::as_str);
+                    if ended != told {
+                        differ.push(format!("{command}\n  ended with {ended:?}:\n{printed}"));
+                    }
+                    commands += 1;
+                    now.extend(compare(command, &shown[1..], &printed, &mut differ));
+                }
+                updated.push((block.start, block.lines.len(), now));
+            }
+            _ => panic!("{}: a block of unknown kind: {}", path.display(), block.info),
+        }
+    }
+    if updates() {
+        let mut lines = lines;
+        for (start, count, now) in updated.into_iter().rev() {
+            lines.splice(start..start + count, now);
+        }
+        fs::write(path, lines.join("\n") + "\n").unwrap();
+        differ.clear();
+    }
+    (place, commands, differ)
+}
+
+/// Goes through all chapters that are slow, or all others.
+fn walk_all(is_slow: bool) -> usize {
+    let (mut differ, mut commands) = (Vec::new(), 0);
+    let mut pages = files(&book(), ".md");
+    pages.push(root().join("README.md"));
+    for page in pages.iter().filter(|page| text(page).lines().any(|line| line == "<!-- slow -->") == is_slow) {
+        let (place, number, found) = walk(page);
+        // What the walk speaks of at its end is there.
+        for name in LEFT_BY_WALK.iter().filter(|_| page.ends_with("from-raw-files.md")) {
+            assert!(place.path().join(name).is_file(), "{name}");
+        }
+        commands += number;
+        differ.extend(found.into_iter().map(|found| format!("{}: {found}", page.display())));
+    }
+    assert!(differ.is_empty(), "{}", differ.join("\n"));
+    commands
+}
+
+#[test]
+fn every_command_of_the_book_prints_what_the_book_shows() {
+    let commands = walk_all(false);
+    assert!(commands > 30, "{commands} commands");
+}
+
+#[test]
+#[ignore = "a minute: the commands of chapters that search long"]
+fn every_slow_command_of_the_book_prints_what_the_book_shows() {
+    let commands = walk_all(true);
+    assert!(commands > 1, "{commands} commands");
+}
+
+#[test]
+fn a_command_that_prints_something_else_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = folder.path().join("page.md");
+    fs::write(&page, format!("```console\n$ slipgrid --version\nslipgrid 99\n{LEFT_OUT}\n```\n")).unwrap();
+    if !updates() {
+        assert_eq!(walk(&page).2.len(), 1);
+    }
+}

@@ -1,0 +1,97 @@
+//! The tables of a calibration file, as they are written.
+
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::pattern::PatternFile;
+use super::surface::SurfaceFile;
+use super::traces::TracesFile;
+use super::trials::{PriorFile, TrialFile};
+use super::values::{Number, NumberList};
+
+/// A calibration as its file writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CalibrationFile {
+    /// Name of the pair of materials.
+    pub name: String,
+    /// Publication or laboratory that the numbers come from.
+    pub source: String,
+    /// The softer body, which is modelled.
+    pub material: Spanned<BulkFile>,
+    /// Where the area law comes from; friction is proportional to load when absent.
+    pub surface: Option<Spanned<SurfaceFile>>,
+    /// The face of one specimen: pressure is force over its area.
+    pub specimen: Spanned<SpecimenFile>,
+    /// Tables of measured friction.
+    pub measurements: Option<Spanned<MeasurementsFile>>,
+    /// Raw exports of a tribometer, in place of tables.
+    pub traces: Option<Spanned<TracesFile>>,
+    /// Pattern of the patterned samples, which are then the first trial.
+    pub pattern: Option<Spanned<PatternFile>>,
+    /// One table for each sample that was cut.
+    #[serde(default)]
+    pub trial: Vec<Spanned<TrialFile>>,
+    /// What is believed of ln(measured / modelled ratio) before any trial, as standard deviations.
+    pub trial_prior: Option<Spanned<PriorFile>>,
+    /// What is fitted.
+    pub fit: Option<FitFile>,
+}
+
+/// The bulk of the modelled body.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct BulkFile {
+    /// Young's modulus at small strains, at the temperature of the test.
+    pub youngs_modulus_gpa: Number,
+    /// Its standard deviation; the errors leave it out when absent.
+    pub youngs_modulus_std_gpa: Option<Number>,
+    /// Density.
+    pub density_g_cm3: Number,
+    /// Contact pressure at which rims flatten for good, some three times the yield stress; rims are elastic when absent.
+    pub yield_pressure_mpa: Option<Number>,
+    /// Poisson's ratio of the contact computation; 1/3 when absent.
+    pub poisson_ratio: Option<Number>,
+}
+
+/// The face of one specimen, by the radius of a disc or by a shape.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SpecimenFile {
+    /// Radius of a disc.
+    pub radius_mm: Option<Number>,
+    /// `disc`, `rectangle` or `ring`; the lengths say it when absent.
+    pub shape: Option<Spanned<String>>,
+    /// Diameter of a disc.
+    pub diameter_mm: Option<Number>,
+    /// Length of a rectangle along the sliding direction.
+    pub length_mm: Option<Number>,
+    /// Width of a rectangle across the sliding direction.
+    pub width_mm: Option<Number>,
+    /// Outer diameter of a ring.
+    pub outer_diameter_mm: Option<Number>,
+    /// Diameter of a ring's hole.
+    pub inner_diameter_mm: Option<Number>,
+}
+
+/// Tables of measured friction, one row a condition.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MeasurementsFile {
+    /// CSV table of flat samples.
+    pub flat: Option<Spanned<String>>,
+    /// CSV table of patterned samples, which are not fitted: with `[pattern]` they are the first trial.
+    pub patterned: Option<Spanned<String>>,
+}
+
+/// What is fitted.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct FitFile {
+    /// `per-condition`, or `single`: one pair for all loads, speeds and humidities; `per-condition` when absent.
+    pub coefficients: Option<Spanned<String>>,
+    /// Bounds of the area law's scale E* h'rms, which is then fitted: without `[surface]`, with `single` coefficients.
+    pub area_law_scale_mpa: Option<NumberList>,
+    /// Scatter of the local coefficients over their means; 0.05 when absent.
+    pub relative_std: Option<Number>,
+}
