@@ -34,7 +34,7 @@ fn ratios(loads: &[LoadOutcome]) -> Vec<f64> {
 
 fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value * value, count + 1.0));
-    (sum / count as f64).sqrt()
+    (sum / count).sqrt()
 }
 
 /// Times are those of site updates, which two cores make 2e9 of a second: counts are the same on any machine.

@@ -285,7 +285,7 @@ fn what_no_run_would_bring_nearer_is_refused_before_the_first() {
     let law = refused(&|p| p.area_law = Some(AreaLaw::new(vec![0.7e6, 2.6e6], vec![1.0, 0.01]).unwrap()));
     assert!(matches!(law, FitError::BeyondLaw { number: 3, .. }), "{law}");
     let many = refused(&|p| {
-        let at = |i: i32| Measurement { speed_m_s: 2e-6 * (1.0 + 1e-6 * f64::from(i)), ..p.measurements[0] };
+        let at = |i: i32| Measurement { speed_m_s: 1e-7 * (1.0 + 1e-6 * f64::from(i)), ..p.measurements[0] };
         p.measurements = (0..30).map(at).collect();
     });
     assert!(matches!(many, FitError::TooMuchWork { .. }), "{many}");
@@ -350,7 +350,9 @@ fn planned_steps_are_those_that_a_run_takes() {
         },
     };
     let ran = simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps;
-    assert_eq!(planned, [ran; 3]);
+    assert_eq!(planned[0], ran);
+    // Heavier loads slip further.
+    assert!(planned[0] < planned[1] && planned[1] < planned[2]);
 }
 
 #[test]

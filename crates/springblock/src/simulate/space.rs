@@ -127,19 +127,6 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
 
     let lattices = [&own, &flat];
     let surfaces = lattices.len();
-    let starts: Vec<Option<Vec<[f64; 3]>>> = (0..surfaces * scene.loads.len())
-        .into_par_iter()
-        .map(|task| {
-            let (load, lattice) = (&scene.loads[task / surfaces], lattices[task % surfaces]);
-            scene.run.warm_start.then(|| {
-                let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), pattern);
-                let model = steady_model(scene, lattice);
-                let [nx, ny] = lattice.columns();
-                let phases = draws::caught_in_mean(&load.friction, scene.run.seed, nx * ny);
-                model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
-            })
-        })
-        .collect();
     let draws = scene.run.draws as usize;
     let runs = surfaces * draws * scene.loads.len();
     let outcomes: Vec<SurfaceOutcome> = (0..runs)
@@ -155,10 +142,13 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
                 share: 1.0 / runs as f64,
                 seed: seed_of(scene, draw),
                 stderr_share: stderr_share(scene),
-                start: starts[load * surfaces + surface].as_deref(),
+                start: None,
             };
             let content = (settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
-            remembered(monitor, &content, run.share, || run.run(monitor))
+            remembered(monitor, &content, run.share, || {
+                let start = scene.run.warm_start.then(|| sheared(scene, pattern, &run));
+                SpaceRun { start: start.as_deref(), ..run }.run(monitor)
+            })
         })
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
@@ -167,6 +157,15 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     }
     let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { model, loads })
+}
+
+/// Displacements over l of the cell of `run` in equilibrium with friction as in sliding, every block at a random moment of its
+/// stick-slip.
+fn sheared(scene: &Scene, pattern: &Pattern, run: &SpaceRun<'_>) -> Vec<[f64; 3]> {
+    let mean = SpaceLoad::of_mean(run.load, scene.area_law.as_ref(), pattern);
+    let [nx, ny] = run.lattice.columns();
+    let phases = draws::caught_in_mean(&run.load.friction, run.seed, nx * ny);
+    steady_model(scene, run.lattice).displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
 }
 
 fn steady_model(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
