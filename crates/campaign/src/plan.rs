@@ -162,7 +162,7 @@ fn base(
             }
         }
         let row = |job: Job| {
-            let named = [("start", job.start.name()), ("policy", job.policy.name())];
+            let named = [("start", job.start.name()), ("policy", job.policy.name()), ("target", job.target.name())];
             let named = named.map(|(key, name)| (key.to_owned(), Json::from(name)));
             named.into_iter().chain([("number".to_owned(), Json::from(job.number))]).collect()
         };

@@ -159,16 +159,15 @@ impl Monitor for Quiet<'_> {
 pub fn laboratory(text: &str) -> Result<(Options, Job), String> {
     let mut table: toml::Table = toml::from_str(text).map_err(|error| error.message().to_owned())?;
     let mut take = |key: &str| table.remove(key).ok_or_else(|| format!("{key} is missing"));
-    let (start, policy, number) = (take("start")?, take("policy")?, take("number")?);
+    let (start, policy, target, number) = (take("start")?, take("policy")?, take("target")?, take("number")?);
     let start = Start::ALL.into_iter().find(|own| start.as_str() == Some(own.name()));
     let policy = Policy::ALL.into_iter().find(|own| policy.as_str() == Some(own.name()));
+    let target = TargetOf::ALL.into_iter().find(|own| target.as_str() == Some(own.name()));
     let number = number.as_integer().and_then(|number| usize::try_from(number).ok());
     let options = table.try_into().map_err(|error: toml::de::Error| error.message().to_owned())?;
-    match (start, policy, number) {
-        (Some(start), Some(policy), Some(number)) => {
-            Ok((options, Job { start, policy, number, target: TargetOf::Reached }))
-        }
-        _ => Err("start, policy and number name no laboratory".to_owned()),
+    match (start, policy, number, target) {
+        (Some(start), Some(policy), Some(number), Some(target)) => Ok((options, Job { start, policy, number, target })),
+        _ => Err("start, policy, target and number name no laboratory".to_owned()),
     }
 }
 

@@ -43,6 +43,7 @@ pub struct TrialFile {
     depth_std_um: Option<Number>,
     /// Scatter of ln(ratio) from one such sample to the next; 0.005 when absent.
     sample_std: Option<Number>,
+    /// The disc that the sample is a sector of: trials of one name share what differs from disc to disc.
     disc: Option<Spanned<String>>,
 }
 

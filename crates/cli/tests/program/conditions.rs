@@ -1,5 +1,7 @@
 //! Designs that must hold at several speeds and humidities, named one by one or as ranges.
 
+use slipgrid_formats::run::Overrides;
+use slipgrid_formats::scene::SceneInput;
 use std::fs;
 
 use crate::common::{CALIBRATION, DESIGN, Place, number, result};
@@ -116,6 +118,16 @@ fn a_friction_target_holds_at_every_condition_and_each_that_decides_is_run_at_it
         })
         .collect();
     fs::write(place.path("other.toml"), other.join("\n")).unwrap();
+    // At twice the speed a run goes as many periods of the layer.
+    let overrides = Overrides::default();
+    let read = SceneInput::read(&slipgrid_disk::disk(), &place.path("other.toml"), overrides).unwrap().scene;
+    let law = (&read.elastic, read.area_law.as_ref());
+    let travel_um = 1e6 * slipgrid_springblock::warm_travel_m(law, &read.layer, &read.loads, read.speed_m_s);
+    let other = other.iter().map(|line| match line.split_once(" = ") {
+        Some(("sliding_um", _)) => format!("sliding_um = {travel_um:.3}"),
+        _ => line.clone(),
+    });
+    fs::write(place.path("other.toml"), other.collect::<Vec<_>>().join("\n")).unwrap();
     let told: Value = serde_json::from_str(&place.succeed(&["simulate", "other.toml", "--json"])).unwrap();
     for (key, theirs) in [("mu", "mu_dynamic"), ("ratio", "ratio"), ("mu_flat", "mu_flat")] {
         assert!((value(second, key) - number(&told["results"][0][theirs])).abs() < 1e-6, "{key} {second} {told}");

@@ -83,21 +83,23 @@ pub struct Job {
 }
 
 impl Job {
-    /// Every policy in every laboratory from every start.
+    /// Every policy in every laboratory from every start, and the mixture once more whatever the target.
     #[must_use]
     pub fn all(options: &Options, policies: &[Policy]) -> Vec<Self> {
+        let mut all = Self::of_reached_targets(options, policies);
+        if policies.contains(&Policy::Mixture) {
+            let mixture = Self::of_reached_targets(options, &[Policy::Mixture]);
+            all.extend(mixture.into_iter().map(|job| Self { target: TargetOf::Any, ..job }));
+        }
+        all
+    }
+
+    fn of_reached_targets(options: &Options, policies: &[Policy]) -> Vec<Self> {
         let starts = Start::ALL.into_iter().flat_map(|start| policies.iter().map(move |policy| (start, *policy)));
         let of = |(start, policy)| {
             (0..options.laboratories).map(move |number| Self { start, policy, number, target: TargetOf::Reached })
         };
         starts.flat_map(of).collect()
-    }
-
-    /// The mixture in every laboratory from every start, whatever its target.
-    #[must_use]
-    pub fn of_any_target(options: &Options) -> Vec<Self> {
-        let all = Self::all(options, &[Policy::Mixture]);
-        all.into_iter().map(|job| Self { target: TargetOf::Any, ..job }).collect()
     }
 }
 
@@ -108,6 +110,20 @@ pub enum TargetOf {
     Reached,
     /// Nothing: no texture may reach it.
     Any,
+}
+
+impl TargetOf {
+    /// Both kinds.
+    pub const ALL: [Self; 2] = [Self::Reached, Self::Any];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Reached => "reached",
+            Self::Any => "any",
+        }
+    }
 }
 
 /// What one laboratory's way to the target was.
@@ -135,10 +151,7 @@ pub struct Bench {
 pub fn run(options: &Options, policies: &[Policy], monitor: &dyn Monitor) -> Result<LaboratoriesReport, StudyError> {
     let bench = Bench::new(options, monitor)?;
     let stage = Stage::new(monitor, "laboratories", None);
-    let mut jobs = Job::all(options, policies);
-    if policies.contains(&Policy::Mixture) {
-        jobs.extend(Job::of_any_target(options));
-    }
+    let jobs = Job::all(options, policies);
     let share = 1.0 / jobs.len().max(1) as f64;
     let ways: Vec<Way> = jobs
         .par_iter()
