@@ -11,10 +11,10 @@
 //!
 //! ```
 //! use slipgrid_studies::laboratories::{Job, Options, Policy, Start};
-//! // Every laboratory of each start cuts once by each way of choosing.
+//! // Every laboratory of each start goes its way by each policy, and by the mixture once more whatever its target.
 //! let options = Options { laboratories: 20, ..Options::default() };
 //! let jobs = Job::all(&options, &[Policy::ALL[0], Policy::ALL[1]]);
-//! assert_eq!(jobs.len(), Start::ALL.len() * 2 * 20);
+//! assert_eq!(jobs.len(), Start::ALL.len() * (2 + 1) * 20);
 //! ```
 
 pub mod accuracy;
