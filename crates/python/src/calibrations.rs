@@ -13,9 +13,9 @@ use slipgrid::report::calibration::{files, fit_json, ledger, summary};
 use slipgrid::report::trials::TrialsReport;
 use slipgrid::results::json;
 
-use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
+use slipgrid_disk::disk;
 
 /// Seed of the flat sample's local coefficients.
 const SEED: u64 = 1;

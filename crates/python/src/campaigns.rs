@@ -9,9 +9,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use slipgrid::campaign::{Campaign as Shared, Planned, Results, Task, Worker, plan};
 
-use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
+use slipgrid_disk::disk;
 
 /// Tasks with all that they read.
 #[pyclass(frozen, module = "slipgrid")]

@@ -17,9 +17,9 @@ use slipgrid::report::html::exploration;
 use slipgrid::report::{LaserFile, Outputs, draw, files};
 use slipgrid::results::{json, json_and_timings};
 
-use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::{Watch, watched};
+use slipgrid_disk::disk;
 
 /// A design task.
 #[pyclass(frozen, module = "slipgrid")]
@@ -139,7 +139,8 @@ impl Design {
             let (read, calibration) = self.completed(watch).map_err(Undone::Calibration)?;
             let samples = calibration.map_or_else(Vec::new, |calibration| calibration.trials.samples);
             let pending = samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.pattern).collect();
-            next_trials(&read.task, &NextOptions { count, pending, own, one_disc: false }, watch).map_err(Undone::Design)
+            next_trials(&read.task, &NextOptions { count, pending, own, one_disc: false }, watch)
+                .map_err(Undone::Design)
         })?;
         Ok(NextSamples { found: found.map_err(|undone| self.undone(py, &undone))? })
     }

@@ -15,9 +15,9 @@ use slipgrid::topography::{
     ReadOptions, Sides, SpectrumWindow,
 };
 
-use slipgrid_disk::disk;
 use crate::refused;
 use crate::watched::watched;
+use slipgrid_disk::disk;
 
 /// An altitude map as it was read or given: heights in metres, missing points NaN.
 #[pyclass(frozen, module = "slipgrid")]

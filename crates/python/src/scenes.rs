@@ -16,10 +16,10 @@ use slipgrid::report::files;
 use slipgrid::results::{SimulationReport, json_and_timings};
 use slipgrid::springblock::{Extent, Fidelity, Simulation, Status};
 
-use slipgrid_disk::disk;
 use crate::refused;
 use crate::threads::pool;
 use crate::watched::watched;
+use slipgrid_disk::disk;
 
 /// A scene: a material, a pattern or none, loads, and how they are solved.
 #[pyclass(frozen, module = "slipgrid")]
