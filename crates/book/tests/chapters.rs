@@ -115,7 +115,7 @@ fn the_glossary_is_in_order() {
 
 #[test]
 fn the_citation_names_the_version_and_the_licence() {
-    let citation = text(&root().join("CITATION.cff"));
+    let citation = text(&root().join("crates/book/CITATION.cff"));
     assert!(citation.contains(&format!("\nversion: {}\n", env!("CARGO_PKG_VERSION"))), "{citation}");
     assert!(citation.contains("\nlicense: MIT\n"));
     let changes = text(Path::new(env!("CARGO_MANIFEST_DIR")).join("CHANGELOG.md").as_path());

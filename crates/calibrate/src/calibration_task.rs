@@ -264,8 +264,7 @@ const LONG_MIN: f64 = 0.5;
 fn long_fit(problem: &Problem) -> Option<String> {
     let steps: u64 = planned_steps(problem).ok()?.iter().fold(0, |sum, steps| sum.saturating_add(*steps));
     let blocks = problem.layer.columns() as f64 * problem.layer.rows() as f64;
-    // Two rounds, each of two runs, where peaks are fitted.
-    let runs = if problem.measurements.iter().any(|measured| measured.static_peak.is_some()) { 4.0 } else { 1.0 };
+    let runs = if problem.has_peaks() { 4.0 } else { 1.0 };
     // Each run has one thread.
     let threads = rayon::current_num_threads().min(problem.measurements.len()) as f64;
     let minutes = runs * steps as f64 * (blocks / 2e4) / (STEPS_PER_S * threads) / 60.0;

@@ -212,7 +212,7 @@ fn attempt(problem: &Problem, monitor: &dyn Monitor) -> Result<Attempt, FitError
     let mut settled = false;
     let mut solution: Option<Solution> = None;
     // Progress counts on one round of dynamic runs, on two where peaks are fitted.
-    let rounds = if problem.measurements.iter().any(|measured| measured.static_peak.is_some()) { 2.0 } else { 1.0 };
+    let rounds = if problem.has_peaks() { 2.0 } else { 1.0 };
     let portion = Part::new(monitor, 1.0 / rounds);
     let mut slopes = vec![Vec::new(); problem.measurements.len()];
     for round in 0..MOST_ROUNDS {

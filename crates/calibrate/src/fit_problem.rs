@@ -252,6 +252,12 @@ impl Problem {
         measured.force_n / self.specimen_area_m2
     }
 
+    /// Whether a static peak was measured, which takes a second round of runs, each with one more at larger mu_s.
+    #[must_use]
+    pub fn has_peaks(&self) -> bool {
+        self.measurements.iter().any(|measured| measured.static_peak.is_some())
+    }
+
     /// Checks every number for a meaning.
     ///
     /// # Errors

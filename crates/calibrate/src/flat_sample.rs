@@ -3,7 +3,8 @@
 use slipgrid_material::LocalFriction;
 use slipgrid_monitor::Part;
 use slipgrid_springblock::{
-    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, simulate, warm_travel_m,
+    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, shear_modulus_pa,
+    shear_period_s, simulate, warm_travel_m,
 };
 
 use crate::{FitError, Measurement, Problem};
@@ -32,16 +33,12 @@ fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> 
         let load = load(problem, measured, *pair);
         return warm_travel_m((elastic, area_law), &problem.layer, &[load], measured.speed_m_s);
     }
-    // G = 3 E / 8, c_s = sqrt(G / rho)
-    let shear_modulus_pa = 0.375 * elastic.youngs_modulus_pa();
-    let shear_wave_m_s = (shear_modulus_pa / elastic.density_kg_m3()).sqrt();
-    // T = 4 h / c_s
-    let period_s = 4.0 * problem.layer.height_m / shear_wave_m_s;
     let factor = area_law.map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
     // u = mu_s f P h / G
-    let onset_m =
-        pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa * problem.layer.height_m;
-    let travel_m = COLD_TRAVEL_M.max(LEAST_PERIODS * period_s * measured.speed_m_s);
+    let onset_m = pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa(elastic)
+        * problem.layer.height_m;
+    let travel_m =
+        COLD_TRAVEL_M.max(LEAST_PERIODS * shear_period_s(elastic, problem.layer.height_m) * measured.speed_m_s);
     if travel_m > ENOUGH * onset_m { travel_m } else { COLD_ONSETS * onset_m }
 }
 

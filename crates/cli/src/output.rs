@@ -1,14 +1,14 @@
 //! Files written whole or not at all: first under another name beside their place, then renamed. A file that stands
 //! there is replaced only if slipgrid wrote it.
 
-use std::fs::{self, Permissions};
+use std::fs;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use crate::CliError;
 use crate::interruption;
-use slipgrid_disk::UNFINISHED;
+use slipgrid_disk::{UNFINISHED, unfinished};
 use slipgrid_formats::Diagnostic;
 use slipgrid_report::written::{HEAD, begins_as_ours};
 use slipgrid_report::{Content, Outputs};
@@ -45,23 +45,23 @@ pub fn write(outputs: &Outputs, folder: &Path) -> Result<(), WriteError> {
     fs::create_dir_all(parent).map_err(&failed)?;
     if folder.is_dir() {
         remove_abandoned(folder);
-        let mut ready = Vec::new();
+        let mut files = Vec::new();
         // Looked at before the work; since then others may have come.
         for (name, _) in outputs.iter() {
             refuse_foreign(&folder.join(name))?;
         }
         for (name, content) in outputs.iter() {
-            ready.push((unfinished(folder, content).map_err(&failed)?, folder.join(name)));
+            files.push((ready(folder, content).map_err(&failed)?, folder.join(name)));
         }
         let _whole = interruption::shield();
-        for (file, path) in ready {
+        for (file, path) in files {
             file.persist(&path).map_err(|error| WriteError { path: path.clone(), source: error.error })?;
         }
         interruption::wrote(folder);
         return Ok(());
     }
     remove_abandoned(parent);
-    let staging = builder().permissions(permissions(0o777)).tempdir_in(parent).map_err(&failed)?;
+    let staging = unfinished(0o777).tempdir_in(parent).map_err(&failed)?;
     for (name, content) in outputs.iter() {
         let file = fs::File::create_new(staging.path().join(name)).map_err(&failed)?;
         write_through(file, content).map_err(&failed)?;
@@ -91,7 +91,7 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     let folder = parent(path);
     fs::create_dir_all(folder).map_err(&failed)?;
     remove_abandoned(folder);
-    let file = unfinished(folder, &Content::Bytes(bytes.to_vec())).map_err(&failed)?;
+    let file = ready(folder, &Content::Bytes(bytes.to_vec())).map_err(&failed)?;
     file.persist(path).map_err(|error| failed(error.error))?;
     interruption::wrote(path);
     Ok(())
@@ -243,7 +243,7 @@ fn check_writable(path: &Path) -> Result<(), WriteError> {
     let named = folders.map(|above| if above.as_os_str().is_empty() { Path::new(".") } else { above });
     let Some(folder) = named.into_iter().find(|above| above.is_dir()) else { return Ok(()) };
     // It goes away at once.
-    builder().tempfile_in(folder).map(drop).map_err(WriteError::at(path))
+    unfinished(0o666).tempfile_in(folder).map(drop).map_err(WriteError::at(path))
 }
 
 /// The folder that holds `path`.
@@ -251,15 +251,9 @@ fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-fn builder() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(UNFINISHED.0).suffix(UNFINISHED.1);
-    builder
-}
-
 /// A file ready to be renamed; it disappears if it is not.
-fn unfinished(folder: &Path, content: &Content) -> io::Result<tempfile::NamedTempFile> {
-    let file = builder().permissions(permissions(0o666)).tempfile_in(folder)?;
+fn ready(folder: &Path, content: &Content) -> io::Result<tempfile::NamedTempFile> {
+    let file = unfinished(0o666).tempfile_in(folder)?;
     write_through(file.as_file().try_clone()?, content)?;
     Ok(file)
 }
@@ -284,13 +278,6 @@ impl Write for Interruptible {
     fn flush(&mut self) -> io::Result<()> {
         self.0.flush()
     }
-}
-
-/// Permissions before the user's mask: temporary files are otherwise private.
-#[cfg(unix)]
-fn permissions(mode: u32) -> Permissions {
-    use std::os::unix::fs::PermissionsExt;
-    Permissions::from_mode(mode)
 }
 
 /// Removes what killed runs left in `folder`: entries of our unfinished names, old enough that no

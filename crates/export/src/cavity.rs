@@ -62,6 +62,15 @@ impl Boundary {
             Self::Polygon { corners_m } => corners_m.clone(),
         }
     }
+
+    /// Its area, in square metres.
+    #[must_use]
+    pub fn area_m2(&self) -> f64 {
+        match self {
+            Self::Circle { radius_m, .. } => std::f64::consts::PI * radius_m * radius_m,
+            other => area_m2(&other.polygon_m()),
+        }
+    }
 }
 
 impl Cavity {
@@ -191,8 +200,7 @@ impl Cavity {
             return face.area_m2();
         }
         if self.cut_by.is_some() || self.crossed_by.is_some() {
-            let parts = self.boundaries();
-            return parts.iter().map(|part| area_m2(&part.polygon_m())).sum();
+            return self.boundaries().iter().map(Boundary::area_m2).sum();
         }
         match self.planform {
             Planform::Disc => std::f64::consts::FRAC_PI_4 * self.width_m * self.width_m,

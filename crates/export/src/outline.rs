@@ -80,6 +80,15 @@ impl Outline {
         }
     }
 
+    /// Distance of its outer rim from its centre along the unit vector `direction`, in metres.
+    pub(crate) fn rim_m(&self, direction: [f64; 2]) -> f64 {
+        let [half_x_m, half_y_m] = self.extents_m().map(|extent_m| extent_m / 2.0);
+        match self {
+            Self::Rectangle { .. } => (half_x_m / direction[0].abs()).min(half_y_m / direction[1].abs()),
+            _ => half_x_m,
+        }
+    }
+
     /// The points at least `inset_m` from its rim and hole; `None` where there are none.
     pub(crate) fn inset(&self, inset_m: f64) -> Option<Self> {
         let less = |extent_m: f64| Some(extent_m - 2.0 * inset_m).filter(|&extent_m| extent_m > 0.0);

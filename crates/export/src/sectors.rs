@@ -151,8 +151,7 @@ impl Division {
     /// Whether every sector is large enough for `pattern`: the largest circle holds [`LEAST_PERIODS`] periods along each axis.
     #[must_use]
     pub fn holds(&self, pattern: &Pattern) -> bool {
-        let period_m = pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m());
-        self.least_circle_m() >= LEAST_PERIODS * period_m
+        self.least_circle_m() >= LEAST_PERIODS * period_m(pattern)
     }
 
     /// The least of [`Self::circle_m`] of all sectors, in metres.
@@ -166,12 +165,8 @@ impl Division {
     pub fn mark_m(&self) -> [[f64; 2]; 4] {
         let angle = (self.middle_deg(1) - self.angle_deg() / 2.0).to_radians();
         let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];
-        let [extent_x_m, extent_y_m] = self.specimen.outline.extents_m();
         let hole_m = self.specimen.outline.hole_m() / 2.0;
-        let rim_m = match self.specimen.outline {
-            Outline::Rectangle { .. } => (extent_x_m / 2.0 / cosine.abs()).min(extent_y_m / 2.0 / sine.abs()),
-            _ => extent_x_m / 2.0,
-        };
+        let rim_m = self.specimen.outline.rim_m([cosine, sine]);
         let along_m = MARK_SPAN.map(|share| hole_m + share * (rim_m - hole_m));
         let half_m = MARK_SHARE * self.land_m / 2.0;
         [(0, -1.0), (1, -1.0), (1, 1.0), (0, 1.0)].map(|(end, side)| {
@@ -196,19 +191,15 @@ impl Division {
 impl Sector {
     fn new(division: Division, number: usize, pattern: Pattern) -> Result<Self, ExportError> {
         if !division.holds(&pattern) {
-            let pitch_m = pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m());
             let circle_m = division.least_circle_m();
-            return Err(ExportError::SectorTooSmall { pitch_m, circle_m, periods: LEAST_PERIODS });
+            return Err(ExportError::SectorTooSmall { pitch_m: period_m(&pattern), circle_m, periods: LEAST_PERIODS });
         }
         let layout = division.specimen.layout(pattern)?;
         let mut sector = Self { division, number, layout, cavities: 0, cavity_area_m2: 0.0 };
         let (mut cavities, mut area) = (0, 0.0);
         for boundary in sector.own_boundaries() {
             cavities += 1;
-            area += match boundary {
-                Boundary::Circle { radius_m, .. } => std::f64::consts::PI * radius_m * radius_m,
-                other => area_m2(&other.polygon_m()),
-            };
+            area += boundary.area_m2();
         }
         (sector.cavities, sector.cavity_area_m2) = (cavities, area);
         Ok(sector)
@@ -279,6 +270,11 @@ impl Sector {
             if cavity.planform == Planform::Groove { ended(&cavity, &sides) } else { whole(&cavity, &sides, slack_m) }
         })
     }
+}
+
+/// The longer period of `pattern`, in metres.
+fn period_m(pattern: &Pattern) -> f64 {
+    pattern.pitch_across_m().unwrap_or(0.0).max(pattern.pitch_m())
 }
 
 /// What two lands leave of a convex polygon.

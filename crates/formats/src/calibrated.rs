@@ -67,15 +67,17 @@ fn known_material(
     selection: Selection,
     monitor: &dyn Monitor,
 ) -> Result<KnownMaterial, Uncalibrated> {
-    let key = Key::of("material", &calibration.task(files, sample, selection.clone())?);
-    let recalled = monitor.memory().and_then(|memory| memory.recall(&key));
+    let task = calibration.task(files, sample, selection)?;
+    let memory = monitor.memory().map(|memory| (memory, Key::of("material", &task)));
+    let recalled = memory.as_ref().and_then(|(memory, key)| memory.recall(key));
     if let Some(known) = recalled.and_then(|bytes| read_kept(String::from_utf8(bytes).ok()?)) {
         return Ok(known);
     }
-    let (task, found) = calibrate(calibration, path, files, sample, selection, monitor)?;
-    let known = KnownMaterial { material: found.material.clone(), uncertainty: found.uncertainty.clone() };
+    let found = outcome(&task, calibration, path, monitor)?;
+    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(&task, &found).ok()?)));
+    let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
     // Only what reads back as it was written is kept.
-    if let (Some(memory), Ok(text)) = (monitor.memory(), material_toml(&task, &found))
+    if let Some((memory, key, text)) = file
         && read_kept(text.clone()).as_ref() == Some(&known)
     {
         memory.keep(&key, text.as_bytes());
@@ -111,11 +113,22 @@ pub fn calibrate(
     monitor: &dyn Monitor,
 ) -> Result<(CalibrationTask, CalibrationOutcome), Uncalibrated> {
     let task = calibration.task(files, sample, selection)?;
-    let mut outcome = slipgrid_calibrate::run(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
+    let outcome = outcome(&task, calibration, path, monitor)?;
+    Ok((task, outcome))
+}
+
+/// What comes of `task`, which is that of `calibration`.
+fn outcome(
+    task: &CalibrationTask,
+    calibration: &Calibration,
+    path: &Path,
+    monitor: &dyn Monitor,
+) -> Result<CalibrationOutcome, Uncalibrated> {
+    let mut outcome = slipgrid_calibrate::run(task, monitor).map_err(|error| failed(&error, path, calibration))?;
     // What can be done about a doubtful map is said as well.
     let warnings = &mut outcome.material.provenance.warnings;
     warnings.splice(..outcome.surface.warnings.len(), law_warnings(&outcome.surface.warnings));
-    Ok((task, outcome))
+    Ok(outcome)
 }
 
 /// What the trials of the `calibration` that stands at `path` say, without a fit where none is needed.

@@ -237,7 +237,7 @@ impl SteadyCell {
         let model = SpaceSteadyModel::new(lattice, self.layer.block_m, self.elastic.youngs_modulus_pa(), self.liftoff)
             .yielding_at(self.elastic.yield_pressure_pa());
         let loads: Vec<SpaceLoad<'_>> =
-            self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern)).collect();
+            self.loads.iter().map(|load| SpaceLoad::of_mean(load, area_law, pattern.sliding_direction())).collect();
         let outcomes = model.solve_all(&loads, monitor).into_iter().zip(&self.loads);
         outcomes.map(|(outcome, load)| CellOutcome::new(load, area_law, outcome)).collect()
     }

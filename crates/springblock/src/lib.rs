@@ -70,7 +70,7 @@ mod space;
 mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
-pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, warm_travel_m};
+pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, shear_modulus_pa, shear_period_s, warm_travel_m};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};

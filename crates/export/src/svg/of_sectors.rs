@@ -6,12 +6,12 @@ use std::io;
 use super::{
     CAVITY_COLOUR, CONTENT, INK_COLOUR, LINE_HEIGHT, MARGIN, Page, TEXT_SIZE, TITLE_CHARACTERS, TITLE_SIZE, wrap,
 };
-use crate::number::{COORDINATE_DECIMALS, MICROMETRE_DECIMALS, decimal, push_decimal};
+use crate::number::{MICROMETRE_DECIMALS, decimal};
 use crate::sector_sheet::MEASURE_EACH_ALONE;
 use crate::sectors::Sector;
 use crate::stream::{finish, hand_on};
 use crate::words::cavities;
-use crate::{Heading, Laser};
+use crate::{Boundary, Heading, Laser};
 
 /// Room for the sectors' numbers about the specimen, in page units.
 const ROOM: f64 = 6.0;
@@ -64,23 +64,14 @@ pub fn svg_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
         page.out.push_str("\"/>\n");
     }
     let _ = write!(page.out, "<path id=\"mark\" fill=\"{INK_COLOUR}\" d=\"");
-    for (corner, [x_m, y_m]) in division.mark_m().into_iter().enumerate() {
-        page.out.push_str(if corner == 0 { "M" } else { "L" });
-        push_decimal(&mut page.out, x_m * 1e3, COORDINATE_DECIMALS);
-        page.out.push(' ');
-        push_decimal(&mut page.out, -y_m * 1e3, COORDINATE_DECIMALS);
-    }
+    page.outline_of(None, &Boundary::Polygon { corners_m: division.mark_m().to_vec() });
     page.out.push_str("z\"/>\n");
     page.end_specimen(&stroke);
     for sector in sectors {
         // Beside the rim, on the sector's middle line.
         let angle = division.middle_deg(sector.number()).to_radians();
-        let half = [extent_x_mm, extent_y_mm].map(|extent_mm| extent_mm / unit_mm / 2.0);
         let [cosine, sine] = [libm::cos(angle), libm::sin(angle)];
-        let away = match outline {
-            crate::Outline::Rectangle { .. } => (half[0] / cosine.abs()).min(half[1] / sine.abs()),
-            _ => half[0],
-        } + ROOM / 2.0;
+        let away = outline.rim_m([cosine, sine]) * 1e3 / unit_mm + ROOM / 2.0;
         let at = [centre[0] + away * cosine, centre[1] - away * sine + 0.35 * TITLE_SIZE];
         page.text(at, "middle", TITLE_SIZE, " font-weight=\"bold\"", &sector.number().to_string());
     }

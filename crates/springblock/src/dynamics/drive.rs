@@ -33,18 +33,32 @@ pub const MOST_STEPS: u64 = 100_000_000;
 const LEAST_PERIODS: f64 = 10.0;
 
 /// Periods of the layer's first shear mode, and slips of a block, that a warm run is planned for at least: with the usual
-/// layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients off by 0.04 %
-/// (`short_runs_agree_with_long_ones`).
+/// layer the mean is then known to 0.1 %, and the ratio of two surfaces with the same coefficients off by 0.03 %
+/// (`the_confirming_run_is_as_long_as_its_error_asks_for`).
 const WARM_PERIODS: f64 = 25.0;
 const WARM_SLIPS: f64 = 25.0;
+
+/// Shear modulus of the plane's blocks, in pascals: G = 3 E / 8.
+#[must_use]
+pub fn shear_modulus_pa(elastic: &Elastic) -> f64 {
+    0.375 * elastic.youngs_modulus_pa()
+}
+
+/// Period of the first shear mode of a layer `height_m` high whose upper side is held, in seconds: T = 4 h / c_s,
+/// c_s = sqrt(G / rho).
+#[must_use]
+pub fn shear_period_s(elastic: &Elastic, height_m: f64) -> f64 {
+    4.0 * height_m / (shear_modulus_pa(elastic) / elastic.density_kg_m3()).sqrt()
+}
 
 /// Travel of the bulk that a run from the sheared layer needs for a mean, in metres, rounded up to nanometres:
 ///
 /// ```text
-/// u = max(25 T v, 25 d),     T = 4 h / c_s,  c_s = sqrt(3 E / (8 rho)),     d = 2 (mu_s - mu_d) f(P) P l / E
+/// u = max(25 T v, 25 d),     d = 2 (mu_s - mu_d) f(P) P l / E
 /// ```
 ///
-/// with the layer's height h, its first shear mode's period T, and the slip d of a block of size l, the largest over `loads`.
+/// with the period T of the layer's first shear mode ([`shear_period_s`]) and the slip d of a block of size l, the largest over
+/// `loads`.
 #[must_use]
 pub fn warm_travel_m(
     (elastic, area_law): (&Elastic, Option<&AreaLaw>),
@@ -53,7 +67,7 @@ pub fn warm_travel_m(
     speed_m_s: f64,
 ) -> f64 {
     let stiffness_pa = elastic.youngs_modulus_pa();
-    let period_s = 4.0 * layer.height_m / (0.375 * stiffness_pa / elastic.density_kg_m3()).sqrt();
+    let period_s = shear_period_s(elastic, layer.height_m);
     let slip_m = |load: &Load| {
         let drop = (load.friction.static_mean() - load.friction.dynamic_mean()).max(0.0);
         let factor = area_law.map_or(1.0, |law| law.factor(load.pressure_pa));

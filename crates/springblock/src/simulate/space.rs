@@ -9,12 +9,11 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
-use crate::draws;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{Simulation, Status, SurfaceOutcome};
 use crate::scene::Scene;
-use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
+use crate::space::SpaceLattice;
 
 /// Most blocks of a cell: its springs, which set the limit of the time step, take up to 4 GiB then.
 const MOST_BLOCKS: f64 = 1e7;
@@ -142,13 +141,9 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
                 share: 1.0 / runs as f64,
                 seed: seed_of(scene, draw),
                 stderr_share: stderr_share(scene),
-                start: None,
             };
             let content = (settings(scene), run.load, run.lattice, run.direction, scheme, run.seed, run.stderr_share);
-            remembered(monitor, &content, run.share, || {
-                let start = scene.run.warm_start.then(|| sheared(scene, pattern, &run));
-                SpaceRun { start: start.as_deref(), ..run }.run(monitor)
-            })
+            remembered(monitor, &content, run.share, || run.run(monitor))
         })
         .collect();
     let mut loads = collect(scene, surfaces, &corrections, outcomes);
@@ -157,20 +152,6 @@ pub fn dynamic(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Resul
     }
     let model = statements(scene, pattern, &own, scheme, (!is_whole).then_some(&whole));
     Ok(Simulation { model, loads })
-}
-
-/// Displacements over l of the cell of `run` in equilibrium with friction as in sliding, every block at a random moment of its
-/// stick-slip.
-fn sheared(scene: &Scene, pattern: &Pattern, run: &SpaceRun<'_>) -> Vec<[f64; 3]> {
-    let mean = SpaceLoad::of_mean(run.load, scene.area_law.as_ref(), pattern);
-    let [nx, ny] = run.lattice.columns();
-    let phases = draws::caught_in_mean(&run.load.friction, run.seed, nx * ny);
-    steady_model(scene, run.lattice).displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
-}
-
-fn steady_model(scene: &Scene, lattice: &SpaceLattice) -> SpaceSteadyModel {
-    let stiffness = scene.elastic.youngs_modulus_pa();
-    SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness, scene.run.liftoff)
 }
 
 /// Steady ratio of the pattern itself less that of its nearest whole blocks, by load.

@@ -11,7 +11,6 @@ mod contacts;
 use std::borrow::Cow;
 
 use slipgrid_material::AreaLaw;
-use slipgrid_pattern::Pattern;
 
 use super::directions::{Direction, Directions, dot, norm, subtract};
 use super::interface::{Face, Interface, Response};
@@ -54,8 +53,8 @@ pub struct SpaceLoad<'a> {
 
 impl<'a> SpaceLoad<'a> {
     /// `load` with its mean dynamic coefficient, along the sliding direction of `pattern`.
-    pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, pattern: &Pattern) -> Self {
-        let (dynamic_mu, direction) = (load.friction.dynamic_mean(), pattern.sliding_direction());
+    pub(crate) fn of_mean(load: &Load, area_law: Option<&'a AreaLaw>, direction: [f64; 2]) -> Self {
+        let dynamic_mu = load.friction.dynamic_mean();
         Self { pressure_pa: load.pressure_pa, dynamic_mu, relative_mu: None, area_law, direction }
     }
 }

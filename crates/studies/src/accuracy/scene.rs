@@ -3,7 +3,7 @@
 use slipgrid_calibrate::area_law::{DEFAULT_PRESSURES_MPA, area_law, persson_curve};
 use slipgrid_material::{Elastic, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_pattern::{Pattern, Planform};
-use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene};
+use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, shear_modulus_pa, shear_period_s};
 
 use crate::StudyError;
 use slipgrid_formats::scene::DEFAULT_LAYER;
@@ -75,27 +75,17 @@ pub fn reduced(scene: &Scene) -> Scene {
     let layer =
         Layer { length_m: columns as f64 * block_m, height_m: rows as f64 * block_m, block_m, thickness_m: None };
     let onset_m = scene.loads.first().map_or(0.0, |load| onset_travel_m(scene, &layer, load));
-    let wanted_m = (TRAVEL_OVER_ONSET * onset_m).max(LEAST_PERIODS * shear_period_s(scene, &layer) * scene.speed_m_s);
+    let wanted_m = (TRAVEL_OVER_ONSET * onset_m)
+        .max(LEAST_PERIODS * shear_period_s(&scene.elastic, layer.height_m) * scene.speed_m_s);
     let sliding_m = if wanted_m > 0.0 { wanted_m.min(scene.run.sliding_m) } else { scene.run.sliding_m };
     Scene { layer, run: RunOptions { sliding_m, ..scene.run }, ..scene.clone() }
-}
-
-/// Period of the first shear mode of a layer whose upper side is held.
-fn shear_period_s(scene: &Scene, layer: &Layer) -> f64 {
-    // T = 4 h / c_s, c_s = sqrt(G / rho)
-    4.0 * layer.height_m * (scene.elastic.density_kg_m3() / shear_modulus_pa(scene)).sqrt()
-}
-
-/// G = E / (2 (1 + nu))
-fn shear_modulus_pa(scene: &Scene) -> f64 {
-    scene.elastic.youngs_modulus_pa() / (2.0 * (1.0 + POISSON_RATIO))
 }
 
 /// Travel of the bulk at which the shear of the layer reaches the static friction.
 fn onset_travel_m(scene: &Scene, layer: &Layer, load: &Load) -> f64 {
     let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
     // mu_s f P = G u / h
-    load.friction.static_mean() * factor * load.pressure_pa * layer.height_m / shear_modulus_pa(scene)
+    load.friction.static_mean() * factor * load.pressure_pa * layer.height_m / shear_modulus_pa(&scene.elastic)
 }
 
 #[cfg(test)]

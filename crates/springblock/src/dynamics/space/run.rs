@@ -12,7 +12,7 @@ use crate::SceneError;
 use crate::draws;
 use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
-use crate::space::SpaceLattice;
+use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
 /// Default step over sqrt(m/k), k = 2/5 E l: that of the plane in seconds, 4 ns for the published polymer at l = 10 um.
 pub const SPACE_STEP: f64 = 0.1644;
@@ -96,8 +96,6 @@ pub struct SpaceRun<'a> {
     pub seed: u64,
     /// Standard error over dynamic mu at which it may end.
     pub stderr_share: Option<f64>,
-    /// Displacements over l to start from, x fastest, then y, then upward; the layer is unloaded without them.
-    pub start: Option<&'a [[f64; 3]]>,
 }
 
 impl SpaceRun<'_> {
@@ -132,11 +130,12 @@ impl SpaceRun<'_> {
                 liftoff: is_unilateral(scene, lattice),
             },
         );
-        if let Some(start) = self.start {
+        if scene.run.warm_start {
+            let start = self.sheared();
             engine.start_sheared(&|[i, j, k]| start[(k * ny + j) * nx + i]);
         }
         if lattice.is_raised() {
-            if self.start.is_none() {
+            if !scene.run.warm_start {
                 // The layer touches with the highest of its face and bears nothing.
                 let highest = lattice.highest();
                 engine.start_sheared(&|_| [0.0, 0.0, highest]);
@@ -155,6 +154,18 @@ impl SpaceRun<'_> {
         };
         let driven = drive.run(&mut engine, monitor);
         driven.outcome(scene, &scales, self.centres_m(), self.is_closed(&engine))
+    }
+
+    /// Displacements over l of the cell in equilibrium with friction as in sliding, every block at a random moment of its
+    /// stick-slip: x fastest, then y, then upward.
+    fn sheared(&self) -> Vec<[f64; 3]> {
+        let Self { scene, load, lattice, .. } = *self;
+        let mean = SpaceLoad::of_mean(load, scene.area_law.as_ref(), self.direction);
+        let [nx, ny] = lattice.columns();
+        let phases = draws::caught_in_mean(&load.friction, self.seed, nx * ny);
+        let stiffness_pa = scene.elastic.youngs_modulus_pa();
+        let model = SpaceSteadyModel::new(lattice.clone(), scene.layer.block_m, stiffness_pa, scene.run.liftoff);
+        model.displacements(&SpaceLoad { relative_mu: Some(&phases), ..mean })
     }
 
     /// Centres of the contact blocks, x fastest, in metres.
