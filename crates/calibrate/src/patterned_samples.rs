@@ -7,7 +7,7 @@ use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction, MaterialError};
 use slipgrid_monitor::Monitor;
 use slipgrid_pattern::{Pattern, ReliefMap};
-use slipgrid_springblock::{Layer, Load, RunOptions, Scene, Status, simulate};
+use slipgrid_springblock::{Layer, Load, RunOptions, Scene, steady_ratios};
 
 use crate::area_law::area_law;
 use crate::{CalibrationError, CalibrationTask, Measurement};
@@ -127,7 +127,5 @@ fn ratios(
         speed_m_s,
         run: RunOptions::default(),
     };
-    let simulation = simulate(&scene, monitor)?;
-    let converged = simulation.loads.iter().map(|load| load.ratio.filter(|_| load.surface.status == Status::Converged));
-    Ok(converged.collect())
+    Ok(steady_ratios(&scene, monitor)?)
 }

@@ -104,10 +104,13 @@ impl Wanted {
         score
     }
 
-    /// No less than the value of [`Wanted::score`]: by each load alone.
-    fn most(&self, prediction: &Prediction, modelled: &[f64]) -> f64 {
+    /// No less than the chance and the value of [`Wanted::score`]: by each load alone.
+    fn most(&self, prediction: &Prediction, modelled: &[f64], least_chance: f64) -> Option<f64> {
         let [lower, upper] = self.over(modelled);
         let chance = prediction.most_probability_within(&lower, &upper);
+        if chance < least_chance {
+            return None;
+        }
         let n = modelled.len();
         let close = |of: &crate::Component| {
             let at = |load: usize| {
@@ -122,7 +125,7 @@ impl Wanted {
             };
             of.weight * (0..n).map(at).fold(1.0, f64::min)
         };
-        chance + SCATTER_OF_CLOSENESS * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>()
+        Some(chance + SCATTER_OF_CLOSENESS * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>())
     }
 }
 
@@ -134,14 +137,15 @@ pub fn choose<'a>(
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Option<Chosen> {
-    rank(predictor, wanted, 1, count, of).into_iter().next()
+    rank(predictor, wanted, (1, 0.0), count, of).into_iter().next()
 }
 
-/// The `most` greatest scores of `count` candidates that `of` gives, the greatest first. Of equal ones the first.
+/// The `most` greatest scores of `count` candidates that `of` gives, the greatest first. Of equal ones the first. Candidates whose
+/// chance is below `least_chance` for certain are passed by.
 pub fn rank<'a>(
     predictor: &Predictor,
     wanted: &Wanted,
-    most: usize,
+    (most, least_chance): (usize, f64),
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Vec<Chosen> {
@@ -149,7 +153,7 @@ pub fn rank<'a>(
         .into_par_iter()
         .filter_map(|place| {
             let candidate = of(place)?;
-            Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled)))
+            Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled, least_chance)?))
         })
         .collect();
     bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));

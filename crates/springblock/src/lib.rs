@@ -15,6 +15,7 @@
 //! |---|---|
 //! | [`Scene`] | what is to be simulated, fixed |
 //! | [`simulate`] | solves a scene at every load, beside the flat surface |
+//! | [`steady_ratios`] | the ratios of a steady cell alone |
 //! | [`Face`], [`Strip`], [`simulate_specimen`] | the same of a specimen as it is cut, strip by strip |
 //! | [`Simulation`], [`LoadOutcome`], [`SurfaceOutcome`] | what was found, with a [`Status`] |
 //! | [`SteadyCell`], [`CellOutcome`] | the steady ratio of many patterns, in the plane or in space: what a search calls |
@@ -75,6 +76,6 @@ pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
-pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen};
+pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen, steady_ratios};
 pub use slipgrid_monitor::{Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

@@ -66,7 +66,28 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
     Ok(simulation)
 }
 
-/// The same without what is behind the layer where blocks stand for the layer alone.
+/// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
+/// takes several cells more. `None` where a load did not converge.
+///
+/// # Errors
+/// [`SceneError`] if the scene means nothing.
+pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<f64>>, SceneError> {
+    scene.validate()?;
+    bounded(scene)?;
+    let solved = &behind::solved(scene);
+    let Some(pattern) = &scene.pattern else { return Ok(vec![None; scene.loads.len()]) };
+    let mut loads = if scene.dimensions() == 3 {
+        let loads = space::steady_loads(solved, pattern, monitor)?;
+        monitor.advance(1.0);
+        loads
+    } else {
+        steady(solved, monitor)?.loads
+    };
+    rim_difference::add_yielding(scene, pattern, &mut loads, &mut Vec::new());
+    Ok(loads.into_iter().map(|load| load.ratio.filter(|_| load.surface.status == Status::Converged)).collect())
+}
+
+/// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.
 fn over_layer(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
     let solved = &behind::solved(scene);
     if let Some(pattern) = scene.pattern.as_ref().filter(|_| scene.dimensions() == 3) {

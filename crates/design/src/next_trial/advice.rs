@@ -5,7 +5,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_optimize::ModelFailure;
 
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::{Asked, Design, NextOptions, PredictedRatio, SERIES, Scope, TrialCandidateReport, asked, choose};
+use super::{Asked, Design, PredictedRatio, SERIES, Scope, Search, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance_report::percent;
 use crate::multi_fidelity::MultiFidelityLoop;
@@ -125,12 +125,14 @@ impl MultiFidelityLoop<'_> {
         let stage = self.stage("samples to cut rather");
         let scope = Scope::BESIDE;
         let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
-        let options = NextOptions::default();
-        let found = interpolation.and_then(|nodes| choose(task, &options, None, asked, models, (&nodes, &scope)).ok());
+        let found = interpolation.map(|nodes| {
+            let (mut best, _) = Search::new(task, asked, models, (&nodes, &scope)).best(&|_, _| true, chance);
+            best.retain(|of| of.score.chance > chance + CLEARLY);
+            best
+        });
         stage.finish();
-        let mut best = found?.0.best;
-        best.retain(|of| of.chance > chance + CLEARLY);
+        let mut best = found?;
         best.truncate(RATHER);
-        Some(best)
+        Some(best.iter().map(|of| TrialCandidateReport::new(task, asked, of)).collect())
     }
 }

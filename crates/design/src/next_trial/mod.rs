@@ -167,7 +167,8 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
-    let found = choose(&task, options, division.as_ref(), &asked, &models, (&interpolation, &scope));
+    let search = Search::new(&task, &asked, &models, (&interpolation, &scope));
+    let found = choose(&search, options, division.as_ref());
     stage.finish();
     monitor.heed()?;
     let (mut report, patterns) = found?;
@@ -240,43 +241,79 @@ fn is_same(a: &Features, b: &Features) -> bool {
     same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
 }
 
+/// What is asked, and what answers.
+struct Search<'a> {
+    task: &'a DesignTask,
+    asked: &'a Asked,
+    predictor: Predictor,
+    models: &'a Models<'a>,
+    interpolation: &'a Interpolation,
+    scope: &'a Scope,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        task: &'a DesignTask,
+        asked: &'a Asked,
+        models: &'a Models<'a>,
+        (interpolation, scope): (&'a Interpolation, &'a Scope),
+    ) -> Self {
+        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, scope }
+    }
+
+    /// Covariance of the ratios of samples of `pattern` by their dimensions.
+    fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
+        let std_m = self.task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
+        self.interpolation.covariance([pattern.width_m(), pattern.spacing_m(), pattern.depth_m()], std_m)
+    }
+
+    /// `pattern` by the model itself.
+    fn exactly(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
+        let covariance = self.covariance(pattern).unwrap_or_default();
+        let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
+        Ok(design.judged(&self.predictor, &self.asked.wanted))
+    }
+
+    /// The designs of the greatest scores among those that were not cut and are `open`, the greatest first, and how many were
+    /// compared; those whose chance is below `least_chance` by the interpolated model are passed by.
+    fn best(&self, open: &dyn Fn(&Pattern, &Features) -> bool, least_chance: f64) -> (Vec<Judged>, usize) {
+        let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
+        let is_open = |pattern: &Pattern| {
+            let own = Features::from(pattern);
+            !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
+        };
+        let patterns: Vec<Pattern> = designs(self.task, self.scope.designs).into_iter().filter(is_open).collect();
+        let between = |pattern: &Pattern| {
+            let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+            Some(Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?))
+        };
+        let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
+        let left: Vec<Design> = drafts.into_iter().flatten().collect();
+        let candidate = |place: usize| Some(left[place].candidate());
+        let wanted = (self.scope.judged, least_chance);
+        let ranked = slipgrid_discrepancy::rank(&self.predictor, &self.asked.wanted, wanted, left.len(), &candidate);
+        let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();
+        // The model itself at what looks best by the interpolated one.
+        let judged: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(|pattern| self.exactly(pattern)).collect();
+        let mut pool: Vec<Judged> = judged.into_iter().flatten().collect();
+        // Stable: of equal scores the earlier first.
+        pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+        (pool, left.len())
+    }
+}
+
+/// The samples of `search` to cut next, as `options` ask, on sectors of `division` where there is one.
 fn choose(
-    task: &DesignTask,
+    search: &Search<'_>,
     options: &NextOptions,
     division: Option<&Division>,
-    asked: &Asked,
-    models: &Models<'_>,
-    (interpolation, scope): (&Interpolation, &Scope),
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
-    let predictor = asked.learned.at(&asked.loads);
-    let std_m = task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
-    let lengths = |of: &Pattern| [of.width_m(), of.spacing_m(), of.depth_m()];
-    let between = |pattern: &Pattern| {
-        let modelled = interpolation.at(lengths(pattern))?;
-        Some(Design::new(*pattern, modelled, interpolation.covariance(lengths(pattern), std_m)?))
+    let Search { task, asked, .. } = *search;
+    let pending: Vec<Features> = options.pending.iter().map(Features::from).collect();
+    let is_open = |pattern: &Pattern, own: &Features| {
+        !pending.iter().any(|cut| is_same(cut, own)) && division.is_none_or(|division| division.holds(pattern))
     };
-    let measured = asked.learned.trials().iter().map(|trial| trial.features);
-    let cut: Vec<Features> = measured.chain(options.pending.iter().map(Features::from)).collect();
-    let is_open = |pattern: &Pattern| {
-        let own = Features::from(pattern);
-        !cut.iter().any(|cut| is_same(cut, &own)) && division.is_none_or(|division| division.holds(pattern))
-    };
-    let patterns: Vec<Pattern> = designs(task, scope.designs).into_iter().filter(is_open).collect();
-    let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
-    let mut left: Vec<Design> = drafts.into_iter().flatten().collect();
-    let compared = left.len();
-    // The model itself at what looks best by the interpolated one.
-    let exactly = |pattern: &Pattern| -> Result<Judged, ModelFailure> {
-        let covariance = interpolation.covariance(lengths(pattern), std_m).unwrap_or_default();
-        Ok(Design::new(*pattern, models.at(pattern)?, covariance).judged(&predictor, &asked.wanted))
-    };
-    let ranked = slipgrid_discrepancy::rank(&predictor, &asked.wanted, scope.judged, left.len(), &|place| {
-        Some(left[place].candidate())
-    });
-    let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();
-    left.clear();
-    let judged: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(exactly).collect();
-    let mut pool: Vec<Judged> = judged.into_iter().flatten().collect();
+    let (pool, compared) = search.best(&is_open, 0.0);
     if pool.is_empty() {
         let reason = match division {
             Some(division) => coarse(division),
@@ -288,13 +325,12 @@ fn choose(
         let reason = format!("{} designs that fit on a sector were found: expected as many as sectors", pool.len());
         return Err(DesignError::Failed(reason));
     }
-    // Stable: of equal scores the earlier first.
-    pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
     let own = |pattern: &Pattern| {
-        exactly(pattern).map_err(|failure| DesignError::refused(format!("the candidate cannot be computed: {failure}")))
+        let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
+        search.exactly(pattern).map_err(refused)
     };
     let own: Vec<Judged> = options.own.iter().map(own).collect::<Result<_, _>>()?;
-    let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| exactly(pattern).ok()).collect();
+    let pending: Vec<Judged> = options.pending.iter().filter_map(|pattern| search.exactly(pattern).ok()).collect();
     let (chosen, together) = several(&pool, &pending, options, asked);
     let report = |judged: &Judged| TrialCandidateReport::new(task, asked, judged);
     let greatest = pool.iter().map(|judged| judged.score.chance).fold(0.0, f64::max);

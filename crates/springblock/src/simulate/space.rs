@@ -11,7 +11,7 @@ use crate::Monitor;
 use crate::cell::SteadyCell;
 use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
 use crate::error::SceneError;
-use crate::outcome::{Simulation, Status, SurfaceOutcome};
+use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::Scene;
 use crate::space::SpaceLattice;
 
@@ -27,40 +27,14 @@ const WARM_BYTES_PER_BLOCK: f64 = 500.0;
 
 /// Steady sliding of the cell of `pattern`.
 pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Simulation, SceneError> {
-    let model = SteadyCell::in_dimensions(scene, 3);
-    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
-    if bytes > most_bytes {
-        return Err(SceneError::TooLarge { bytes, most_bytes });
-    }
-    let outcomes = model.solve_heeding(pattern, monitor);
-    let ratios: Vec<Option<f64>> = outcomes.iter().map(|outcome| outcome.ratio).collect();
+    let mut loads = steady_loads(scene, pattern, monitor)?;
+    let ratios: Vec<Option<f64>> = loads.iter().map(|load| load.ratio).collect();
     let error = discretization_error(scene, pattern, &ratios, monitor);
+    for load in &mut loads {
+        load.ratio_discretization_error = error.filter(|_| load.ratio.is_some());
+    }
     monitor.advance(1.0);
-    let loads = scene
-        .loads
-        .iter()
-        .zip(outcomes)
-        .map(|(load, outcome)| {
-            // A flat layer is uniform: it needs no solve.
-            let flat = SurfaceOutcome {
-                mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
-                peak_pressure_pa: load.pressure_pa,
-                area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(load.pressure_pa)),
-                residual: outcome.mu_flat.map(|_| 0.0),
-                ..SurfaceOutcome::unsolved(
-                    match outcome.mu_flat {
-                        Some(_) => Status::Converged,
-                        None if load.pressure_pa > 0.0 => Status::NoFriction,
-                        None => Status::NoLoad,
-                    },
-                    std::iter::empty(),
-                )
-            };
-            let mut compared = compare(load, outcome.surface, Some(flat));
-            compared.ratio_discretization_error = error.filter(|_| compared.ratio.is_some());
-            compared
-        })
-        .collect();
+    let model = SteadyCell::in_dimensions(scene, 3);
     let [nx, ny] = model.columns(pattern);
     let why = why_space(scene, pattern);
     let mut statements = vec![
@@ -84,6 +58,35 @@ pub fn steady(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result
     }
     describe_law(scene, &mut statements);
     Ok(Simulation { model: statements, loads })
+}
+
+/// What every load finds, but for how far blocks are off.
+pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> Result<Vec<LoadOutcome>, SceneError> {
+    let model = SteadyCell::in_dimensions(scene, 3);
+    let (bytes, most_bytes) = (model.bytes(pattern), MOST_FACTOR_BYTES);
+    if bytes > most_bytes {
+        return Err(SceneError::TooLarge { bytes, most_bytes });
+    }
+    let outcomes = scene.loads.iter().zip(model.solve_heeding(pattern, monitor));
+    let compared = outcomes.map(|(load, outcome)| {
+        // A flat layer is uniform: it needs no solve.
+        let flat = SurfaceOutcome {
+            mu_dynamic: outcome.mu_flat.or((load.pressure_pa > 0.0).then_some(0.0)),
+            peak_pressure_pa: load.pressure_pa,
+            area_law_extrapolated: scene.area_law.as_ref().is_some_and(|law| law.is_extrapolated(load.pressure_pa)),
+            residual: outcome.mu_flat.map(|_| 0.0),
+            ..SurfaceOutcome::unsolved(
+                match outcome.mu_flat {
+                    Some(_) => Status::Converged,
+                    None if load.pressure_pa > 0.0 => Status::NoFriction,
+                    None => Status::NoLoad,
+                },
+                std::iter::empty(),
+            )
+        };
+        compare(load, outcome.surface, Some(flat))
+    });
+    Ok(compared.collect())
 }
 
 /// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
