@@ -1,4 +1,4 @@
-//! The chance that a cut sample is on target, to first order: what scatters when it is cut, what is not known of the
+//! The chance that a cut sample is on target, to second order along each input: what scatters when it is cut, what is not known of the
 //! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
 
 mod inputs;
@@ -74,10 +74,27 @@ pub struct Chances<'a> {
     first_numerical: usize,
 }
 
-/// A design to first order in everything but the discrepancy, which is drawn from its own distribution.
-pub struct Linear {
+/// A design to second order along each input, without mixed terms, but for the discrepancy, which is drawn from its own
+/// distribution. A search for the greatest chance finds where slopes vanish: there the second order is all that scatters.
+pub struct Expansion {
     slopes: Linearization,
+    /// Half the second derivative of the values along an input, by its place.
+    curvatures: Vec<(usize, Vec<f64>)>,
     discrepancy: Option<Drawn>,
+}
+
+impl Expansion {
+    /// Adds to `values`, which are those to first order where the inputs are off by `deviations`, what the inputs that `of` names
+    /// add to second order, and multiplies them by the discrepancy where it is one of these.
+    fn complete(&self, values: &mut [f64], deviations: &[f64], of: &dyn Fn(usize) -> bool) {
+        for (place, curvature) in self.curvatures.iter().filter(|(place, _)| of(*place)) {
+            let square = deviations[*place].powi(2);
+            values.iter_mut().zip(curvature).for_each(|(value, half)| *value += half * square);
+        }
+        if let Some(drawn) = self.discrepancy.as_ref().filter(|drawn| of(drawn.first)) {
+            values.iter_mut().zip(drawn.factors(deviations)).for_each(|(value, factor)| *value *= factor);
+        }
+    }
 }
 
 /// The discrepancy of a design: values are times the exponential of a draw less the median.
@@ -262,27 +279,20 @@ impl<'a> Chances<'a> {
     }
 
     /// Share of `draws` in which the inputs that `of` names leave every value accepted.
-    pub fn share(&self, draws: &CommonDraws, about: &Linear, of: &dyn Fn(usize) -> bool) -> Probability {
-        let drawn = about.discrepancy.as_ref().filter(|drawn| of(drawn.first));
+    pub fn share(&self, draws: &CommonDraws, about: &Expansion, of: &dyn Fn(usize) -> bool) -> Probability {
         draws.probability_by(&about.slopes, of, |values, deviations| {
-            let Some(drawn) = drawn else { return self.target.accepts(values) };
-            let values: Vec<f64> = values.iter().zip(drawn.factors(deviations)).map(|(v, factor)| v * factor).collect();
-            self.target.accepts(&values)
+            about.complete(values, deviations, of);
+            self.target.accepts(values)
         })
     }
 
     /// Covariance of the values of a design over `draws`, one row a value.
-    pub fn covariance(&self, draws: &CommonDraws, about: &Linear) -> Vec<Vec<f64>> {
+    pub fn covariance(&self, draws: &CommonDraws, about: &Expansion) -> Vec<Vec<f64>> {
         let count = self.scale.len();
         let sums = RefCell::new((0_u32, vec![0.0; count], vec![vec![0.0; count]; count]));
         let _ = draws.probability_by(&about.slopes, &|_| true, |values, deviations| {
-            let factors = about.discrepancy.as_ref().map(|drawn| drawn.factors(deviations).collect::<Vec<_>>());
-            let off: Vec<f64> = (0..count)
-                .map(|place| {
-                    let factor = factors.as_ref().map_or(1.0, |factors| factors[place]);
-                    values[place] * factor - about.slopes.values()[place]
-                })
-                .collect();
+            about.complete(values, deviations, &|_| true);
+            let off: Vec<f64> = values.iter().zip(about.slopes.values()).map(|(value, own)| value - own).collect();
             let (drawn, sum, squares) = &mut *sums.borrow_mut();
             *drawn += 1;
             for (row, own) in off.iter().enumerate() {
@@ -305,7 +315,8 @@ impl<'a> Chances<'a> {
             slopes[places.start + load][load] = *std;
         }
         let run = Linearization::of_slopes(*design, values.to_vec(), slopes);
-        self.share(draws, &Linear { slopes: run, discrepancy: None }, &|place| places.contains(&place))
+        let run = Expansion { slopes: run, curvatures: Vec::new(), discrepancy: None };
+        self.share(draws, &run, &|place| places.contains(&place))
     }
 
     /// The discrepancy of `design`, where designs aim with it.
@@ -316,17 +327,19 @@ impl<'a> Chances<'a> {
         Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
     }
 
-    /// The values of a design to first order: by central differences over a standard deviation each way.
+    /// The values of a design to second order along each input: by central differences over a standard deviation each way.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
-    pub fn linearize(&self, about: &About<'_>) -> Result<Linear, ModelFailure> {
+    pub fn expand(&self, about: &About<'_>) -> Result<Expansion, ModelFailure> {
         let (count, values) = (self.scale.len(), about.values.to_vec());
         let discrepancy = self.drawn(about.design)?;
         let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
         let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
+        let own = self.still.steady(about.design)?.ratio;
         let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
+        let mut curvatures = Vec::new();
         for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
             let per_m = self.along_axis(about.design, axis, std_m)?;
             slopes[axis] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
@@ -335,28 +348,32 @@ impl<'a> Chances<'a> {
             let per_m = self.along_rim(about.design)?;
             slopes[place] = per_m.iter().zip(&scale).map(|(slope, scale)| slope * scale).collect();
         }
-        let difference = |along: &Along| -> Result<Vec<f64>, ModelFailure> {
+        // (r(x + s) - r(x - s)) / 2s and (r(x + s) - 2 r(x) + r(x - s)) / 2s^2
+        let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>), ModelFailure> {
             let (above, below) = (along.above.steady(about.design)?.ratio, along.below.steady(about.design)?.ratio);
-            let each = above.iter().zip(&below).zip(along.step.iter().zip(&scale));
-            Ok(each.map(|((above, below), (step, scale))| scale * (above - below) / (2.0 * step)).collect())
+            let at = |load: usize| {
+                let (above, below, own, step) = (above[load], below[load], own[load], along.step[load]);
+                let slope = scale[load] * (above - below) / (2.0 * step);
+                (slope, scale[load] * (above - 2.0 * own + below) / (2.0 * step * step))
+            };
+            Ok((0..count).map(at).unzip())
         };
         if let Some(along) = &self.friction {
-            for (load, slope) in difference(along)?.into_iter().enumerate() {
+            for (load, slope) in differences(along)?.0.into_iter().enumerate() {
                 // mu = r mu_flat (1 + x)
                 slopes[along.first + load % self.inputs_of_loads][load] =
                     slope + if self.is_ratio { 0.0 } else { values[load] };
             }
         }
-        if let Some(along) = &self.law_scale {
-            slopes[along.first] = difference(along)?;
-        }
-        if let Some(along) = &self.law {
-            slopes[along.first] = difference(along)?;
+        for along in self.law_scale.iter().chain(&self.law) {
+            let (slope, curvature) = differences(along)?;
+            slopes[along.first] = slope;
+            curvatures.push((along.first, curvature));
         }
         for load in 0..count {
             slopes[self.first_numerical + load][load] = about.numerical[load];
         }
-        Ok(Linear { slopes: Linearization::of_slopes(*about.design, values, slopes), discrepancy })
+        Ok(Expansion { slopes: Linearization::of_slopes(*about.design, values, slopes), curvatures, discrepancy })
     }
 
     /// dr/dh of each ratio along the height of the rims, per metre: over a standard deviation each way, and upwards alone

@@ -39,7 +39,7 @@ pub struct ChanceReport {
     pub limited_by: Option<PartReport>,
     /// The same of every part, the greatest gain first.
     pub parts: Vec<PartReport>,
-    /// Draws of the steady model about the confirming runs; in space of its first-order form.
+    /// Draws of the steady model about the confirming runs; in space of its form to second order.
     pub draws: usize,
 }
 
@@ -64,7 +64,7 @@ impl MultiFidelityLoop<'_> {
         chances: &Chances,
         errors: &ErrorsReport,
     ) -> Result<Option<ChanceReport>, DesignError> {
-        let (Some(best), Some(predicted)) = (&self.best, &self.predicted) else { return Ok(None) };
+        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Ok(None) };
         if !design.target.has_demands() {
             return Ok(None);
         }
@@ -78,7 +78,7 @@ impl MultiFidelityLoop<'_> {
             not_known.push("tolerance of the rims' height".to_owned());
         }
         not_known.extend(material.unknown(&known, self.model.area_law()).into_iter().map(str::to_owned));
-        let (numerical, discretization) = numerical(design, &self.model.scales(&best.design), predicted, errors);
+        let (numerical, discretization) = numerical(design, &self.model.scales(&best.design), confirmed, errors);
         if !discretization {
             not_known.push("discretization".to_owned());
         }
@@ -97,17 +97,19 @@ impl MultiFidelityLoop<'_> {
             draws: 0,
         };
         let Some(values) = values else {
-            return Ok(Some(nothing(
-                "chance not known: the confirming run has no friction at some pressure",
-                not_known,
-            )));
+            let words = if self.out_of_time {
+                "chance not known: the confirming run was cut short"
+            } else {
+                "chance not known: the confirming run has no friction at some pressure"
+            };
+            return Ok(Some(nothing(words, not_known)));
         };
         if !chances.is_known() {
             let words = "chance not known: neither tolerances nor errors of the material are given";
             return Ok(Some(nothing(words, not_known)));
         }
         let about = About { design: &best.design, values: &values, numerical: &numerical };
-        let linear = match chances.linearize(&about) {
+        let expansion = match chances.expand(&about) {
             Ok(linear) => linear,
             Err(ModelFailure::Trial { reason }) => {
                 let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
@@ -120,7 +122,7 @@ impl MultiFidelityLoop<'_> {
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));
         let share_of = |count: usize, of: &(dyn Fn(usize) -> bool + Sync)| {
             if !is_sampled {
-                return Ok(chances.share(&draws, &linear, of));
+                return Ok(chances.share(&draws, &expansion, of));
             }
             chances.sampled(&about, count, design.seed, of).map_err(failed)
         };
@@ -152,12 +154,12 @@ impl MultiFidelityLoop<'_> {
 pub(super) fn numerical(
     design: &DesignTask,
     scales: &[f64],
-    predicted: &Simulation,
+    confirmed: &Simulation,
     errors: &ErrorsReport,
 ) -> (Vec<f64>, bool) {
     let count = design.target.points().len();
     let is_ratio = design.target.quantity() == slipgrid_optimize::Quantity::Ratio;
-    let discretization = |row: usize| predicted.loads.get(row).and_then(|load| load.ratio_discretization_error);
+    let discretization = |row: usize| confirmed.loads.get(row).and_then(|load| load.ratio_discretization_error);
     let run = |row: usize| {
         let at = errors.at(row)?;
         let of = if is_ratio { at.ratio.as_ref()? } else { &at.mu };

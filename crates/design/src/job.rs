@@ -186,13 +186,15 @@ fn every_step(
     let comparing = budget.stage("trade-offs");
     let selection = found.selection.as_ref();
     let traded = trade_offs::report(design, &found.model, (&pattern, value), selection, &comparing)?;
-    cut_short.extend((comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"));
+    cut_short.extend(
+        (design.trade_offs.is_some() && comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"),
+    );
     timings.trade_offs = comparing.finish();
     monitor.heed()?;
     let (traded, compared) = traded.unzip();
 
     let exploring = budget.stage("explorer");
-    let (numerical, _) = chance_report::numerical(design, &model.scales(&pattern), predicted, &errors.report);
+    let (numerical, _) = chance_report::numerical(design, &model.scales(&pattern), confirmed, &errors.report);
     let chances = found.chances.as_ref();
     let anchor = explorer::Anchor { design: &pattern, values: value, chances, numerical: &numerical };
     let explorer = if design.explorer { explorer::explore(design, model, &anchor, &exploring) } else { None };

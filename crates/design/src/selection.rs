@@ -108,8 +108,8 @@ impl Merits for ByChance<'_> {
         let values = &candidate.response.value;
         let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
         let about = About { design: &candidate.design, values, numerical: &numerical };
-        let linear = self.chances.linearize(&about)?;
-        let all = self.chances.share(&self.draws, &linear, &|_| true);
+        let expansion = self.chances.expand(&about)?;
+        let all = self.chances.share(&self.draws, &expansion, &|_| true);
         if candidate.misfit.max <= self.safe_misfit {
             return Ok((all, 1.0));
         }
@@ -205,12 +205,12 @@ impl Chosen {
         let is_weighed = pool.iter().any(|choice| choice.counts < greatest.counts);
         let [effort, unit] = self.effort.words();
         let words = format!(
-            "chosen of {} designs on target by the model: none has a chance greater by more than {:.1} %{}, and of those alike it \
-             takes the least {effort}: {} {unit}, where the likeliest takes {} {unit}",
+            "chosen of {} designs on target by the model: it has the least {effort}, {} {unit}, of those whose chance{} is within \
+             {:.1} % of the greatest; the likeliest has {} {unit}",
             pool.len(),
-            100.0 * self.selection.alike,
-            if is_weighed { " that its run in time is as likely to confirm" } else { "" },
             three(chosen.effort),
+            if is_weighed { " to be confirmed in time and then on target" } else { "" },
+            100.0 * self.selection.alike,
             three(greatest.effort),
         );
         Some(SelectionReport {

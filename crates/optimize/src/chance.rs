@@ -54,7 +54,7 @@ impl CommonDraws {
         &self,
         about: &Linearization,
         of: &dyn Fn(usize) -> bool,
-        judge: impl Fn(&[f64], &[f64]) -> bool,
+        judge: impl Fn(&mut [f64], &[f64]) -> bool,
     ) -> Probability {
         // What moves nothing need not be added up.
         let moving: Vec<usize> = (0..self.inputs)
@@ -72,7 +72,7 @@ impl CommonDraws {
                     *value += off(input, deviations[input]) * slope;
                 }
             }
-            held += usize::from(judge(&values, deviations));
+            held += usize::from(judge(&mut values, deviations));
         }
         Probability::of(held, self.draws)
     }
