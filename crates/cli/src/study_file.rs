@@ -246,8 +246,7 @@ fn same(first: &Value, depends_on: &Map<String, Value>) -> Result<(), String> {
     for name in depends_on.keys().chain(theirs.keys()) {
         let (ours, theirs) = (depends_on.get(name).unwrap_or(&none), theirs.get(name).unwrap_or(&none));
         if ours != theirs {
-            let name = name.replace('_', " ");
-            return Err(format!("is a study of another design: its {name} is {theirs}, here it is {ours}"));
+            return Err(format!("is a study of another design: its `{name}` is {theirs}, here it is {ours}"));
         }
     }
     if first["hash"].as_str() == Some(hash(depends_on).as_str()) {

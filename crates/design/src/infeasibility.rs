@@ -154,7 +154,7 @@ pub fn explanation(
     let Explanation { reliefs, tried, together } = found;
     let quantities = &design.constraints.quantities;
     Ok(Some(ExplanationReport {
-        binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
+        binding: reliefs.iter().filter_map(|relief| relief_report(relief, quantities)).collect(),
         misfit: best.misfit.max,
         relaxed: tried,
         together: together.as_ref().map(NearestReport::from),
@@ -162,7 +162,8 @@ pub fn explanation(
     }))
 }
 
-fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
+/// `relief` in the units of a design file; `None` where its design respects the limit as it is, so that the limit is no reason.
+fn relief_report(relief: &Relief, quantities: &[Limit]) -> Option<ReliefReport> {
     let length = |name: &str, is_least: bool| (name.to_owned(), "um", LENGTH_UM.from_si(1.0).recip(), is_least);
     let (what, unit, unit_si, is_least) = match relief.restriction {
         Restriction::Quantity(place) => {
@@ -175,14 +176,15 @@ fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
         Restriction::UpperBound(dimension) => length(&format!("upper bound of the {}", name(dimension)), false),
     };
     let relaxed = relief.relaxed / unit_si;
-    ReliefReport {
+    let is_within = if is_least { relief.relaxed >= relief.limit } else { relief.relaxed <= relief.limit };
+    (relief.suffices || !is_within).then(|| ReliefReport {
         what,
         unit: unit.into(),
         limit: tidy(relief.limit / unit_si),
         relaxed: if relief.suffices { loosened(relaxed, is_least) } else { tidy(relaxed) },
         suffices: relief.suffices,
         nearest: (&relief.best).into(),
-    }
+    })
 }
 
 const fn name(dimension: Dimension) -> &'static str {
@@ -217,18 +219,19 @@ impl ExplanationReport {
     pub fn lines(&self) -> Vec<String> {
         let mut lines: Vec<String> = self.binding.iter().map(|relief| relief.words(self.misfit)).collect();
         if self.binding.is_empty() {
-            lines.push(format!(
-                "no single limit or bound is the reason: relaxing each of {} brings no design nearer",
-                self.relaxed
-            ));
+            lines.push(match self.relaxed {
+                0 => "no limit or bound is the reason: the nearest design rests on none".to_owned(),
+                1 => "no limit or bound is the reason: relaxing the one that the nearest design rests on brings none nearer".to_owned(),
+                relaxed => format!("no single limit or bound is the reason: relaxing each of {relaxed} alone brings no design nearer"),
+            });
         }
         if let Some(together) = &self.together {
             lines.push(if together.misfit <= 1.0 {
                 format!("with all {} relaxed together the target is met: {}", self.relaxed, lengths(&together.design))
             } else {
                 format!(
-                    "even with all {} relaxed the nearest design, {}, misses by {:.2} tolerances",
-                    self.relaxed,
+                    "even with {} the nearest design, {}, misses by {:.2} tolerances",
+                    if self.relaxed == 1 { "it relaxed".to_owned() } else { format!("all {} relaxed", self.relaxed) },
                     lengths(&together.design),
                     together.misfit
                 )

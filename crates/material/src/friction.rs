@@ -148,8 +148,8 @@ fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<Friction
     let mut rows = rows.to_vec();
     rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
     let (first, last) = (rows.first()?, rows.last()?);
-    // A pressure within a part in a million of an end counts as that end.
-    let margin_pa = 1e-6 * pressure_pa.abs();
+    // A pressure within a thousandth of an end counts as that end: pressures are written with three or four digits.
+    let margin_pa = 1e-3 * pressure_pa.abs();
     if pressure_pa <= first.pressure_pa {
         let outside = pressure_pa < first.pressure_pa - margin_pa;
         return Some(FrictionAt { friction: first.friction, outside_measured_range: outside });

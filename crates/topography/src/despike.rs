@@ -53,23 +53,30 @@ impl Spikes {
     }
 }
 
+/// `count` of what `noun` names, in words.
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
 impl fmt::Display for Spikes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let extent = |place: fn(&Spike) -> usize| {
             let places = || self.list.iter().map(place);
-            format!("{} to {}", places().min().unwrap_or(0), places().max().unwrap_or(0))
+            let [first, last] = [places().min(), places().max()].map(Option::unwrap_or_default);
+            if first == last { first.to_string() } else { format!("{first} to {last}") }
         };
         write!(
             f,
-            "{} points in {} places stand alone, beyond all around them (rows {}, columns {}; worst at row, column: ",
-            self.points(),
-            self.list.len(),
+            "{} in {} stand{} alone, beyond all around (rows {}, columns {}; worst at row, column: ",
+            counted(self.points(), "point"),
+            counted(self.list.len(), "place"),
+            if self.points() == 1 { "s" } else { "" },
             extent(|spike| spike.row),
             extent(|spike| spike.col)
         )?;
         for (n, spike) in self.list.iter().take(DESCRIBED).enumerate() {
             let comma = if n > 0 { "; " } else { "" };
-            write!(f, "{comma}{}, {} by {:+.3e} um", spike.row, spike.col, spike.height_m * 1e6)?;
+            write!(f, "{comma}{}, {} by {:+.3} um", spike.row, spike.col, spike.height_m * 1e6)?;
         }
         f.write_str(")")
     }

@@ -107,7 +107,7 @@ fn a_study_of_something_else_is_refused_by_what_differs() {
         begin(&path, modulus, true).err().unwrap().to_string()
     };
     let message = refused(&whole, 0.4);
-    assert!(message.contains("its youngs modulus gpa is 0.38, here it is 0.4"), "{message}");
+    assert!(message.contains("its `youngs_modulus_gpa` is 0.38, here it is 0.4"), "{message}");
     let older = whole.replacen(VERSION, "0.0.1", 1);
     assert!(refused(&older, 0.38).contains("version 0.0.1"));
     let forged = whole.replacen("\"hash\":\"", "\"hash\":\"0", 1);

@@ -134,7 +134,7 @@ fn a_killed_run_is_resumed_and_ends_with_the_same_bytes() {
     let text = fs::read_to_string(place.path("a.toml")).unwrap();
     fs::write(place.path("a.toml"), text.replace("layer_um = 200.0", "layer_um = 210.0")).unwrap();
     let message = place.refuse(&["optimize", "a.toml", "-o", "cut", "--resume"]);
-    assert!(message.contains("cut.study.jsonl:1: is a study of another design: its layer is "), "{message}");
+    assert!(message.contains("cut.study.jsonl:1: is a study of another design: its `layer` is "), "{message}");
     fs::write(place.path("a.toml"), text.replace("0.9]", "0.91]")).unwrap();
     place.succeed(&["optimize", "a.toml", "-o", "cut", "--resume"]);
 }

@@ -126,7 +126,9 @@ impl MultiFidelityLoop<'_> {
         let scope = Scope::BESIDE;
         let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
         let found = interpolation.map(|nodes| {
-            let (mut best, _) = Search::new(task, asked, models, (&nodes, &scope)).best(&|_, _| true, chance);
+            // Half of what counts is left for what the interpolation is off.
+            let least = chance + 0.5 * CLEARLY;
+            let (mut best, _) = Search::new(task, asked, models, (&nodes, &scope)).best(&|_, _| true, least);
             best.retain(|of| of.score.chance > chance + CLEARLY);
             best
         });
