@@ -27,6 +27,34 @@
 //! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
 //! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
 //!
+//! Friction that is proportional to load is changed by no pattern, but for a per cent of stick-slip on a sample this small: where that is the material's law a
+//! ratio of 0.9 is out of reach. Where contact area saturates, so that f(P) falls with pressure, there is a pattern that has it:
+//!
+//! ```
+//! use slipgrid_design::export::{Outline, Specimen};
+//! use slipgrid_design::material::{AreaLaw, Elastic, Friction, LocalFriction, Material, Provenance};
+//! use slipgrid_design::optimize::{DesignSpace, Quantity, Target, TargetPoint};
+//! use slipgrid_design::{DesignTask, NoCache, Unwatched, pattern::Planform, run, springblock::Layer};
+//!
+//! let ratio_of = |area_law: Option<AreaLaw>| -> Result<(String, f64), Box<dyn std::error::Error>> {
+//!     let friction = Friction::Single(LocalFriction::new(0.30, 0.27, 0.05)?);
+//!     let elastic = Elastic::new(0.38e9, 900.0)?;
+//!     let material = Material { elastic, friction, area_law, provenance: Provenance::default() };
+//!     let target = Target::new(Quantity::Ratio, vec![TargetPoint { pressure_pa: 2.6e6, value: 0.9 }], 0.01)?;
+//!     let space = DesignSpace::new(Planform::Groove, [50e-6, 100e-6], [50e-6, 300e-6], [5e-6, 30e-6])?;
+//!     let specimen = Specimen { outline: Outline::Rectangle { length_m: 1e-3, width_m: 1e-3 }, is_clipped: false };
+//!     let layer = Layer { length_m: 1e-3, height_m: 60e-6, block_m: 10e-6, thickness_m: None };
+//!     let found = run(&DesignTask::new(material, target, space, specimen, layer), &mut NoCache, &Unwatched)?;
+//!     let confirmed = found.report.confirmed[0].ratio.ok_or("no ratio")?;
+//!     Ok((found.report.status.to_string(), confirmed))
+//! };
+//! let (status, ratio) = ratio_of(None)?;
+//! assert!(status == "unreachable" && (ratio - 1.0).abs() < 0.02);
+//! let (status, ratio) = ratio_of(Some(AreaLaw::new(vec![0.7e6, 2.6e6, 26e6], vec![1.0, 0.8, 0.3])?))?;
+//! assert!(status == "met" && (ratio - 0.9).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! This crate opens no files, reads no clock, prints nothing, and does not touch the environment.
 
 mod cache_key;
