@@ -34,6 +34,15 @@ impl Measurement {
     pub const fn condition(&self) -> Condition {
         Condition { speed_m_s: self.speed_m_s, humidity: self.humidity }
     }
+
+    /// Whether `other` was measured at the same force, speed and humidity.
+    #[must_use]
+    pub fn is_at(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
+        same(self.force_n, other.force_n)
+            && same(self.speed_m_s, other.speed_m_s)
+            && same(self.humidity, other.humidity)
+    }
 }
 
 /// What is fitted.

@@ -21,15 +21,7 @@ pub(crate) type Pair = [Measurement; 2];
 
 /// Conditions of `patterned` that were measured on a flat sample as well.
 pub(crate) fn pairs(task: &CalibrationTask, patterned: &[Measurement]) -> Vec<Pair> {
-    let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * a.abs().max(b.abs());
-    let pair = |patterned: &Measurement| {
-        let alike = |flat: &&Measurement| {
-            same(flat.force_n, patterned.force_n)
-                && same(flat.speed_m_s, patterned.speed_m_s)
-                && same(flat.humidity, patterned.humidity)
-        };
-        Some([*task.flat.iter().find(alike)?, *patterned])
-    };
+    let pair = |patterned: &Measurement| Some([*task.flat.iter().find(|flat| flat.is_at(patterned))?, *patterned]);
     patterned.iter().filter_map(pair).collect()
 }
 

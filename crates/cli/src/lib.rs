@@ -78,6 +78,11 @@ impl Console<'_> {
         }
     }
 
+    /// Says what is unusual of an input, one line each.
+    pub fn warn(&mut self, told: &[impl std::fmt::Display]) {
+        told.iter().for_each(|told| self.note(&format!("warning: {told}")));
+    }
+
     /// Results for people on stdout: what files put into them cannot steer a terminal.
     ///
     /// # Errors

@@ -97,12 +97,18 @@ impl MultiFidelityLoop<'_> {
             draws: 0,
         };
         let Some(values) = values else {
-            let words = if self.out_of_time {
-                "chance not known: the confirming run was cut short"
-            } else {
-                "chance not known: the confirming run has no friction at some pressure"
+            let (each, count) = (self.confirmed_each(), design.target.points().len());
+            let first = each.iter().position(Option::is_none).unwrap_or(0);
+            let further = (first / count).checked_sub(1).and_then(|place| self.further.get(place));
+            let words = match further {
+                _ if self.out_of_time => "chance not known: the confirming run was cut short".to_owned(),
+                Some(at) => format!(
+                    "chance not known: at {} the design or the flat sample does not slide evenly in the model",
+                    at.at.in_words()
+                ),
+                None => "chance not known: the confirming run has no friction at some pressure".to_owned(),
             };
-            return Ok(Some(nothing(words, not_known)));
+            return Ok(Some(nothing(&words, not_known)));
         };
         if !chances.is_known() {
             let words = "chance not known: neither tolerances nor errors of the material are given";

@@ -254,7 +254,8 @@ fn lengths_um(pattern: &Pattern) -> [f64; 3] {
     [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()].map(|m| LENGTH_UM.from_si(m))
 }
 
-/// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`, as `share` of a stage; `None` once it is cancelled.
+/// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`,
+/// as `share` of a stage; `None` once it is cancelled.
 fn ask(
     model: &SteadyModel,
     texture: &(impl Fn(usize) -> Texture + Sync),

@@ -263,7 +263,9 @@ fn short(value: f64) -> f64 {
 }
 
 fn lengths(design: &PatternReport) -> String {
-    format!("{} / {} / {} um", design.width_um, design.spacing_um, design.depth_um)
+    let [width, spacing, depth] =
+        [design.width_um, design.spacing_um, design.depth_um].map(|length_um| (100.0 * length_um).round() / 100.0);
+    format!("{width} / {spacing} / {depth} um")
 }
 
 #[cfg(test)]

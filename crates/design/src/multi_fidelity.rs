@@ -23,7 +23,7 @@ use crate::task::DesignTask;
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
 use crate::timings::{ImprovementReport, Timings};
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_units::{LENGTH_UM, tidy};
+use slipgrid_units::{LENGTH_UM, SPEED_MM_S, tidy};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
@@ -118,7 +118,13 @@ impl<'a> MultiFidelityLoop<'a> {
                     let reason = "the seconds allowed were spent on the flat sample: nothing was searched";
                     return Err(DesignError::OutOfTime(reason.to_owned()));
                 }
-                Some(flat.ok_or_else(|| DesignError::Failed("the flat sample does not slide in the model".to_owned()))?)
+                let speed_mm_s = tidy(SPEED_MM_S.from_si(scene.speed_m_s));
+                Some(flat.ok_or_else(|| {
+                    DesignError::refused(format!(
+                        "asks for {speed_mm_s} mm/s, at which the flat sample does not slide evenly in the model, but in waves or \
+                         not at all: expected a lower speed"
+                    ))
+                })?)
             }
         };
         timings.flat = monitor.seconds() - started_s;

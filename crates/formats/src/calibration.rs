@@ -125,6 +125,7 @@ impl Calibration {
         for rows in [&placed, &patterned] {
             told.extend(measured::check(rows, &specimens)?);
         }
+        told.extend(measured::check_partners(&patterned, &placed)?);
         measured::refuse_repeated(&placed, coefficients)?;
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
@@ -135,7 +136,7 @@ impl Calibration {
         let first = pattern.filter(|_| !patterned.is_empty());
         let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
         let own = (&file.trial[..], file.trial_prior.as_ref());
-        let trials = trials::read_trials(document, own, (&outline, &specimens), first, &mut told)?;
+        let trials = trials::read_trials(document, own, (&outline, &specimens, &placed), first, &mut told)?;
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {

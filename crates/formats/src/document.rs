@@ -240,6 +240,16 @@ impl Document {
         if message.starts_with("missing field") && !quoted.is_empty() {
             return self.missing(span, quoted[0]);
         }
+        if let Some(value) = self.text.lines().nth(self.line(span.start) as usize - 1).and_then(decimal_comma) {
+            return Diagnostic {
+                file: Some(self.path.as_path().into()),
+                line: Some(self.line(span.start)),
+                reason: "has a decimal comma".to_owned(),
+                value: Some(value.clone().into()),
+                ..Diagnostic::default()
+            }
+            .expected(format!("a decimal point: {}", value.replace(',', ".")));
+        }
         let plain = [
             ("floating point ", ""),
             ("f64", "a number"),
@@ -325,6 +335,15 @@ fn covers(outer: &Range<usize>, inner: &Range<usize>) -> bool {
     outer.start <= inner.start && inner.end <= outer.end && outer.start < outer.end
 }
 
+/// The number with a decimal comma in a line such as `key = 2,7`.
+fn decimal_comma(line: &str) -> Option<String> {
+    let (_, value) = line.split_once('=')?;
+    let value = value.split('#').next().unwrap_or_default();
+    let (whole, decimals) = value.trim().split_once(',')?;
+    let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    (is_digits(whole.trim_start_matches(['-', '+'])) && is_digits(decimals)).then(|| format!("{whole},{decimals}"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -346,6 +365,13 @@ mod tests {
 
     fn refused(text: &str) -> String {
         Document::new("a.toml", text).parse::<Outer>().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_decimal_comma_is_named() {
+        let document = Document::new("a.toml", "[material]\nyoungs_modulus_gpa = 2,7   # measured\n");
+        let refused = document.parse::<toml::Table>().unwrap_err().to_string();
+        assert_eq!(refused, "a.toml:2: 2,7 has a decimal comma; expected a decimal point: 2.7");
     }
 
     #[test]

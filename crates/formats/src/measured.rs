@@ -22,6 +22,9 @@ pub struct Placed {
     pub line: u32,
 }
 
+/// Conditions that a message names.
+const MOST_NAMED: usize = 4;
+
 /// What the measurements are judged by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Specimens {
@@ -99,6 +102,27 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
         }
     }
     Ok(told)
+}
+
+/// Names the `rows` of a patterned sample at whose force, speed and humidity none of the `flat` samples was measured: they have no ratio
+/// and are left out.
+///
+/// # Errors
+/// [`Diagnostic`] where that is all of them.
+pub fn check_partners(rows: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
+    let is_alone = |row: &&Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
+    let alone: Vec<&Placed> = rows.iter().filter(is_alone).collect();
+    let measured = flat.iter().take(MOST_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
+    let more = if flat.len() > MOST_NAMED { format!("; {} more", flat.len() - MOST_NAMED) } else { String::new() };
+    let named = |row: &&Placed, so: &str| {
+        let reason = format!("has no flat sample beside it, measured at {}: {so}", row.condition());
+        let at = Diagnostic { reason, ..row.at("force_n", row.measurement.force_n) };
+        at.expected(format!("a condition of the flat samples: {measured}{more}"))
+    };
+    match alone.first() {
+        Some(first) if alone.len() == rows.len() => Err(named(first, "no row of this sample has a ratio")),
+        _ => Ok(alone.iter().map(|row| named(row, "this row has no ratio and is left out")).collect()),
+    }
 }
 
 /// Refuses one condition twice where each has coefficients of its own.

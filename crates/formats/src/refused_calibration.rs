@@ -41,7 +41,9 @@ fn refuse_fit(
             "no_onset" => {
                 "friction and a load at which the modelled layer slides as a whole, or no mu_static in this row"
             }
-            _ => "a load and a speed at which the modelled layer slides",
+            _ => {
+                "a load and a speed at which the modelled layer slides evenly: a lower speed or a higher load, where it slides in waves (sliding_waves)"
+            }
         },
         FitError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         FitError::BeyondLaw { .. } => "another [surface], or a smaller load",

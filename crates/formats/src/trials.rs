@@ -119,7 +119,7 @@ impl PriorFile {
     }
 }
 
-/// Reads the trials of a calibration whose specimens have this `outline`, after the sample `first` that its own tables name; adds
+/// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample `first` that its own tables name; adds
 /// what is unusual to `told`.
 ///
 /// # Errors
@@ -127,7 +127,7 @@ impl PriorFile {
 pub fn read_trials(
     document: &Document,
     (trials, prior): (&[Spanned<TrialFile>], Option<&Spanned<PriorFile>>),
-    (outline, specimens): (&Outline, &Specimens),
+    (outline, specimens, flat): (&Outline, &Specimens, &[Placed]),
     first: Option<CutSample>,
     told: &mut Vec<Diagnostic>,
 ) -> Result<TrialsTask, Diagnostic> {
@@ -148,6 +148,7 @@ pub fn read_trials(
             None => Vec::new(),
         };
         told.extend(measured::check(&rows, specimens)?);
+        told.extend(measured::check_partners(&rows, flat)?);
         let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
             Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
         };

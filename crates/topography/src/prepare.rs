@@ -66,7 +66,7 @@ pub struct PreparedMap {
     pub filled: Vec<bool>,
     /// Arithmetic mean height Sa, in metres.
     pub sa_m: f64,
-    /// Rms slope, from the spectrum.
+    /// Rms slope, from the spectrum; of a map whose opposite sides do not continue each other, that of its periodic component.
     pub rms_slope: f64,
     /// What was done to it, one sentence each.
     pub notes: Vec<String>,
@@ -165,7 +165,10 @@ impl PreparedMap {
         } else if one_period {
             notes.push("the map is taken as one period as it is".to_owned());
         }
-        let rms_slope = map.rms_slope_spectral()?;
+        // The spectrum of a map that is no period takes the step between opposite sides for slope.
+        let closes = period || one_period || step_ratio <= PERIOD_STEP_RATIO;
+        let rms_slope =
+            if closes { map.rms_slope_spectral()? } else { periodic_component(&map)?.rms_slope_spectral()? };
         // High points that are spikes are no debris beside.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);

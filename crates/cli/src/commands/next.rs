@@ -18,9 +18,7 @@ const FILES: [&str; 2] = ["pattern.*", "process.toml"];
 /// Chooses, writes and reports.
 pub fn run(args: &NextArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let mut design = Design::read(&disk(), &args.design)?;
-    for told in &design.told {
-        console.note(&format!("warning: {told}"));
-    }
+    console.warn(&design.told);
     let samples = 1..=if args.one_disc { 1 } else { args.count };
     let own = |n| if args.one_disc { String::new() } else { format!("next-{n}") };
     let folders: Vec<_> = args.output.iter().flat_map(|folder| samples.clone().map(|n| folder.join(own(n)))).collect();

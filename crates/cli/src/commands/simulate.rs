@@ -25,9 +25,7 @@ pub fn run(args: &SimulateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let overrides = Overrides { fidelity: args.fidelity.map(Into::into), extent: args.extent.map(Into::into) };
     let input = SceneInput::read(&disk(), &args.scene, overrides)?;
-    for told in &input.told {
-        console.note(&format!("warning: {told}"));
-    }
+    console.warn(&input.told);
     announce(&input.scene, console);
     let (solved, wall_s) = {
         let job = Job::new(console);

@@ -15,6 +15,7 @@ use slipgrid_disk::disk;
 /// Compares every trial with the model and reports.
 pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let calibration = Calibration::read(&disk(), &args.calibration)?;
+    console.warn(&calibration.told);
     if let Some(folder) = &args.output {
         check_folder(
             Place::output(folder),

@@ -241,3 +241,17 @@ fn what_cannot_be_measured_is_refused_and_nothing_is_written() {
     let filled = json(&place.succeed(&["surface", "holed.asc", "--json"]));
     assert_eq!(filled["missing_points"], 1);
 }
+
+/// The spectrum of a part of a surface takes the step between its opposite sides for slope.
+#[test]
+fn the_slope_of_a_part_is_that_of_the_whole() {
+    let place = Place::with(&[]);
+    place.succeed(&["synthesize", "--pixels", "256", "--side-mm", "0.5", "-o", "map.asc"]);
+    let slope = |more: &[&str]| {
+        let found: Value =
+            serde_json::from_str(&place.succeed(&[&["surface", "map.asc", "--json"], more].concat())).unwrap();
+        found["parameters"]["rms_slope"].as_f64().unwrap()
+    };
+    let (whole, part) = (slope(&[]), slope(&["--crop", "0,0,128,128"]));
+    assert!((part / whole - 1.0).abs() < 0.1, "{part} {whole}");
+}

@@ -133,6 +133,32 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
 }
 
 /// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
+/// A ratio needs a flat sample at the same force, speed and humidity.
+#[test]
+fn rows_of_a_trial_without_a_flat_partner_are_named() {
+    let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
+    let rows = table([0.9; 3]);
+    let place = Place::with(&[
+        ("flat.csv", &table([1.0; 3])),
+        ("calibration.toml", &calibration),
+        ("a.csv", &rows.replace("\n100,2,", "\n141,2,")),
+    ]);
+    let output = place.run(&["trials", "calibration.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.success()
+            && told.contains("a.csv:3: force_n: 141 has no flat sample beside it, measured at 141 N, 2 mm/s, 15 %"),
+        "{told}"
+    );
+    fs::write(place.path("a.csv"), rows.replace(",2,15,", ",2,40,")).unwrap();
+    let output = place.run(&["trials", "calibration.toml"]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(2) && told.contains("a.csv:2") && told.contains("50 N, 2 mm/s, 15 %"),
+        "{told}"
+    );
+}
+
 #[test]
 fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let place = place();

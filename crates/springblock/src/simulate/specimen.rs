@@ -301,6 +301,7 @@ fn in_time(
     monitor: &dyn Monitor,
 ) -> Result<Vec<LoadOutcome>, SceneError> {
     let strip = timed_strip(face.longest(), scene.layer.block_m);
+    let part = if strip.length_m < face.longest().length_m { "part of the longest strip" } else { "the longest strip" };
     let strip = without_slivers(strip, pattern.depth_m(), scene.layer.block_m);
     let lattices = timed_lattices(scene, pattern, &strip);
     let none = vec![0.0; scene.loads.len()];
@@ -308,7 +309,7 @@ fn in_time(
     model.push(describe_scheme(scene, &scheme));
     describe_protocol(scene, scheme.step_s, model);
     model.push(format!(
-        "in time: the longest strip of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the others follow it in what time adds to steady sliding",
+        "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the others follow it in what time adds to steady sliding",
         strip.length_m * 1e3,
         strip.cavities_m.len(),
         scene.layer.block_m * 1e6,

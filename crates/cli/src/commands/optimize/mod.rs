@@ -38,9 +38,7 @@ const FILES: [&str; 11] = [
 pub fn run(args: &OptimizeArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     let started = Instant::now();
     let mut design = Design::read(&disk(), &args.design)?;
-    for told in &design.told {
-        console.note(&format!("warning: {told}"));
-    }
+    console.warn(&design.told);
     let folder = args.output.clone().unwrap_or_else(|| places::default_folder(&args.design));
     check_folder(Place::output(&folder), &FILES, &design.inputs)?;
     let _held = Lock::new(&places::lock_path(&folder))?;
