@@ -8,7 +8,7 @@ use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
 
 use super::first_screen::first_screen;
-use super::page::{Page, ends, estimate, known, number, percent, plain, with_error};
+use super::page::{Page, ends, estimate, known, length_um, number, percent, plain, with_error};
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -313,7 +313,7 @@ fn why(page: &mut Page, explanation: &ExplanationReport) {
 
 /// Width, spacing and depth of a design, in micrometres.
 pub(super) fn three_lengths(design: &PatternReport) -> [String; 3] {
-    [design.width_um, design.spacing_um, design.depth_um].map(plain)
+    [design.width_um, design.spacing_um, design.depth_um].map(length_um)
 }
 
 /// The same in one cell.

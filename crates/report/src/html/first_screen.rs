@@ -5,7 +5,7 @@ use slipgrid_design::{DesignOutcome, DesignReport};
 use slipgrid_export::laser_time_s;
 use slipgrid_units::LENGTH_MM;
 
-use super::page::{Page, known, number, percent, plain, sentence};
+use super::page::{Page, known, length_um, number, percent, plain, sentence};
 use crate::Outputs;
 use crate::target::target_narrow;
 
@@ -98,7 +98,9 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
         ("sliding direction turned by", "degrees", design.sliding_angle_deg),
     ];
     rows.extend(
-        lengths.into_iter().filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", plain(known(value)?))))),
+        lengths
+            .into_iter()
+            .filter_map(|(name, unit, value)| Some((name, format!("{} {unit}", length_um(known(value)?))))),
     );
     rows.extend(design.rim.iter().map(|rim| ("rims, as assumed", rim.words())));
     rows.push(("cavities' share of a period", format!("{} %", percent(design.areal_density, 2))));

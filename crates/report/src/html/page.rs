@@ -368,6 +368,11 @@ pub fn plain(value: impl Into<Option<f64>>) -> String {
     known(value).map_or_else(|| "-".to_owned(), |value| value.to_string())
 }
 
+/// A length in micrometres, to a tenth of a nanometre.
+pub fn length_um(value: f64) -> String {
+    plain(((value * 1e4).round()) / 1e4)
+}
+
 /// A share from 0 to 1 in per cent, or a dash.
 pub fn percent(share: impl Into<Option<f64>>, digits: usize) -> String {
     number(share.into().map(|share| 100.0 * share), digits)
