@@ -1,5 +1,5 @@
-//! The chance that a cut sample is on target, to second order along each input: what scatters when it is cut, what is not known of the
-//! material, how exactly the model is solved and, where a design aims with it, the discrepancy.
+//! The chance that a cut sample is on target: what scatters when it is cut, what is not known of the material, how exactly the
+//! model is solved and, where a design aims with it, the discrepancy.
 
 mod inputs;
 mod sampled;
@@ -74,8 +74,8 @@ pub struct Chances<'a> {
     first_numerical: usize,
 }
 
-/// A design to second order along each input, without mixed terms, but for the discrepancy, which is drawn from its own
-/// distribution. A search for the greatest chance finds where slopes vanish: there the second order is all that scatters.
+/// A design to first order along each input, and to second along the modulus (or the fitted scale) and the area law: a search for
+/// the greatest chance finds where their slopes vanish. The discrepancy is drawn from its own distribution.
 pub struct Expansion {
     slopes: Linearization,
     /// Half the second derivative of the values along an input, by its place.
@@ -127,6 +127,8 @@ struct Along<'a> {
 pub struct About<'a> {
     /// The design.
     pub design: &'a Pattern,
+    /// Its ratios by the steady model, [`Chances::still`].
+    pub still: &'a [f64],
     /// Values as they are compared with the target, one per load of each condition.
     pub values: &'a [f64],
     /// Standard deviations of the values by how exactly they were computed.
@@ -259,15 +261,23 @@ impl<'a> Chances<'a> {
         self.first_numerical..self.first_numerical + self.scale.len()
     }
 
-    /// Standard deviations of the values of `design` by how exactly they are computed: `others`, and in the vertical plane how
+    /// Ratios of `design` by the steady model that is neither corrected nor kept.
+    ///
+    /// # Errors
+    /// [`ModelFailure::Trial`] where it cannot be computed.
+    pub fn still(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.still.steady(design)?.ratio)
+    }
+
+    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed: `others`, and in the vertical plane how
     /// far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
     ///
     /// # Errors
-    /// [`ModelFailure::Trial`] where the design cannot be computed in either.
-    pub fn numerical_of(&self, design: &Pattern, others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
+    /// [`ModelFailure::Trial`] where the design cannot be computed in smaller blocks.
+    pub fn numerical_of(&self, design: &Pattern, still: &[f64], others: &[f64]) -> Result<Vec<f64>, ModelFailure> {
         let Some(fine) = &self.fine else { return Ok(others.to_vec()) };
-        let (own, fine) = (self.still.steady(design)?.ratio, fine.steady(design)?.ratio);
-        let most = own.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
+        let fine = fine.steady(design)?.ratio;
+        let most = still.iter().zip(&fine).map(|(own, fine)| (own - fine).abs()).fold(0.0, f64::max);
         // |r_l - r_(l/2)| (1 + 1 / (2^(1/2) - 1)), as two standard deviations
         let std = 0.5 * most * (1.0 + 1.0 / (std::f64::consts::SQRT_2 - 1.0));
         Ok(self.scale.iter().zip(others).map(|(scale, other)| (scale * std).hypot(*other)).collect())
@@ -327,7 +337,7 @@ impl<'a> Chances<'a> {
         Ok(Some(Drawn { sampler, medians, first: self.first_discrepancy }))
     }
 
-    /// The values of a design to second order along each input: by central differences over a standard deviation each way.
+    /// The values of a design about it: by central differences over a standard deviation each way.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where neighbours of the design cannot be computed.
@@ -337,7 +347,6 @@ impl<'a> Chances<'a> {
         let medians = discrepancy.as_ref().map(|drawn| &drawn.medians);
         let factor = |load: usize| medians.map_or(1.0, |medians| medians[load].exp());
         let scale: Vec<f64> = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
-        let own = self.still.steady(about.design)?.ratio;
         let mut slopes = vec![vec![0.0; count]; self.uncertainty.inputs()];
         let mut curvatures = Vec::new();
         for (axis, std_m) in self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0) {
@@ -352,7 +361,7 @@ impl<'a> Chances<'a> {
         let differences = |along: &Along| -> Result<(Vec<f64>, Vec<f64>), ModelFailure> {
             let (above, below) = (along.above.steady(about.design)?.ratio, along.below.steady(about.design)?.ratio);
             let at = |load: usize| {
-                let (above, below, own, step) = (above[load], below[load], own[load], along.step[load]);
+                let (above, below, own, step) = (above[load], below[load], about.still[load], along.step[load]);
                 let slope = scale[load] * (above - below) / (2.0 * step);
                 (slope, scale[load] * (above - 2.0 * own + below) / (2.0 * step * step))
             };

@@ -39,7 +39,7 @@ pub struct ChanceReport {
     pub limited_by: Option<PartReport>,
     /// The same of every part, the greatest gain first.
     pub parts: Vec<PartReport>,
-    /// Draws of the steady model about the confirming runs; in space of its form to second order.
+    /// Draws of the steady model about the confirming runs; in space of its expansion.
     pub draws: usize,
 }
 
@@ -114,15 +114,20 @@ impl MultiFidelityLoop<'_> {
             let words = "chance not known: neither tolerances nor errors of the material are given";
             return Ok(Some(nothing(words, not_known)));
         }
-        let about = About { design: &best.design, values: &values, numerical: &numerical };
-        let expansion = match chances.expand(&about) {
-            Ok(linear) => linear,
+        let still = chances.still(&best.design);
+        let expanded = still.and_then(|still| {
+            let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
+            Ok((chances.expand(&about)?, still))
+        });
+        let (expansion, still) = match expanded {
+            Ok(found) => found,
             Err(ModelFailure::Trial { reason }) => {
                 let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
                 return Ok(Some(nothing(&words, not_known)));
             }
             Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
         };
+        let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
         let is_sampled = !self.model.is_spatial();
         let draws = chances.draws(DRAWS, design.seed);
         let failed = |failure: ModelFailure| DesignError::Failed(format!("chance: {failure}"));

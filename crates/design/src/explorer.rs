@@ -348,7 +348,8 @@ fn checks(axes: &[Axis; 3], count: usize, seed: u64) -> Vec<[f64; 3]> {
 /// Covariance of the values' errors at the design found.
 fn covariance(anchor: &Anchor<'_>, seed: u64) -> Option<Vec<Vec<f64>>> {
     let chances = anchor.chances.filter(|chances| chances.is_known())?;
-    let about = About { design: anchor.design, values: anchor.values, numerical: anchor.numerical };
+    let still = chances.still(anchor.design).ok()?;
+    let about = About { design: anchor.design, still: &still, values: anchor.values, numerical: anchor.numerical };
     let expansion = chances.expand(&about).ok()?;
     Some(chances.covariance(&chances.draws(DRAWS, seed), &expansion))
 }

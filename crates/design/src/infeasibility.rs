@@ -154,7 +154,7 @@ pub fn explanation(
     let Explanation { reliefs, tried, together } = found;
     let quantities = &design.constraints.quantities;
     Ok(Some(ExplanationReport {
-        binding: reliefs.iter().filter_map(|relief| relief_report(relief, quantities)).collect(),
+        binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
         misfit: best.misfit.max,
         relaxed: tried,
         together: together.as_ref().map(NearestReport::from),
@@ -162,8 +162,8 @@ pub fn explanation(
     }))
 }
 
-/// `relief` in the units of a design file; `None` where its design respects the limit as it is, so that the limit is no reason.
-fn relief_report(relief: &Relief, quantities: &[Limit]) -> Option<ReliefReport> {
+/// `relief` in the units of a design file.
+fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
     let length = |name: &str, is_least: bool| (name.to_owned(), "um", LENGTH_UM.from_si(1.0).recip(), is_least);
     let (what, unit, unit_si, is_least) = match relief.restriction {
         Restriction::Quantity(place) => {
@@ -176,15 +176,14 @@ fn relief_report(relief: &Relief, quantities: &[Limit]) -> Option<ReliefReport> 
         Restriction::UpperBound(dimension) => length(&format!("upper bound of the {}", name(dimension)), false),
     };
     let relaxed = relief.relaxed / unit_si;
-    let is_within = if is_least { relief.relaxed >= relief.limit } else { relief.relaxed <= relief.limit };
-    (relief.suffices || !is_within).then(|| ReliefReport {
+    ReliefReport {
         what,
         unit: unit.into(),
         limit: tidy(relief.limit / unit_si),
         relaxed: if relief.suffices { loosened(relaxed, is_least) } else { tidy(relaxed) },
         suffices: relief.suffices,
         nearest: (&relief.best).into(),
-    })
+    }
 }
 
 const fn name(dimension: Dimension) -> &'static str {
@@ -263,9 +262,7 @@ fn short(value: f64) -> f64 {
 }
 
 fn lengths(design: &PatternReport) -> String {
-    let [width, spacing, depth] =
-        [design.width_um, design.spacing_um, design.depth_um].map(|length_um| (100.0 * length_um).round() / 100.0);
-    format!("{width} / {spacing} / {depth} um")
+    format!("{} um", design.lengths_in_words())
 }
 
 #[cfg(test)]

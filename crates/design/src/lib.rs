@@ -27,8 +27,9 @@
 //! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
 //! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
 //!
-//! Friction that is proportional to load is changed by no pattern, but for a per cent of stick-slip on a sample this small: where that is the material's law a
-//! ratio of 0.9 is out of reach. Where contact area saturates, so that f(P) falls with pressure, there is a pattern that has it:
+//! Friction that is proportional to load is changed by no pattern, but for a per cent of stick-slip on a sample this small: where
+//! that is the material's law a ratio of 0.9 is out of reach. Where contact area saturates, so that f(P) falls with pressure, there
+//! is a pattern that has it:
 //!
 //! ```
 //! use slipgrid_design::export::{Outline, Specimen};

@@ -106,8 +106,9 @@ struct ByChance<'a> {
 impl Merits for ByChance<'_> {
     fn chance(&self, candidate: &Candidate) -> Result<(Probability, f64), ModelFailure> {
         let values = &candidate.response.value;
-        let numerical = self.chances.numerical_of(&candidate.design, &self.numerical)?;
-        let about = About { design: &candidate.design, values, numerical: &numerical };
+        let still = self.chances.still(&candidate.design)?;
+        let numerical = self.chances.numerical_of(&candidate.design, &still, &self.numerical)?;
+        let about = About { design: &candidate.design, still: &still, values, numerical: &numerical };
         let expansion = self.chances.expand(&about)?;
         let all = self.chances.share(&self.draws, &expansion, &|_| true);
         if candidate.misfit.max <= self.safe_misfit {

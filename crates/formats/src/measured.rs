@@ -112,6 +112,9 @@ pub fn check(rows: &[Placed], specimens: &Specimens) -> Result<Vec<Diagnostic>, 
 pub fn check_partners(rows: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic>, Diagnostic> {
     let is_alone = |row: &&Placed| !flat.iter().any(|other| other.measurement.is_at(&row.measurement));
     let alone: Vec<&Placed> = rows.iter().filter(is_alone).collect();
+    if alone.is_empty() {
+        return Ok(Vec::new());
+    }
     let measured = flat.iter().take(MOST_NAMED).map(Placed::condition).collect::<Vec<_>>().join("; ");
     let more = if flat.len() > MOST_NAMED { format!("; {} more", flat.len() - MOST_NAMED) } else { String::new() };
     let named = |row: &&Placed, so: &str| {
@@ -119,10 +122,10 @@ pub fn check_partners(rows: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic
         let at = Diagnostic { reason, ..row.at("force_n", row.measurement.force_n) };
         at.expected(format!("a condition of the flat samples: {measured}{more}"))
     };
-    match alone.first() {
-        Some(first) if alone.len() == rows.len() => Err(named(first, "no row of this sample has a ratio")),
-        _ => Ok(alone.iter().map(|row| named(row, "this row has no ratio and is left out")).collect()),
+    if alone.len() == rows.len() {
+        return Err(named(&alone[0], "no row of this sample has a ratio"));
     }
+    Ok(alone.iter().map(|row| named(row, "this row has no ratio and is left out")).collect())
 }
 
 /// Refuses one condition twice where each has coefficients of its own.

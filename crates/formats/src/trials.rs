@@ -119,8 +119,8 @@ impl PriorFile {
     }
 }
 
-/// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample `first` that its own tables name; adds
-/// what is unusual to `told`.
+/// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample
+/// `first` that its own tables name; adds what is unusual to `told`.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in them.

@@ -83,20 +83,18 @@ pub fn explain_infeasibility(
     for &restriction in &restrictions {
         let (limit, loosest) = problem.range(restriction);
         let Some(found) = attempt(&problem, &[(restriction, loosest)], solve)? else { continue };
+        // A better design that respects the limit as it is owes nothing to relaxing it.
+        let relaxed = own(restriction, &found);
+        let is_beyond = (relaxed - limit) * (loosest - limit) > 0.0;
         let helps = found.is_better_than(best)
+            && (found.meets_target() || is_beyond)
             && (found.meets_target()
                 || !best.violations.is_empty()
                 || found.misfit.merit < best.misfit.merit - step(best.misfit.merit));
         if !helps {
             continue;
         }
-        let mut relief = Relief {
-            restriction,
-            limit,
-            relaxed: own(restriction, &found),
-            suffices: found.meets_target(),
-            best: found,
-        };
+        let mut relief = Relief { restriction, limit, relaxed, suffices: found.meets_target(), best: found };
         let suffices = |found: &Candidate| found.meets_target() && found.misfit.max <= SUFFICIENT_MISFIT;
         // Between the limit, which does not suffice, and what the design found has, which does.
         let mut tight = limit;

@@ -83,6 +83,13 @@ fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
 }
 
 impl PatternReport {
+    /// Width, spacing and depth for people, to a hundredth of a micrometre, which no laser resolves.
+    #[must_use]
+    pub fn lengths_in_words(&self) -> String {
+        let hundredths = |length_um: f64| ((100.0 * length_um).round() / 100.0).to_string();
+        [self.width_um, self.spacing_um, self.depth_um].map(hundredths).join(" / ")
+    }
+
     /// What the name of the planform leaves open, for people; empty where it is plain.
     #[must_use]
     pub fn texture_words(&self) -> String {

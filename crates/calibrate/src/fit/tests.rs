@@ -327,30 +327,27 @@ fn planned_steps_are_those_that_a_run_takes() {
     let problem = problem(Coefficients::Single);
     let pair = LocalFriction::new(0.22, 0.2, 0.05).unwrap();
     let planned = flat_sample::planned_steps(&problem, &vec![pair; 3]);
-    let travel_m = slipgrid_springblock::warm_travel_m(
-        (&problem.elastic, problem.area_law.as_ref()),
-        &problem.layer,
-        &[Load { pressure_pa: 0.637e6, friction: pair }],
-        2e-3,
-    );
-    let scene = Scene {
-        elastic: problem.elastic,
-        area_law: None,
-        pattern: None,
-        relief: None,
-        layer: problem.layer,
-        loads: vec![Load { pressure_pa: 0.637e6, friction: pair }],
-        speed_m_s: 2e-3,
-        run: RunOptions {
-            fidelity: Fidelity::Dynamic,
-            extent: Extent::Sample,
-            warm_start: true,
-            sliding_m: travel_m,
-            ..RunOptions::default()
-        },
-    };
-    let ran = simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps;
-    assert_eq!(planned[0], ran);
+    for (measured, planned) in problem.measurements.iter().zip(&planned) {
+        let loads = vec![Load { pressure_pa: problem.pressure_pa(measured), friction: pair }];
+        let (law, speed_m_s) = ((&problem.elastic, problem.area_law.as_ref()), measured.speed_m_s);
+        let scene = Scene {
+            elastic: problem.elastic,
+            area_law: None,
+            pattern: None,
+            relief: None,
+            layer: problem.layer,
+            speed_m_s,
+            run: RunOptions {
+                fidelity: Fidelity::Dynamic,
+                extent: Extent::Sample,
+                warm_start: true,
+                sliding_m: slipgrid_springblock::warm_travel_m(law, &problem.layer, &loads, speed_m_s),
+                ..RunOptions::default()
+            },
+            loads,
+        };
+        assert_eq!(*planned, simulate(&scene, &Unwatched).unwrap().loads[0].surface.cost.unwrap().steps);
+    }
     // Heavier loads slip further.
     assert!(planned[0] < planned[1] && planned[1] < planned[2]);
 }

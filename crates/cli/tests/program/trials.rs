@@ -132,7 +132,6 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     assert!(after["one_on_target"].as_f64().unwrap() >= chances(&alone)[0] - 0.02, "{after}");
 }
 
-/// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
 /// A ratio needs a flat sample at the same force, speed and humidity.
 #[test]
 fn rows_of_a_trial_without_a_flat_partner_are_named() {
@@ -159,6 +158,7 @@ fn rows_of_a_trial_without_a_flat_partner_are_named() {
     );
 }
 
+/// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
 #[test]
 fn sectors_of_one_disc_are_drawn_and_become_trials() {
     let place = place();

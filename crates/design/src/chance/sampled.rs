@@ -6,8 +6,6 @@ use super::*;
 pub struct Sampled<'a> {
     chances: &'a Chances<'a>,
     about: About<'a>,
-    /// Ratios of the design by the steady model.
-    still: Vec<f64>,
     /// What ratios are multiplied by before they are compared with the target.
     scale: Vec<f64>,
     discrepancy: Option<Drawn>,
@@ -26,12 +24,11 @@ impl<'a> Chances<'a> {
         seed: u64,
         of: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<Probability, ModelFailure> {
-        let still = self.still.steady(about.design)?.ratio;
         let discrepancy = self.drawn(about.design)?;
         let factor = |load: usize| discrepancy.as_ref().map_or(1.0, |drawn| drawn.medians[load].exp());
         let scale = self.scale.iter().enumerate().map(|(load, scale)| scale * factor(load)).collect();
         let discrepancy = discrepancy.filter(|drawn| of(drawn.first));
-        let model = Sampled { chances: self, about: *about, still, scale, discrepancy, of };
+        let model = Sampled { chances: self, about: *about, scale, discrepancy, of };
         let drawn = propagate(&model, about.design, &self.uncertainty, draws, seed)?;
         Ok(drawn.probability(|values| self.target.accepts(values)))
     }
@@ -55,17 +52,17 @@ impl UncertainModel for Sampled<'_> {
         let made = made.map_err(|error| trial(error.to_string()))?;
         let at = |along: &Option<Along>, load: usize| along.as_ref().map_or(0.0, |along| off(along.first + load));
         let input = |load: usize| load % chances.inputs_of_loads;
-        let friction: Vec<f64> = (0..self.still.len()).map(|load| at(&chances.friction, input(load))).collect();
+        let friction: Vec<f64> = (0..about.still.len()).map(|load| at(&chances.friction, input(load))).collect();
         let (log_scale, law) = (at(&chances.law_scale, 0), at(&chances.law, 0));
         let scale = ScaleShift { log: log_scale, is_fitted: chances.scale_is_fitted };
         let there = chances.still.beside(|scene: &Scene| moved(scene, &friction, scale, law));
         let ratio = there.map_err(|error| trial(error.to_string()))?.steady(&made)?.ratio;
         let value = |load: usize| {
-            let by = self.scale[load] * (ratio[load] - self.still[load]);
+            let by = self.scale[load] * (ratio[load] - about.still[load]);
             let value = (about.values[load] + by) * if chances.is_ratio { 1.0 } else { 1.0 + friction[load] };
             value + about.numerical[load] * off(chances.first_numerical + load)
         };
-        let values = (0..self.still.len()).map(value);
+        let values = (0..about.still.len()).map(value);
         let Some(drawn) = &self.discrepancy else { return Ok(values.collect()) };
         let all: Vec<f64> = (0..DIMENSIONS).map(|_| 0.0).chain(deviations.iter().copied()).collect();
         Ok(values.zip(drawn.factors(&all)).map(|(value, factor)| value * factor).collect())

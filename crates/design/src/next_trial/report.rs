@@ -200,7 +200,7 @@ impl TrialCandidateReport {
         };
         [
             name.to_owned(),
-            [design.width_um, design.spacing_um, design.depth_um].map(hundredths).join(" / "),
+            design.lengths_in_words(),
             design.planform.clone(),
             percent(self.chance),
             fixed(Some(self.information_bits), 2),
@@ -209,11 +209,6 @@ impl TrialCandidateReport {
             ratio(at(self.predicted.len().saturating_sub(1))),
         ]
     }
-}
-
-/// A length to a hundredth of a micrometre, which no laser resolves.
-fn hundredths(length_um: f64) -> String {
-    ((100.0 * length_um).round() / 100.0).to_string()
 }
 
 impl NextReport {

@@ -370,7 +370,7 @@ pub fn plain(value: impl Into<Option<f64>>) -> String {
 
 /// A length in micrometres, to a tenth of a nanometre.
 pub fn length_um(value: f64) -> String {
-    plain(((value * 1e4).round()) / 1e4)
+    plain((value * 1e4).round() / 1e4)
 }
 
 /// A share from 0 to 1 in per cent, or a dash.
