@@ -1,10 +1,11 @@
 //! Crates use only those before them, and none but the command line and `disk` touch what is outside the process.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The crates in an order in which each uses only those before it.
-const ROOMS: [&str; 23] = [
+const ROOMS: [&str; 24] = [
     "monitor",
     "units",
     "statistics",
@@ -14,6 +15,7 @@ const ROOMS: [&str; 23] = [
     "discrepancy",
     "topography",
     "contact",
+    "traces",
     "springblock",
     "calibrate",
     "optimize",
@@ -122,4 +124,28 @@ fn the_command_line_stays_small() {
     sources(&root().join("crates").join(FRONT_DOOR).join("src"), &mut files);
     let lines: usize = files.iter().map(|file| fs::read_to_string(file).unwrap().lines().count()).sum();
     assert!(lines < MOST_LINES, "{lines} lines in the command line");
+}
+
+/// The versions of `package`s in a lock file, by their names.
+fn locked(workspace: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let text = fs::read_to_string(root().join(workspace).join("Cargo.lock")).unwrap();
+    let file: toml::Table = text.parse().unwrap();
+    let mut versions: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for package in file["package"].as_array().unwrap() {
+        let word = |key: &str| package[key].as_str().unwrap().to_owned();
+        versions.entry(word("name")).or_default().insert(word("version"));
+    }
+    versions
+}
+
+/// What two workspaces lock alike is compiled once where they share a target folder, and what one of them tested the other runs.
+#[test]
+fn workspaces_outside_use_the_same_versions() {
+    let own = locked("");
+    for workspace in ["crates/python", "crates/design/examples/design_job"] {
+        let theirs = locked(workspace);
+        let shared = theirs.iter().filter(|(name, _)| own.contains_key(*name));
+        let other: Vec<_> = shared.clone().filter(|(name, versions)| !versions.is_subset(&own[*name])).collect();
+        assert!(shared.count() > 50 && other.is_empty(), "{workspace}: {other:?}");
+    }
 }

@@ -3,12 +3,11 @@
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::{InputUncertainty, ScaleError, Slopes};
-use slipgrid_calibrate::{
-    Coefficients, FlatLoad, Measurement, Noise, Problem, fit_coefficients, marginal_relative_std,
-};
+use slipgrid_calibrate::{Coefficients, FlatLoad, Measurement, Problem, fit_coefficients, marginal_relative_std};
 use slipgrid_contact::closed_form::persson_area_fraction;
 use slipgrid_material::{AreaLaw, LocalFriction, THRESHOLD_PRESSURE_PA};
 use slipgrid_springblock::{Extent, Fidelity, Layer, Load, RunOptions, Scene, Unwatched, simulate};
+use slipgrid_statistics::Noise;
 use slipgrid_tests::{polymer_scene, published_groove};
 
 const REPLICATES: usize = 200;

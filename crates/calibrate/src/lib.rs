@@ -20,7 +20,6 @@
 //! | [`area_law`], [`map_windows`] | contact area and area law of a map, and how windows of it scatter about them |
 //! | [`fit_coefficients`], [`Problem`] | the fit alone |
 //! | [`Fit`], [`FittedPair`], [`Parameter`] | coefficients, covariance, profile likelihood, residuals, what stays undetermined |
-//! | [`trace`] | tribometer traces: dynamic mean, static peak, stick-slip |
 //! | [`learn`], [`CutSample`] | what samples that were cut and measured say of any texture |
 //! | [`uncertainty`] | what all that leaves open of the friction of a scene, to first order |
 //!
@@ -85,8 +84,6 @@ mod patterned_samples;
 mod scaled_area_law;
 mod select_measurements;
 mod surface_findings;
-mod synthetic_noise;
-pub mod trace;
 mod trials;
 pub mod uncertainty;
 
@@ -100,5 +97,4 @@ pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
-pub use synthetic_noise::Noise;
 pub use trials::{CutSample, TrialsTask, learn, learn_alone};

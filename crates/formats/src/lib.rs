@@ -10,7 +10,7 @@
 //! | [`design`], [`target`], [`limits`], [`tolerances`], [`trade_offs`], [`condition_ranges`] | a design task |
 //! | [`calibration`], [`measurements`], [`measured`], [`surface`] | what was measured |
 //! | [`altitude_map`] | an altitude map, ready for computation |
-//! | [`traces`], [`trace_file`], [`trace_columns`] | tribometer exports |
+//! | [`traces`] | tribometer exports |
 //! | [`material`], [`material_uncertainty`] | a material and how well it is known |
 //! | [`pattern`], [`outline`], [`rim`], [`relief`], [`laser`] | textures, outlines of cavities, rims, measured reliefs, specimens, lasers |
 //! | [`stored_pattern`] | the design of a result |
@@ -60,8 +60,6 @@ pub mod stored_pattern;
 pub mod surface;
 pub mod target;
 pub mod tolerances;
-pub mod trace_columns;
-pub mod trace_file;
 pub mod traces;
 pub mod trade_offs;
 pub mod trials;

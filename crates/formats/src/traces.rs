@@ -4,18 +4,16 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
-use slipgrid_calibrate::trace::{
-    DEFAULT_WINDOW_S, Repeats, Tangential, TraceChannels, TraceFindings, TraceFlag, TraceOptions, analyse, average,
-};
 use slipgrid_calibrate::{Measurement, StaticPeak};
+use slipgrid_traces::export::{Recorded, TraceFile, parse};
+use slipgrid_traces::{DEFAULT_WINDOW_S, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average};
 use toml::Spanned;
 
 use super::document::Document;
-use super::trace_file;
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
-use crate::source::{Entry, Source};
+use crate::source::{Entry, Source, read_bytes};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
 /// `[traces]` as a file writes it.
@@ -276,15 +274,8 @@ pub fn analyse_condition(
     analyse_among(source, setup, condition, &mut Vec::new())
 }
 
-/// A trace that was read, by its label and what is nearly unique of it: samples, and the sums of its channels.
+/// A trace that was read, by its label, its samples and its fingerprint.
 type Seen = (String, usize, [u64; 3]);
-
-fn fingerprint(channels: &TraceChannels) -> (usize, [u64; 3]) {
-    let (Tangential::TorqueNm(tangential) | Tangential::ForceN(tangential)) = &channels.tangential;
-    // Sums of squares: of the clock's own start nothing is left but in the first.
-    let sum = |values: &[f64]| values.iter().map(|value| value * value).sum::<f64>().to_bits();
-    (channels.time_s.len(), [sum(&channels.time_s), sum(tangential), sum(&channels.normal_force_n)])
-}
 
 fn analyse_among(
     source: &Source,
@@ -301,13 +292,13 @@ fn analyse_among(
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {
-        let file = trace_file::read(source, path, setup.effective_radius_m)?;
+        let file = read_export(source, path, setup.effective_radius_m)?;
         let several = file.repeats.len() > 1;
         for repeat in &file.repeats {
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
             let which = if several { format!("repeat {}: ", repeat.number) } else { String::new() };
-            let (samples, sums) = fingerprint(&repeat.channels);
+            let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
             if let Some((other, ..)) = seen.iter().find(|(_, n, other)| (*n, other) == (samples, &sums)) {
                 let reason = format!("{which}holds the {samples} samples of {other} again: one export given twice");
                 return Err(
@@ -354,11 +345,33 @@ fn analyse_among(
     }
 }
 
+/// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
+fn read_export(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
+    let bytes = read_bytes(source, path, "a table of traces")?;
+    // Instruments write Latin-1, whose letters have the same numbers in Unicode.
+    let text =
+        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
+    parse_export(path, &text, effective_radius_m)
+}
+
+/// Reads an export from its text; `path` names it in messages.
+///
+/// # Errors
+/// [`Diagnostic`] that names line and column of what was refused.
+pub fn parse_export(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
+    parse(text, effective_radius_m).map_err(|refused| Diagnostic {
+        line: refused.line,
+        key: refused.column.map(Into::into),
+        value: refused.value.map(Into::into),
+        ..Diagnostic::file(path, refused.reason).expected(refused.expected)
+    })
+}
+
 /// Recorded speed over the nominal one below which the drive stood still.
 const STILL: f64 = 0.01;
 
 /// Says that a trace was recorded at rest, where it has a column of speed.
-fn stands_still(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Option<String> {
+fn stands_still(condition: &TraceCondition, repeat: &Recorded) -> Option<String> {
     let speed = repeat.speed_m_s.map(f64::abs).filter(|speed| *speed < STILL * condition.speed_m_s)?;
     let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));
     Some(format!(
@@ -367,7 +380,7 @@ fn stands_still(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Op
 }
 
 /// Where recorded speed, humidity and rows are not what the condition says.
-fn departures(condition: &TraceCondition, repeat: &trace_file::Recorded) -> Vec<String> {
+fn departures(condition: &TraceCondition, repeat: &Recorded) -> Vec<String> {
     let mut flags = Vec::new();
     if let Some(speed) = repeat.speed_m_s.map(f64::abs).filter(|v| (v / condition.speed_m_s - 1.0).abs() > SPEED_OFF) {
         let (found, nominal) = (SPEED_MM_S.from_si(speed), SPEED_MM_S.from_si(condition.speed_m_s));

@@ -1,10 +1,10 @@
 //! Tribometer traces as tables and pictures.
 
 use slipgrid_calibrate::Measurement;
-use slipgrid_calibrate::trace::DEFAULT_WINDOW_S;
 use slipgrid_formats::measurements;
 use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, notes};
 use slipgrid_results::{Table, VERSION, fixed};
+use slipgrid_traces::DEFAULT_WINDOW_S;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
 
 use crate::charts::{RepeatTrace, Series, TribometerChart, tribometer};

@@ -3,6 +3,7 @@
 //! | room | what happens there |
 //! |---|---|
 //! | [`topography`] | altitude maps: read, levelled, measured |
+//! | [`traces`] | tribometer traces: read, averaged, their static peak and stick-slip found |
 //! | [`contact`] | real contact area of a rough surface against pressure |
 //! | [`material`] | elastic constants, local friction, the area law |
 //! | [`pattern`] | planforms and their lengths |
@@ -80,4 +81,5 @@ pub use slipgrid_springblock as springblock;
 pub use slipgrid_statistics as statistics;
 pub use slipgrid_studies as studies;
 pub use slipgrid_topography as topography;
+pub use slipgrid_traces as traces;
 pub use slipgrid_units as units;

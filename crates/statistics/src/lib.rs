@@ -13,9 +13,11 @@ mod normal_distribution;
 mod response_surface;
 mod sample;
 mod student;
+mod synthetic_noise;
 
 pub use normal::Normals;
 pub use normal_distribution::{box_probability, normal_probability, normal_quantile};
 pub use response_surface::{Axis, ResponseSurface};
 pub use sample::{mean_and_std, median, upper_median};
 pub use student::Confidence;
+pub use synthetic_noise::Noise;

@@ -1,10 +1,10 @@
 use super::corrections::PeakLine;
 use super::*;
 use crate::flat_sample;
-use crate::synthetic_noise::Noise;
 use crate::{AreaLawScale, Measurement, StaticPeak};
 use slipgrid_material::{AreaLaw, Elastic};
 use slipgrid_springblock::{Layer, Unwatched};
+use slipgrid_statistics::Noise;
 
 /// A short specimen, so that dynamic runs take milliseconds.
 fn problem(coefficients: Coefficients) -> Problem {

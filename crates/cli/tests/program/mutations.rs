@@ -5,15 +5,15 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::common::{CALIBRATION, DESIGN, FLAT, Place, SCENE};
-use slipgrid_calibrate::trace::{TraceOptions, analyse};
 use slipgrid_formats::Document;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::design::Design;
 use slipgrid_formats::measurements;
 use slipgrid_formats::run::Overrides;
 use slipgrid_formats::scene::SceneInput;
-use slipgrid_formats::trace_file;
+use slipgrid_formats::traces::parse_export;
 use slipgrid_topography::{ReadOptions, read_map};
+use slipgrid_traces::{TraceOptions, analyse};
 
 /// Numbers in a fixed order (Steele, Lea and Flood, SPLITMIX64).
 struct Dice(u64);
@@ -209,7 +209,7 @@ fn spoil_everything(times: usize, seed: u64) {
             read.map_err(|message| message.replace(&table, "x.csv").replace("flat.csv:", "x.csv:"))
         }),
         spoil_all(TRACE, times / 2, seed + 6, |text, _| {
-            let file = trace_file::parse(Path::new("x.csv"), text, Some(0.04)).map_err(string)?;
+            let file = parse_export(Path::new("x.csv"), text, Some(0.04)).map_err(string)?;
             // What only the analysis can judge is refused in its own words.
             let options = TraceOptions {
                 window_s: [1.0, 2.5],

@@ -1,5 +1,5 @@
 use super::*;
-use crate::synthetic_noise::Noise;
+use slipgrid_statistics::Noise;
 
 const RADIUS_M: f64 = 0.0381;
 

@@ -1,7 +1,7 @@
 use super::*;
 
-fn parsed(text: &str) -> Result<TraceFile, String> {
-    parse(Path::new("t.csv"), text, Some(0.04)).map_err(|error| error.to_string())
+fn parsed(text: &str) -> Result<TraceFile, ExportError> {
+    parse(text, Some(0.04))
 }
 
 #[test]
@@ -53,22 +53,24 @@ fn what_was_not_measured_is_left_out_and_counted() {
 
 #[test]
 fn refusals_name_line_and_column() {
-    for (text, message) in [
-        ("", "t.csv: has no line that names its columns"),
-        ("a,b,c\n1,2,3\n", "t.csv: has no line that names its columns"),
-        ("time,Tz,Fz\n", "t.csv: has no rows"),
-        ("time,Tz,Fz\n0,x,2\n", "t.csv:2: Tz: \"x\" is no number"),
-        ("time,Tz,Fz\n0,1\n", "t.csv:2: has 2 values; expected 3"),
-        ("time,Tz,Temp\n0,1,2\n", "t.csv:1: no column is the normal force"),
-        ("time,Fz,Temp\n0,1,2\n", "t.csv:1: no column is the torque or the friction force"),
-        ("time,Tz,Fz,Fx\n0,1,2,3\n", "t.csv:1: has both a torque and a friction force"),
-        ("time;Tz;Fz\ns;bananas;N\n0;1;2\n", "t.csv:2: Tz: has the unit \"bananas\", which is not known"),
-        ("time [s];Tz [Nm];Fz [psi]\n0;1;2\n", "t.csv:1: Fz [psi]: has the unit \"psi\", which is not known"),
+    for (text, line, column, reason) in [
+        ("", None, None, "has no line that names its columns"),
+        ("a,b,c\n1,2,3\n", None, None, "has no line that names its columns"),
+        ("time,Tz,Fz\n", None, None, "has no rows"),
+        ("time,Tz,Fz\n0,x,2\n", Some(2), Some("Tz"), "is no number"),
+        ("time,Tz,Fz\n0,1\n", Some(2), None, "has 2 values"),
+        ("time,Tz,Temp\n0,1,2\n", Some(1), None, "no column is the normal force"),
+        ("time,Fz,Temp\n0,1,2\n", Some(1), None, "no column is the torque or the friction force"),
+        ("time,Tz,Fz,Fx\n0,1,2,3\n", Some(1), None, "has both a torque and a friction force, or two of one"),
+        ("time;Tz;Fz\ns;bananas;N\n0;1;2\n", Some(2), Some("Tz"), "has the unit \"bananas\", which is not known"),
+        ("time [s];Tz [Nm];Fz [psi]\n0;1;2\n", Some(1), Some("Fz [psi]"), "has the unit \"psi\", which is not known"),
     ] {
         let refused = parsed(text).unwrap_err();
-        assert!(refused.starts_with(message), "{refused}");
+        assert_eq!((refused.line, refused.column.as_deref(), refused.reason.as_str()), (line, column, reason));
+        assert!(!refused.expected.is_empty(), "{refused}");
     }
-    let armless = parse(Path::new("t.csv"), "time,Tz,Fz\n0,1,2\n", None).unwrap_err().to_string();
+    assert_eq!(parsed("time,Tz,Fz\n0,x,2\n").unwrap_err().value.as_deref(), Some("\"x\""));
+    let armless = parse("time,Tz,Fz\n0,1,2\n", None).unwrap_err().to_string();
     assert!(armless.contains("no effective radius is given"), "{armless}");
 }
 

@@ -1,12 +1,7 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
 
-use std::path::Path;
-
-use slipgrid_calibrate::trace::{Tangential, TraceChannels};
-
-use super::trace_columns::{Channel, Column, UnknownUnit, columns, needed_columns};
-use crate::diagnostic::Diagnostic;
-use crate::source::{Source, read_bytes};
+use crate::columns::{Channel, Column, UnknownUnit, columns, needed_columns};
+use crate::{Tangential, TraceChannels};
 
 /// One repeat as recorded.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,16 +34,32 @@ const SEPARATORS: [char; 3] = ['\t', ';', ','];
 /// Marks at the beginning of a comment.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
 
-/// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
-///
-/// # Errors
-/// [`Diagnostic`] that names line and column of what was refused.
-pub fn read(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    let bytes = read_bytes(source, path, "a table of traces")?;
-    // Instruments write Latin-1, whose letters have the same numbers in Unicode.
-    let text =
-        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
-    parse(path, &text, effective_radius_m)
+/// Why an export was refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{reason}; expected {expected}", .line.map_or_else(String::new, |line| format!("line {line}: ")))]
+pub struct ExportError {
+    /// Line in the file, from 1; `None` for the file as a whole.
+    pub line: Option<u32>,
+    /// Name of the column, as the file writes it.
+    pub column: Option<String>,
+    /// What stood there.
+    pub value: Option<String>,
+    /// Why it was refused.
+    pub reason: String,
+    /// What would be accepted.
+    pub expected: String,
+}
+
+impl ExportError {
+    fn at(line: Option<u32>, reason: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { line, column: None, value: None, reason: reason.into(), expected: expected.into() }
+    }
+
+    /// A column whose unit is not known.
+    fn unit(line: u32, unknown: &UnknownUnit) -> Self {
+        let [reason, expected] = unknown.words();
+        Self { column: Some(unknown.name.clone()), ..Self::at(Some(line), reason, expected) }
+    }
 }
 
 /// A line of the file, cut at its separators.
@@ -57,14 +68,14 @@ struct Line<'a> {
     cells: Vec<&'a str>,
 }
 
-/// Reads an export from text; `path` names it in messages.
+/// Reads an export from its text; `effective_radius_m` turns revolutions into speed.
 ///
 /// A line that names time, friction and normal force is a header; what stands before the first is the
 /// instrument's. A header met again begins the next repeat, as does a new number in a column `repeat`.
 ///
 /// # Errors
-/// [`Diagnostic`] that names line and column of what was refused.
-pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
+/// [`ExportError`] with line and column of what was refused.
+pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, ExportError> {
     let text = text.trim_start_matches('\u{feff}');
     let lines = || {
         let numbered = text.lines().zip(1..).map(|(line, number)| (number, line.trim_end()));
@@ -73,17 +84,16 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
             !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
         })
     };
-    let refuse = |line: u32, reason: String| Diagnostic { line: Some(line), ..Diagnostic::file(path, reason) };
     let Some((separator, header)) = lines().find_map(|(number, line)| {
         let separator = SEPARATORS.into_iter().find(|&separator| line.contains(separator))?;
         let cells = cut(line, separator);
         // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
         (needed_columns(&cells) >= 2).then_some((separator, Line { number, cells }))
     }) else {
-        return Err(Diagnostic::file(path, "has no line that names its columns")
-            .expected("a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`"));
+        let expected = "a header with time, torque or friction force, and normal force, for instance `time_s,torque_nm,normal_force_n`";
+        return Err(ExportError::at(None, "has no line that names its columns", expected));
     };
-    let mut layout = columns(&header.cells).map_err(|unknown| unknown_unit(&refuse, header.number, &unknown))?;
+    let mut layout = columns(&header.cells).map_err(|unknown| ExportError::unit(header.number, &unknown))?;
     let mut rows = lines().skip_while(|(number, _)| *number <= header.number).peekable();
     // A line of units below the names.
     if let Some((number, line)) = rows.peek().copied() {
@@ -91,13 +101,13 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
         if !cells.iter().any(|cell| number_in(cell, separator).is_some()) {
             for (column, cell) in layout.iter_mut().zip(&cells) {
                 if let Some(column) = column {
-                    column.set_unit(cell).map_err(|unknown| unknown_unit(&refuse, number, &unknown))?;
+                    column.set_unit(cell).map_err(|unknown| ExportError::unit(number, &unknown))?;
                 }
             }
             rows.next();
         }
     }
-    check_layout(&layout, &refuse, header.number, effective_radius_m)?;
+    check_layout(&layout, header.number, effective_radius_m)?;
 
     let mut repeats: Vec<Table> = vec![Table::default()];
     let mut label: Option<f64> = None;
@@ -111,16 +121,13 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
             continue;
         }
         if cells.len() < layout.len() && cells.len() != header.cells.len() {
-            return Err(refuse(number, format!("has {} values", cells.len()))
-                .expected(format!("{}, as the header line", header.cells.len())));
+            let expected = format!("{}, as the header line", header.cells.len());
+            return Err(ExportError::at(Some(number), format!("has {} values", cells.len()), expected));
         }
-        let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| {
-            Diagnostic {
-                key: Some(name.into()),
-                value: Some(format!("\"{cell}\"").into()),
-                ..refuse(number, "is no number".into())
-            }
-            .expected("a number, or nothing where it was not measured")
+        let row = read_row(&layout, &cells, separator).map_err(|(name, cell)| ExportError {
+            column: Some(name),
+            value: Some(format!("\"{cell}\"")),
+            ..ExportError::at(Some(number), "is no number", "a number, or nothing where it was not measured")
         })?;
         if let Some(next) = row.get(Channel::Repeat) {
             if label.is_some_and(|before| before != next) {
@@ -139,45 +146,31 @@ pub fn parse(path: &Path, text: &str, effective_radius_m: Option<f64>) -> Result
         .map(|(number, table)| table.recorded(number, radius_m))
         .collect();
     if repeats.is_empty() {
-        return Err(Diagnostic::file(path, "has no rows").expected("samples below the header"));
+        return Err(ExportError::at(None, "has no rows", "samples below the header"));
     }
     let unused = header.cells.iter().zip(&layout).filter(|(_, column)| column.is_none());
     Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
 }
 
-fn unknown_unit(refuse: &dyn Fn(u32, String) -> Diagnostic, line: u32, unknown: &UnknownUnit) -> Diagnostic {
-    let [reason, expected] = unknown.words();
-    Diagnostic { key: Some(unknown.name.as_str().into()), ..refuse(line, reason) }.expected(expected)
-}
-
-fn check_layout(
-    layout: &[Option<Column>],
-    refuse: &dyn Fn(u32, String) -> Diagnostic,
-    line: u32,
-    effective_radius_m: Option<f64>,
-) -> Result<(), Diagnostic> {
+fn check_layout(layout: &[Option<Column>], line: u32, effective_radius_m: Option<f64>) -> Result<(), ExportError> {
+    let refuse = |reason: &str, expected: &str| Err(ExportError::at(Some(line), reason, expected));
     let of = |channel: Channel| layout.iter().flatten().filter(move |column| column.channel == channel);
     let tangential = of(Channel::Torque).count() + of(Channel::FrictionForce).count();
     for (found, what) in [(of(Channel::Time).count(), "time"), (of(Channel::NormalForce).count(), "normal force")] {
         match found {
             1 => {}
-            0 => {
-                return Err(refuse(line, format!("no column is the {what}")).expected(format!("a column named {what}")));
-            }
-            _ => return Err(refuse(line, format!("{found} columns are the {what}")).expected("one")),
+            0 => return refuse(&format!("no column is the {what}"), &format!("a column named {what}")),
+            _ => return refuse(&format!("{found} columns are the {what}"), "one"),
         }
     }
     match tangential {
-        0 => Err(refuse(line, "no column is the torque or the friction force".into())
-            .expected("a column named torque or friction force")),
-        1 if effective_radius_m.is_none() && of(Channel::Torque).next().is_some() => {
-            Err(refuse(line, "holds a torque, and no effective radius is given".into()).expected(
-                "`effective_radius_mm` in [traces] or --effective-radius-mm: the distance from the axis to a specimen's centre",
-            ))
-        }
+        0 => refuse("no column is the torque or the friction force", "a column named torque or friction force"),
+        1 if effective_radius_m.is_none() && of(Channel::Torque).next().is_some() => refuse(
+            "holds a torque, and no effective radius is given",
+            "`effective_radius_mm` in [traces] or --effective-radius-mm: the distance from the axis to a specimen's centre",
+        ),
         1 => Ok(()),
-        _ => Err(refuse(line, "has both a torque and a friction force, or two of one".into())
-            .expected("one of them; rename or remove the other")),
+        _ => refuse("has both a torque and a friction force, or two of one", "one of them; rename or remove the other"),
     }
 }
 
@@ -311,5 +304,5 @@ impl Table {
 }
 
 #[cfg(test)]
-#[path = "trace_file_tests.rs"]
+#[path = "export_tests.rs"]
 mod tests;

@@ -115,7 +115,7 @@ pub fn before_window(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic_noise::Noise;
+    use slipgrid_statistics::Noise;
 
     fn trace(peak: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
         let mut deviates = Noise::new(11);

@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_standard_error_of_white_noise_is_its_deviation_over_the_root_of_the_samples() {
-        let mut noise = crate::synthetic_noise::Noise::new(5);
+        let mut noise = slipgrid_statistics::Noise::new(5);
         let time: Vec<f64> = (0..=4000).map(|i| f64::from(i) * 0.01).collect();
         let runs = 200;
         let (mut squares, mut stated) = (0.0, 0.0);
