@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 
 use slipgrid_book::keys::{Place, Types};
 use slipgrid_book::schema::{Accepted, literal, schema, violations};
+use slipgrid_traces::columns::Channel;
 use toml::Value;
 
 use crate::probes::{KINDS, Kind, changed, records, types};
@@ -38,6 +39,22 @@ fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
         describe(&types, kind, (&kind.root(), ""), &accepted, &mut described, &mut chapter);
     }
     keep(&book().join("reference/keys.md"), &chapter);
+}
+
+#[test]
+fn the_chapter_of_columns_is_generated_from_what_reads_them() {
+    let mut chapter = "# Columns of traces\n\nThis chapter is generated from what reads the exports. A title is compared by its letters and digits \
+                       alone, capital or small: `Normal force`, `normal_force` and `NormalForce` are the same. The unit stands behind the \
+                       title in brackets, behind a slash or an underscore, or in a line of its own below the titles; without one, the first \
+                       of the units named here is meant. Separators are tabs, semicolons or commas, the decimal \
+                       sign a point or a comma. Columns with other titles are not read.\n\n\
+                       | column | titles | units |\n|---|---|---|\n"
+        .to_owned();
+    for channel in Channel::ALL {
+        let titles: Vec<String> = channel.names().iter().map(|name| format!("`{name}`")).collect();
+        let _ = writeln!(chapter, "| {} | {} | {} |", channel.title(), titles.join(", "), channel.unit_words());
+    }
+    keep(&book().join("reference/trace-columns.md"), &chapter);
 }
 
 /// The records of `optimize` and of `simulate`: name, structure, what wrote it.

@@ -220,6 +220,9 @@ pub struct TracesArgs {
     /// Do not look for a peak at the onset of sliding
     #[arg(long)]
     pub no_static_peak: bool,
+    /// The samples slide back and forth: half the width of the loop counts, in the middle half of strokes
+    #[arg(long)]
+    pub reciprocating: bool,
     /// Folder for tables and pictures
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,

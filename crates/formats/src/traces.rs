@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use slipgrid_calibrate::{Measurement, StaticPeak};
 use slipgrid_traces::export::{Recorded, TraceFile, parse};
-use slipgrid_traces::{DEFAULT_WINDOW_S, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average};
+use slipgrid_traces::{
+    DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S, Repeats, TraceFindings, TraceFlag, TraceOptions, analyse, average,
+};
 use toml::Spanned;
 
 use super::document::Document;
@@ -14,7 +16,7 @@ use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
 use crate::source::{Entry, Source, read_bytes};
-use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
+use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
 /// `[traces]` as a file writes it.
 #[derive(Clone, Debug, Deserialize)]
@@ -26,8 +28,12 @@ pub struct TracesFile {
     effective_radius_mm: Option<Number>,
     /// Specimens that share the recorded normal force; 1 when absent.
     specimens: Option<Spanned<u64>>,
-    /// Look for a static peak at the onset of sliding; true when absent.
+    /// Look for a static peak at the onset of sliding; true when absent. Not looked for in reciprocating sliding.
     static_peak: Option<bool>,
+    /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
+    reciprocating: Option<bool>,
+    /// Part in the middle of every stroke that counts, with `reciprocating`; 0.5 when absent.
+    stroke_share: Option<Number>,
     /// One table a condition.
     condition: Spanned<Vec<ConditionFile>>,
 }
@@ -81,6 +87,8 @@ pub struct TraceSetup {
     pub specimens: u32,
     /// Look for a static peak.
     pub static_peak: bool,
+    /// Part in the middle of every stroke that counts where the sample slides back and forth.
+    pub stroke_share: Option<f64>,
 }
 
 /// Traces of one condition.
@@ -170,13 +178,21 @@ pub fn read_table(document: &Document, file: &TracesFile) -> Result<(TraceSetup,
         return Err(document.refuse(file.condition.span(), "is empty").expected("at least one [[traces.condition]]"));
     }
     let static_peak = file.static_peak.unwrap_or(true);
+    let reciprocating = file.reciprocating.unwrap_or(false);
+    let stroke_share = match &file.stroke_share {
+        Some(share) if !reciprocating => {
+            return Err(document.refuse(share.span(), "needs `reciprocating = true`").expected("both keys or neither"));
+        }
+        Some(share) => Some(document.number(share, STROKE_SHARE)?),
+        None => reciprocating.then_some(DEFAULT_STROKE_SHARE),
+    };
     // Every export that was named, with its own place and line.
     let mut named: Vec<(PathBuf, Option<u32>)> = Vec::new();
     let mut conditions = Vec::new();
     for condition in file.condition.get_ref() {
         conditions.push((condition.force_n.span(), read_condition(document, condition, &mut named)?));
     }
-    Ok((TraceSetup { window_s, effective_radius_m, specimens, static_peak }, conditions))
+    Ok((TraceSetup { window_s, effective_radius_m, specimens, static_peak, stroke_share }, conditions))
 }
 
 fn read_condition(
@@ -289,6 +305,7 @@ fn analyse_among(
         nominal_force_n: Some(condition.force_n * f64::from(setup.specimens)),
         speed_m_s: condition.speed_m_s,
         static_peak: setup.static_peak,
+        stroke_share: setup.stroke_share,
     };
     let (mut traces, mut refused) = (Vec::new(), Vec::new());
     for path in &condition.files {

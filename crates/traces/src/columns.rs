@@ -9,6 +9,8 @@ pub enum Channel {
     Torque,
     /// Friction force.
     FrictionForce,
+    /// Friction coefficient, as the instrument computed it; used where there is neither a torque nor a friction force.
+    Coefficient,
     /// Normal force on the sample holder.
     NormalForce,
     /// Sliding speed.
@@ -23,16 +25,17 @@ pub enum Channel {
 
 impl Channel {
     /// How many there are.
-    pub const COUNT: usize = 8;
+    pub const COUNT: usize = 9;
 
-    /// A trace cannot be read without columns of this kind.
+    /// A trace cannot be read without some of these columns.
     #[must_use]
     pub const fn is_needed(self) -> bool {
-        matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::NormalForce)
+        matches!(self, Self::Time | Self::Torque | Self::FrictionForce | Self::Coefficient | Self::NormalForce)
     }
 
     /// Names of such a column, small letters and digits alone.
-    const fn names(self) -> &'static [&'static str] {
+    #[must_use]
+    pub const fn names(self) -> &'static [&'static str] {
         match self {
             Self::Time => &["time", "t", "timestamp", "elapsedtime", "testtime", "zeit", "temps", "tempo"],
             Self::Torque => &["torque", "tz", "mz", "frictiontorque", "moment", "drehmoment", "reibmoment", "coppia"],
@@ -48,6 +51,20 @@ impl Channel {
                 "reibkraft",
                 "forcetangentielle",
             ],
+            Self::Coefficient => &[
+                "cof",
+                "mu",
+                "\u{3bc}",
+                "frictioncoefficient",
+                "coefficientoffriction",
+                "coeffoffriction",
+                "frictioncoeff",
+                "reibungskoeffizient",
+                "reibkoeffizient",
+                "reibungszahl",
+                "reibwert",
+                "coefficientdefrottement",
+            ],
             Self::NormalForce => {
                 &["normalforce", "fz", "fn", "load", "normalload", "normalkraft", "forcenormale", "verticalforce"]
             }
@@ -56,16 +73,18 @@ impl Channel {
                 &["rpm", "revolutions", "rotationspeed", "rotationalspeed", "spindlespeed", "drehzahl"]
             }
             Self::Humidity => &["humidity", "rh", "relativehumidity", "luftfeuchte", "feuchte"],
-            Self::Repeat => &["repeat", "repetition", "run", "test", "cycle", "wiederholung"],
+            Self::Repeat => &["repeat", "repetition", "run", "test", "wiederholung"],
         }
     }
 
     /// What it is called in messages.
-    const fn title(self) -> &'static str {
+    #[must_use]
+    pub const fn title(self) -> &'static str {
         match self {
             Self::Time => "time",
             Self::Torque => "torque",
             Self::FrictionForce => "friction force",
+            Self::Coefficient => "friction coefficient",
             Self::NormalForce => "normal force",
             Self::Speed => "speed",
             Self::Revolutions => "revolutions",
@@ -75,7 +94,8 @@ impl Channel {
     }
 
     /// Its units, as people write them.
-    const fn unit_words(self) -> &'static str {
+    #[must_use]
+    pub const fn unit_words(self) -> &'static str {
         match self {
             Self::Time => "s, ms, min or h",
             Self::Torque => "N m, mN m, N cm or N mm",
@@ -83,7 +103,7 @@ impl Channel {
             Self::Speed => "mm/s, m/s, cm/s, um/s, m/min or rpm",
             Self::Revolutions => "rpm, 1/min, rev/min or 1/s",
             Self::Humidity => "%, %RH or pct",
-            Self::Repeat => "a column without a unit",
+            Self::Coefficient | Self::Repeat => "a column without a unit",
         }
     }
 
@@ -175,14 +195,17 @@ impl Channel {
                 ("pctrh", 1e-2),
                 ("percent", 1e-2),
             ],
+            Self::Coefficient => &[("", 1.0), ("1", 1.0)],
             Self::Repeat => &[("", 1.0)],
         }
     }
 
-    const ALL: [Self; Self::COUNT] = [
+    /// All of them.
+    pub const ALL: [Self; Self::COUNT] = [
         Self::Time,
         Self::Torque,
         Self::FrictionForce,
+        Self::Coefficient,
         Self::NormalForce,
         Self::Speed,
         Self::Revolutions,
@@ -306,7 +329,13 @@ fn column(cell: &str) -> Result<Option<Column>, UnknownUnit> {
 }
 
 fn channel(name: &str) -> Option<Channel> {
-    let bare: String = name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect();
+    // The letter mu, as such or as the micro sign, is a name of its own.
+    let plain = |letter: char| match letter {
+        '\u{b5}' => Some('\u{3bc}'),
+        '\u{3bc}' => Some(letter),
+        letter => letter.is_ascii_alphanumeric().then(|| letter.to_ascii_lowercase()),
+    };
+    let bare: String = name.chars().filter_map(plain).collect();
     Channel::ALL.into_iter().find(|channel| channel.names().contains(&bare.as_str()))
 }
 
@@ -356,11 +385,15 @@ mod tests {
             ("RH [%]", Channel::Humidity, 1e-2),
             ("humidity_pct", Channel::Humidity, 1e-2),
             ("run", Channel::Repeat, 1.0),
+            ("COF", Channel::Coefficient, 1.0),
+            ("Friction coefficient [-]", Channel::Coefficient, 1.0),
+            ("\u{b5}", Channel::Coefficient, 1.0),
+            ("\u{3bc} []", Channel::Coefficient, 1.0),
         ] {
             let found = column(written).unwrap().unwrap_or_else(|| panic!("{written}"));
             assert_eq!((found.channel, found.factor), (channel, factor), "{written}");
         }
-        for other in ["COF", "Temperature [C]", "Z-position (mm)", ""] {
+        for other in ["Cycles", "Temperature [C]", "Z-position (mm)", ""] {
             assert_eq!(column(other), Ok(None), "{other}");
         }
         for (written, reason, expected) in [

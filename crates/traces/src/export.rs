@@ -10,7 +10,7 @@ pub struct Recorded {
     pub number: usize,
     /// Time, friction and normal force.
     pub channels: TraceChannels,
-    /// Mean recorded sliding speed, in m/s, where there is such a column.
+    /// Mean amount of the recorded sliding speed, in m/s, where there is such a column.
     pub speed_m_s: Option<f64>,
     /// Mean recorded humidity, 0 to 1, where there is such a column.
     pub humidity: Option<f64>,
@@ -108,6 +108,13 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
         }
     }
     check_layout(&layout, header.number, effective_radius_m)?;
+    let is =
+        |column: &Option<Column>, channel: Channel| column.as_ref().is_some_and(|column| column.channel == channel);
+    if layout.iter().any(|column| is(column, Channel::Torque) || is(column, Channel::FrictionForce)) {
+        // What the instrument computed from it is not needed.
+        layout.iter_mut().filter(|column| is(column, Channel::Coefficient)).for_each(|column| *column = None);
+    }
+    let needs_load = layout.iter().any(|column| is(column, Channel::NormalForce));
 
     let mut repeats: Vec<Table> = vec![Table::default()];
     let mut label: Option<f64> = None;
@@ -136,7 +143,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
             label = Some(next);
         }
         if let Some(table) = repeats.last_mut() {
-            table.push(&row);
+            table.push(&row, needs_load);
         }
     }
     let radius_m = effective_radius_m.unwrap_or(f64::NAN);
@@ -154,22 +161,30 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
 
 fn check_layout(layout: &[Option<Column>], line: u32, effective_radius_m: Option<f64>) -> Result<(), ExportError> {
     let refuse = |reason: &str, expected: &str| Err(ExportError::at(Some(line), reason, expected));
-    let of = |channel: Channel| layout.iter().flatten().filter(move |column| column.channel == channel);
-    let tangential = of(Channel::Torque).count() + of(Channel::FrictionForce).count();
-    for (found, what) in [(of(Channel::Time).count(), "time"), (of(Channel::NormalForce).count(), "normal force")] {
-        match found {
+    let count = |channel: Channel| layout.iter().flatten().filter(|column| column.channel == channel).count();
+    let [torques, forces] = [count(Channel::Torque), count(Channel::FrictionForce)];
+    for channel in [Channel::Time, Channel::NormalForce] {
+        let what = channel.title();
+        match count(channel) {
             1 => {}
+            // A coefficient has been divided by it.
+            0 if channel == Channel::NormalForce && torques + forces == 0 && count(Channel::Coefficient) > 0 => {}
             0 => return refuse(&format!("no column is the {what}"), &format!("a column named {what}")),
-            _ => return refuse(&format!("{found} columns are the {what}"), "one"),
+            found => return refuse(&format!("{found} columns are the {what}"), "one"),
         }
     }
-    match tangential {
-        0 => refuse("no column is the torque or the friction force", "a column named torque or friction force"),
-        1 if effective_radius_m.is_none() && of(Channel::Torque).next().is_some() => refuse(
+    match (torques + forces, count(Channel::Coefficient)) {
+        (0, 1) => Ok(()),
+        (0, 0) => refuse(
+            "no column is the torque, the friction force or the friction coefficient",
+            "a column named torque, friction force or COF",
+        ),
+        (0, found) => refuse(&format!("{found} columns are the friction coefficient"), "one"),
+        (1, _) if effective_radius_m.is_none() && torques == 1 => refuse(
             "holds a torque, and no effective radius is given",
             "`effective_radius_mm` in [traces] or --effective-radius-mm: the distance from the axis to a specimen's centre",
         ),
-        1 => Ok(()),
+        (1, _) => Ok(()),
         _ => refuse("has both a torque and a friction force, or two of one", "one of them; rename or remove the other"),
     }
 }
@@ -241,6 +256,7 @@ struct Table {
     time_s: Vec<f64>,
     torque_nm: Vec<f64>,
     friction_n: Vec<f64>,
+    coefficient: Vec<f64>,
     normal_force_n: Vec<f64>,
     speed_m_s: Vec<f64>,
     turns_per_s: Vec<f64>,
@@ -255,11 +271,12 @@ impl Table {
         self.time_s.is_empty()
     }
 
-    fn push(&mut self, row: &Row) {
-        let (torque, friction) = (row.get(Channel::Torque), row.get(Channel::FrictionForce));
-        let (Some(time_s), Some(normal_force_n), true) =
-            (row.get(Channel::Time), row.get(Channel::NormalForce), torque.is_some() || friction.is_some())
-        else {
+    fn push(&mut self, row: &Row, needs_load: bool) {
+        let [torque, friction, coefficient] =
+            [Channel::Torque, Channel::FrictionForce, Channel::Coefficient].map(|channel| row.get(channel));
+        let load = row.get(Channel::NormalForce);
+        let is_whole = torque.or(friction).or(coefficient).is_some() && (load.is_some() || !needs_load);
+        let Some(time_s) = row.get(Channel::Time).filter(|_| is_whole) else {
             self.incomplete += 1;
             return;
         };
@@ -269,11 +286,12 @@ impl Table {
         }
         self.last = Some(row.clone());
         self.time_s.push(time_s);
-        self.normal_force_n.push(normal_force_n);
+        self.normal_force_n.extend(load);
         self.torque_nm.extend(torque);
         self.friction_n.extend(friction);
-        self.speed_m_s.extend(row.get(Channel::Speed));
-        self.turns_per_s.extend(row.get(Channel::Revolutions));
+        self.coefficient.extend(coefficient);
+        self.speed_m_s.extend(row.get(Channel::Speed).map(f64::abs));
+        self.turns_per_s.extend(row.get(Channel::Revolutions).map(f64::abs));
         self.humidity.extend(row.get(Channel::Humidity));
     }
 
@@ -291,10 +309,12 @@ impl Table {
             incomplete_rows: self.incomplete,
             repeated_rows: self.repeated,
             channels: TraceChannels {
-                tangential: if self.torque_nm.is_empty() {
+                tangential: if !self.torque_nm.is_empty() {
+                    Tangential::TorqueNm(self.torque_nm)
+                } else if !self.friction_n.is_empty() {
                     Tangential::ForceN(self.friction_n)
                 } else {
-                    Tangential::TorqueNm(self.torque_nm)
+                    Tangential::Coefficient(self.coefficient)
                 },
                 time_s: self.time_s,
                 normal_force_n: self.normal_force_n,

@@ -60,7 +60,13 @@ fn refusals_name_line_and_column() {
         ("time,Tz,Fz\n0,x,2\n", Some(2), Some("Tz"), "is no number"),
         ("time,Tz,Fz\n0,1\n", Some(2), None, "has 2 values"),
         ("time,Tz,Temp\n0,1,2\n", Some(1), None, "no column is the normal force"),
-        ("time,Fz,Temp\n0,1,2\n", Some(1), None, "no column is the torque or the friction force"),
+        (
+            "time,Fz,Temp\n0,1,2\n",
+            Some(1),
+            None,
+            "no column is the torque, the friction force or the friction coefficient",
+        ),
+        ("time,cof,mu\n0,1,2\n", Some(1), None, "2 columns are the friction coefficient"),
         ("time,Tz,Fz,Fx\n0,1,2,3\n", Some(1), None, "has both a torque and a friction force, or two of one"),
         ("time;Tz;Fz\ns;bananas;N\n0;1;2\n", Some(2), Some("Tz"), "has the unit \"bananas\", which is not known"),
         ("time [s];Tz [Nm];Fz [psi]\n0;1;2\n", Some(1), Some("Fz [psi]"), "has the unit \"psi\", which is not known"),
@@ -82,4 +88,18 @@ fn rows_that_repeat_the_row_before_are_left_out_and_counted() {
     // Another value at the same time is another sample.
     let found = parsed("time,Tz,Fz\n0,1,2\n0,1.5,2\n1,1,2\n").unwrap();
     assert_eq!((found.repeats[0].channels.time_s.len(), found.repeats[0].repeated_rows), (3, 0));
+}
+
+#[test]
+fn a_coefficient_is_used_where_nothing_else_says_what_friction_was() {
+    let alone = parsed("Time [s];\u{b5};Cycles\n0;0,25;1\n1;0,26;1\n").unwrap();
+    let channels = &alone.repeats[0].channels;
+    assert_eq!(channels.tangential, Tangential::Coefficient(vec![0.25, 0.26]));
+    assert!(channels.normal_force_n.is_empty() && alone.unused == ["Cycles"]);
+    let loaded = parsed("time,COF,Fz\n0,0.25,50\n1,0.26,\n").unwrap();
+    assert_eq!((&loaded.repeats[0].channels.normal_force_n[..], loaded.repeats[0].incomplete_rows), (&[50.0][..], 1));
+    // Beside a force it is not needed, nor what stands in it.
+    let beside = parsed("time,Fx,COF,Fz\n0,12.5,x,50\n1,13,,50\n").unwrap();
+    assert_eq!(beside.repeats[0].channels.tangential, Tangential::ForceN(vec![12.5, 13.0]));
+    assert_eq!(beside.unused, ["COF"]);
 }

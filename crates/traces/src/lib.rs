@@ -7,6 +7,7 @@
 //! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
+//! | [`TraceOptions::stroke_share`] | sliding back and forth: friction of the middle of every stroke |
 //! | [`average`], [`Repeats`] | repeats of one condition |
 //!
 //! ```text
@@ -35,6 +36,7 @@
 //!     nominal_force_n: Some(50.0),
 //!     speed_m_s: 2e-3,
 //!     static_peak: true,
+//!     stroke_share: None,
 //! };
 //! let found = analyse(&file.repeats[0].channels, &options)?;
 //! assert!((found.window.mu - 0.25).abs() < 1e-9);
@@ -50,6 +52,7 @@ pub mod export;
 mod repeats;
 mod static_peak;
 mod stick_slip;
+mod strokes;
 mod time_series;
 mod trace_errors;
 
@@ -57,6 +60,7 @@ pub use averaging_window::WindowMean;
 pub use repeats::{MeanStd, Repeats, average};
 pub use static_peak::{RunIn, TracePeak};
 pub use stick_slip::StickSlip;
+pub use strokes::DEFAULT_STROKE_SHARE;
 pub use trace_errors::{TraceError, TraceFlag};
 
 use static_peak::{BeforeWindow, before_window};
@@ -96,12 +100,14 @@ pub enum Tangential {
     TorqueNm(Vec<f64>),
     /// Friction force, in newtons.
     ForceN(Vec<f64>),
+    /// Friction coefficient, as the instrument divided it.
+    Coefficient(Vec<f64>),
 }
 
 impl Tangential {
     fn values(&self) -> &[f64] {
         match self {
-            Self::TorqueNm(values) | Self::ForceN(values) => values,
+            Self::TorqueNm(values) | Self::ForceN(values) | Self::Coefficient(values) => values,
         }
     }
 
@@ -109,6 +115,7 @@ impl Tangential {
         match self {
             Self::TorqueNm(_) => "torque",
             Self::ForceN(_) => "friction force",
+            Self::Coefficient(_) => "friction coefficient",
         }
     }
 }
@@ -120,7 +127,7 @@ pub struct TraceChannels {
     pub time_s: Vec<f64>,
     /// Friction.
     pub tangential: Tangential,
-    /// Normal force on the whole sample holder, in newtons.
+    /// Normal force on the whole sample holder, in newtons; empty where only a coefficient was recorded.
     pub normal_force_n: Vec<f64>,
 }
 
@@ -147,6 +154,9 @@ pub struct TraceOptions {
     pub speed_m_s: f64,
     /// Look for a static peak; run-in is not looked for either where this is off.
     pub static_peak: bool,
+    /// The sample slides back and forth, and this part in the middle of every stroke counts, above 0 up to 1; `None` for sliding in
+    /// one direction. Neither static peak nor stick-slip is looked for in strokes.
+    pub stroke_share: Option<f64>,
 }
 
 /// The averaging window of Balestra et al., J. Tribol. 144, 031704: 10 to 40 s.
@@ -181,6 +191,15 @@ pub struct TraceFindings {
 /// [`TraceError`] names what makes the trace unusable.
 pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<TraceFindings, TraceError> {
     check_channels(channels, options)?;
+    if channels.normal_force_n.is_empty() {
+        // A coefficient needs no force: the nominal one stands for what was not recorded, and nothing is judged by it.
+        let nominal_n = options.nominal_force_n.unwrap_or(1.0);
+        let filled = TraceChannels { normal_force_n: vec![nominal_n; channels.time_s.len()], ..channels.clone() };
+        return analyse(&filled, options).map(|mut found| {
+            found.flags.push(TraceFlag::LoadNotRecorded);
+            found
+        });
+    }
     let start = channels.time_s[0];
     let time_s: Vec<f64> = channels.time_s.iter().map(|t| t - start).collect();
     let inside = window_samples(&time_s, options.window_s)?;
@@ -189,18 +208,21 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     saturation(channels, &inside, &mut flags)?;
 
     let load_sign = if load_turned { -1.0 } else { 1.0 };
-    let arm_m = match channels.tangential {
-        Tangential::TorqueNm(_) => options.effective_radius_m,
-        Tangential::ForceN(_) => 1.0,
-    };
     // Loaded samples alone: before the load is there, torque over force means nothing.
     let loaded: Vec<usize> =
         (0..time_s.len()).filter(|&i| load_sign * channels.normal_force_n[i] >= UNLOADED * usual_n).collect();
     // mu = T / (F r_eff), equation (1) of the paper
-    let coefficient = |i: usize| channels.tangential.values()[i] / (load_sign * channels.normal_force_n[i] * arm_m);
+    let divisor = |i: usize| match channels.tangential {
+        Tangential::TorqueNm(_) => load_sign * channels.normal_force_n[i] * options.effective_radius_m,
+        Tangential::ForceN(_) => load_sign * channels.normal_force_n[i],
+        Tangential::Coefficient(_) => 1.0,
+    };
+    let coefficient = |i: usize| channels.tangential.values()[i] / divisor(i);
     let mut mu: Vec<f64> = loaded.iter().map(|&i| coefficient(i)).collect();
-    let time_s: Vec<f64> = loaded.iter().map(|&i| time_s[i]).collect();
-    if turn(&time_s, &mut mu, options.window_s)? {
+    let mut time_s: Vec<f64> = loaded.iter().map(|&i| time_s[i]).collect();
+    if let Some(share) = options.stroke_share {
+        (time_s, mu) = strokes::friction_of_strokes(&time_s, &mu, options.window_s, share, &mut flags)?;
+    } else if turn(&time_s, &mut mu, options.window_s)? {
         flags.push(TraceFlag::FrictionTurned);
     }
 
@@ -214,9 +236,10 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     if window.drift.abs() > (DRIFT.0 * window.mu).max(DRIFT.1 * window.drift_stderr) {
         flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
     }
+    let one_way = options.stroke_share.is_none();
     let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
     let stands_out = before_window(&time_s, &mu, options.window_s[0], options.speed_m_s, usual_pause(&time_s));
-    let static_peak = match stands_out.filter(|_| options.static_peak && !saturated) {
+    let static_peak = match stands_out.filter(|_| one_way && options.static_peak && !saturated) {
         Some(BeforeWindow::Peak(peak)) => Some(peak),
         Some(BeforeWindow::RunIn(run_in)) => {
             flags.push(TraceFlag::RunIn(run_in));
@@ -228,7 +251,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         flags.push(TraceFlag::PeakCoarse { samples: peak.samples_at_top });
     }
     let in_window = between(&time_s, options.window_s);
-    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu);
+    let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
     if let Some(swing) = swing.filter(|swing| !swing.is_relaxation()) {
         flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
     }
@@ -250,8 +273,9 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     let name = channels.tangential.name();
     let columns =
         [("time", &time_s[..]), (name, channels.tangential.values()), ("normal force", &channels.normal_force_n[..])];
+    let no_load = matches!(channels.tangential, Tangential::Coefficient(_)) && channels.normal_force_n.is_empty();
     for (channel, values) in columns {
-        if values.len() != time_s.len() {
+        if values.len() != time_s.len() && !(no_load && channel == columns[2].0) {
             return Err(TraceError::LengthMismatch { channel, found: values.len(), expected: time_s.len() });
         }
         if let Some(i) = values.iter().position(|value| !value.is_finite()) {
@@ -267,6 +291,9 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
     let [from_s, to_s] = options.window_s;
     if !(from_s >= 0.0 && to_s > from_s && to_s.is_finite()) {
         return Err(TraceError::Window { from_s, to_s });
+    }
+    if let Some(value) = options.stroke_share.filter(|share| !(*share > 0.0 && *share <= 1.0)) {
+        return Err(TraceError::StrokeShare { value });
     }
     let radius = options.effective_radius_m;
     if matches!(channels.tangential, Tangential::TorqueNm(_)) && !(radius.is_finite() && radius > 0.0) {

@@ -27,11 +27,12 @@ const OPTIONS: TraceOptions = TraceOptions {
     nominal_force_n: Some(150.0),
     speed_m_s: 50e-6,
     static_peak: true,
+    stroke_share: None,
 };
 
 fn torque(channels: &mut TraceChannels) -> &mut Vec<f64> {
     match &mut channels.tangential {
-        Tangential::TorqueNm(values) | Tangential::ForceN(values) => values,
+        Tangential::TorqueNm(values) | Tangential::ForceN(values) | Tangential::Coefficient(values) => values,
     }
 }
 
@@ -49,6 +50,16 @@ fn torque_over_force_and_radius_is_friction() {
     force.tangential = Tangential::ForceN(torque(&mut force).iter().map(|t| t / RADIUS_M).collect());
     let force = analyse(&force, &TraceOptions { effective_radius_m: f64::NAN, ..OPTIONS }).unwrap();
     assert!((force.window.mu - found.window.mu).abs() < 1e-12);
+    // And as the instrument's own coefficient, with and without the load.
+    let mut divided = good();
+    let loads = divided.normal_force_n.clone();
+    divided.tangential =
+        Tangential::Coefficient(torque(&mut divided).iter().zip(loads).map(|(t, n)| t / n / RADIUS_M).collect());
+    let options = TraceOptions { effective_radius_m: f64::NAN, ..OPTIONS };
+    assert!((analyse(&divided, &options).unwrap().window.mu - found.window.mu).abs() < 1e-12);
+    divided.normal_force_n.clear();
+    let alone = analyse(&divided, &options).unwrap();
+    assert!((alone.window.mu - found.window.mu).abs() < 1e-12 && alone.flags == [TraceFlag::LoadNotRecorded]);
 }
 
 #[test]

@@ -90,7 +90,7 @@ pub enum TraceError {
     /// Friction along the motion in part of the window.
     #[error(
         "friction changes its sign in the window ({opposite} of {samples} samples are against the mean): expected \
-         sliding in one direction"
+         sliding in one direction; of a sample that slides back and forth, `reciprocating = true` in [traces] or --reciprocating"
     )]
     WrongSign {
         /// Samples of the other sign.
@@ -126,6 +126,36 @@ pub enum TraceError {
         /// Change of mu over the window, relative to the mean.
         relative: f64,
     },
+    /// Sliding back and forth that turns too seldom.
+    #[error(
+        "the window holds {found} strokes back and forth: expected at least {expected}, in a longer window; of a sample \
+         that slides in one direction, no `reciprocating`"
+    )]
+    TooFewStrokes {
+        /// Strokes there are.
+        found: usize,
+        /// Strokes needed.
+        expected: usize,
+    },
+    /// Strokes of which too little was recorded.
+    #[error(
+        "the stroke from {at_s:.3} s on has {samples} samples in its middle: expected at least {expected}, recorded at \
+         a higher rate or with a larger `stroke_share`"
+    )]
+    StrokeTooCoarse {
+        /// Its beginning.
+        at_s: f64,
+        /// Samples in its middle.
+        samples: usize,
+        /// Samples needed.
+        expected: usize,
+    },
+    /// A part of a stroke that is none.
+    #[error("the part of a stroke is {value}: expected a number above 0 up to 1")]
+    StrokeShare {
+        /// What was given.
+        value: f64,
+    },
     /// A torque without the radius at which it acts.
     #[error(
         "the effective radius is {value_m} m: expected a positive length, torque / (normal force x radius) is friction"
@@ -157,6 +187,8 @@ pub enum TraceFlag {
         /// Nominal force, in newtons.
         nominal_n: f64,
     },
+    /// No normal force was recorded beside the coefficient.
+    LoadNotRecorded,
     /// The normal force is unsteady.
     LoadUnsteady {
         /// Its standard deviation in the window over its mean.
@@ -188,6 +220,24 @@ pub enum TraceFlag {
         /// Different values in the window.
         levels: usize,
     },
+    /// Strokes there and back differ: the sensor has an offset, or the sample is tilted.
+    StrokesDiffer {
+        /// Mean of friction there and back with their signs, which would be zero.
+        offset: f64,
+        /// The same over friction.
+        relative: f64,
+    },
+    /// Strokes of unequal durations.
+    StrokesUneven {
+        /// How many.
+        count: usize,
+        /// Of how many.
+        of: usize,
+        /// The usual duration.
+        usual_s: f64,
+    },
+    /// Friction of strokes there and back is recorded alike.
+    SignNotRecorded,
     /// A regular oscillation that is no stick-slip: it falls as slowly as it rises.
     Oscillation {
         /// Peak to peak.
@@ -211,6 +261,9 @@ impl fmt::Display for TraceFlag {
             Self::LoadOff { found_n, nominal_n } => {
                 write!(f, "the normal force is {found_n:.2} N, not the nominal {nominal_n} N")
             }
+            Self::LoadNotRecorded => {
+                f.write_str("no normal force is recorded: it is not known that the nominal one acted")
+            }
             Self::LoadUnsteady { relative_std } => {
                 write!(f, "the normal force varies by {:.1} % in the window", 100.0 * relative_std)
             }
@@ -232,6 +285,17 @@ impl fmt::Display for TraceFlag {
                 write!(f, "the static peak rests on {samples} samples: it may have been higher")
             }
             Self::Coarse { levels } => write!(f, "only {levels} different values occur in the window"),
+            Self::StrokesDiffer { offset, relative } => write!(
+                f,
+                "strokes there and back differ by an offset of {offset:+.4}, {:.0} % of friction: half the width of the loop is taken",
+                100.0 * relative.abs()
+            ),
+            Self::StrokesUneven { count, of, usual_s } => {
+                write!(f, "{count} of {of} strokes do not last the usual {usual_s:.3} s")
+            }
+            Self::SignNotRecorded => f.write_str(
+                "friction of strokes there and back is recorded alike: an offset of the sensor would not be seen",
+            ),
             Self::Oscillation { amplitude, period_s } => write!(
                 f,
                 "an oscillation of {amplitude:.4} with a period of {period_s:.2} s that rises as fast as it falls: no stick-slip"

@@ -143,6 +143,8 @@ pub const EXCESS: Quantity = Quantity::new(Scale::Times(1.0), "", 0.1, true, 10.
 pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
 /// Half-widths of the target, and standard errors wanted.
 pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
+/// A part that is not nothing.
+pub const STROKE_SHARE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
 /// Weights in means.
 pub const WEIGHT: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1e6);
 /// Rms slopes of surfaces.

@@ -8,7 +8,7 @@ use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::traces::{SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
 use slipgrid_report::traces;
-use slipgrid_traces::DEFAULT_WINDOW_S;
+use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
 
 use super::area_law::checked;
@@ -59,6 +59,7 @@ fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
         effective_radius_m: radius.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?,
         specimens: args.specimens.unwrap_or(1).max(1),
         static_peak: !args.no_static_peak,
+        stroke_share: args.reciprocating.then_some(DEFAULT_STROKE_SHARE),
     })
 }
 

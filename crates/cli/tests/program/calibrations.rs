@@ -98,6 +98,55 @@ fn traces_that_cannot_be_used_are_refused_by_name() {
 }
 
 #[test]
+fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
+    // A crank at 1 Hz: friction has turned 0.05 s after each dead centre; the sensor shows 0.02 too much.
+    let of = |mu: f64, t: f64| mu * (20.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0) + 0.02;
+    let friction = |t: f64| of(0.25, t);
+    let coefficients: String = trace(5, friction)
+        .lines()
+        .map(|line| {
+            let cells: Vec<&str> = line.split(',').collect();
+            let ratio =
+                cells[1].parse::<f64>().map_or("\u{b5} [-]".to_owned(), |torque| format!("{:.6}", torque / 2.0));
+            format!("{};{ratio}\n", cells[0])
+        })
+        .collect();
+    let place = Place::with(&[
+        ("crank.csv", &trace(5, friction)),
+        ("crank-2.csv", &trace(6, |t| of(0.252, t))),
+        ("cof.csv", &coefficients),
+    ]);
+    let refused = place.refuse(&traces(&["crank.csv"], &[]));
+    assert!(refused.contains("friction changes its sign") && refused.contains("--reciprocating"), "{refused}");
+    let of_first = |told: &str, file: &str| -> f64 {
+        let row = told.lines().find(|line| line.trim_start().starts_with(file)).unwrap();
+        row.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    let told = place.succeed(&traces(&["crank.csv"], &["--reciprocating", "-o", "crank"]));
+    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
+    assert!(told.contains("differ by an offset of +0.0200, 8 % of friction"), "{told}");
+    let cof = place.succeed(&traces(&["cof.csv"], &["--reciprocating"]));
+    assert!((of_first(&cof, "cof.csv") - of_first(&told, "crank.csv")).abs() < 2e-4, "{cof}");
+    assert!(cof.contains("no normal force is recorded"), "{cof}");
+    // The same from a calibration, with another part of the strokes; the part alone is refused.
+    let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();
+    let condition =
+        "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"crank*.csv\"]\n";
+    let text = |keys: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{keys}{condition}");
+    fs::write(place.path("c.toml"), text("reciprocating = true\nstroke_share = 0.7\n")).unwrap();
+    let told = place.succeed(&["traces", "c.toml"]);
+    assert!((of_first(&told, "crank.csv") - 0.25).abs() < 2e-4, "{told}");
+    for (keys, says) in [
+        ("stroke_share = 0.7\n", "stroke_share: 0.7 needs `reciprocating = true`"),
+        ("reciprocating = true\nstroke_share = 1.5\n", "expected a number above 0 up to 1"),
+    ] {
+        fs::write(place.path("c.toml"), text(keys)).unwrap();
+        let refused = place.refuse(&["traces", "c.toml"]);
+        assert!(refused.contains(says), "{refused}");
+    }
+}
+
+#[test]
 fn one_export_named_twice_in_a_calibration_is_refused() {
     let place = Place::with(&[("a-1.csv", &trace(1, |t| 0.25 * rise(t)))]);
     let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();

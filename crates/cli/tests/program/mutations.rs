@@ -217,6 +217,7 @@ fn spoil_everything(times: usize, seed: u64) {
                 nominal_force_n: None,
                 speed_m_s: 2e-3,
                 static_peak: true,
+                stroke_share: None,
             };
             analyse(&file.repeats[0].channels, &options).map_err(|error| format!("x.csv: {error}"))
         }),

@@ -1,0 +1,207 @@
+//! Reciprocating sliding: friction of every stroke back and forth, with its ends left out.
+//!
+//! At the ends of a stroke the sample stops, and the drive loads what is elastic in it before it slides again. Friction is therefore
+//! taken in the middle of every stroke, and from two strokes that follow each other as half the width of the friction loop,
+//!
+//! ```text
+//! mu_k = |m_k - m_(k+1)| / 2,     m_k = mean of F / N over the middle of stroke k, with its sign
+//! ```
+//!
+//! so that an offset of the force sensor, and a slope of the sample along the stroke, are not part of it.
+
+use super::time_series::{mean_between, median};
+use super::{FEWEST_SAMPLES, NO_FRICTION, OTHER_SIGN, TraceError, TraceFlag, between};
+
+/// The part in the middle of every stroke that is taken where none is given.
+pub const DEFAULT_STROKE_SHARE: f64 = 0.5;
+/// A stroke has begun where friction passes this part of its usual amount on the new side.
+const BEGUN: f64 = 0.5;
+/// Fewest samples in the middle of a stroke.
+const FEWEST_IN_STROKE: usize = 4;
+/// Departure of a stroke's duration from the usual one that is told.
+const UNEVEN: f64 = 0.3;
+/// Offset between strokes there and back, relative to friction, that is told.
+const OFFSET: f64 = 0.05;
+
+/// A stroke: when it began and ended, in seconds, and its mean with its sign.
+struct Stroke {
+    from_s: f64,
+    to_s: f64,
+    mu: f64,
+}
+
+/// Friction against time, one value for two strokes that follow each other, or one a stroke where the sign was not recorded.
+pub(super) fn friction_of_strokes(
+    time_s: &[f64],
+    mu: &[f64],
+    window_s: [f64; 2],
+    share: f64,
+    flags: &mut Vec<TraceFlag>,
+) -> Result<(Vec<f64>, Vec<f64>), TraceError> {
+    let mut sorted = mu[between(time_s, window_s)].to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let quantile = |part: f64| sorted[((sorted.len() - 1) as f64 * part).round() as usize];
+    let negative = sorted.partition_point(|&value| value < 0.0);
+    let opposite = negative.min(sorted.len() - negative);
+    let signed = opposite as f64 > OTHER_SIGN * sorted.len() as f64;
+    let (middle, usual) = if signed {
+        ((quantile(0.1) + quantile(0.9)) / 2.0, (quantile(0.9) - quantile(0.1)) / 2.0)
+    } else {
+        (0.0, quantile(0.5))
+    };
+    if usual.abs() < NO_FRICTION {
+        return Err(TraceError::NoFriction { mu: usual });
+    }
+    let strokes = strokes(time_s, mu, [middle, usual], signed, share)?;
+    let (times, friction): (Vec<f64>, Vec<f64>) = if signed {
+        strokes.windows(2).map(|pair| (pair[0].to_s, (pair[0].mu - pair[1].mu).abs() / 2.0)).unzip()
+    } else {
+        flags.push(TraceFlag::SignNotRecorded);
+        strokes.iter().map(|stroke| ((stroke.from_s + stroke.to_s) / 2.0, stroke.mu.abs())).unzip()
+    };
+    let inside = between(&times, window_s);
+    if inside.len() < FEWEST_SAMPLES {
+        return Err(TraceError::TooFewStrokes { found: inside.len(), expected: FEWEST_SAMPLES });
+    }
+    let in_window: Vec<&Stroke> =
+        strokes.iter().filter(|stroke| stroke.to_s > window_s[0] && stroke.from_s < window_s[1]).collect();
+    let durations: Vec<f64> = in_window.iter().map(|stroke| stroke.to_s - stroke.from_s).collect();
+    let usual_s = median(durations.clone());
+    let uneven = durations.iter().filter(|duration| (**duration / usual_s - 1.0).abs() > UNEVEN).count();
+    if uneven > 0 {
+        flags.push(TraceFlag::StrokesUneven { count: uneven, of: durations.len(), usual_s });
+    }
+    if signed {
+        let mean = friction[inside.clone()].iter().sum::<f64>() / inside.len() as f64;
+        let offset = in_window.windows(2).map(|pair| (pair[0].mu + pair[1].mu) / 2.0).sum::<f64>()
+            / (in_window.len() - 1) as f64;
+        if offset.abs() > OFFSET * mean {
+            flags.push(TraceFlag::StrokesDiffer { offset, relative: offset / mean });
+        }
+    }
+    Ok((times, friction))
+}
+
+/// The whole strokes of a trace: what begins before its first sample or ends after its last is left out.
+fn strokes(
+    time_s: &[f64],
+    mu: &[f64],
+    [middle, usual]: [f64; 2],
+    signed: bool,
+    share: f64,
+) -> Result<Vec<Stroke>, TraceError> {
+    // Runs of samples on one side: first, last, and the side.
+    let mut runs: Vec<(usize, usize, bool)> = Vec::new();
+    let mut ended = false;
+    for (i, value) in mu.iter().enumerate() {
+        let over = (value - middle) / usual;
+        if over.abs() < BEGUN || (!signed && over < 0.0) {
+            // Friction without a sign ends a stroke by falling; with a sign only the other side ends it.
+            ended |= !signed && over < BEGUN / 2.0;
+            continue;
+        }
+        match runs.last_mut() {
+            Some((_, last, side)) if *side == (over > 0.0) && !ended => *last = i,
+            _ => runs.push((i, i, over > 0.0)),
+        }
+        ended = false;
+    }
+    let turned_s =
+        |before: &(usize, usize, bool), after: &(usize, usize, bool)| (time_s[before.1] + time_s[after.0]) / 2.0;
+    let mut found = Vec::new();
+    for around in runs.windows(3) {
+        let [before, own, after] = around else { continue };
+        let (from_s, to_s) = (turned_s(before, own), turned_s(own, after));
+        let cut_s = (1.0 - share) / 2.0 * (to_s - from_s);
+        let [a, b] = [from_s + cut_s, to_s - cut_s];
+        let samples = between(time_s, [a, b]).len();
+        if samples < FEWEST_IN_STROKE {
+            return Err(TraceError::StrokeTooCoarse { at_s: from_s, samples, expected: FEWEST_IN_STROKE });
+        }
+        found.push(Stroke { from_s, to_s, mu: mean_between(time_s, mu, a, b) });
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Tangential, TraceChannels, TraceOptions, analyse};
+    use slipgrid_statistics::Noise;
+
+    /// Friction 0.25 under 20 N, strokes of half a second at 200 Hz; after a turn it loads for 0.05 s. `seen` is what the sensor shows.
+    fn recorded(noise: f64, seen: impl Fn(f64) -> f64) -> TraceChannels {
+        let mut random = Noise::new(8);
+        let time_s: Vec<f64> = (0..=9000).map(|i| f64::from(i) * 0.005).collect();
+        let friction = |t: f64| {
+            let (stroke, since) = ((t / 0.5).floor(), t.rem_euclid(0.5));
+            let side = if stroke.rem_euclid(2.0) == 0.0 { 1.0 } else { -1.0 };
+            side * 0.25 * (2.0 * since / 0.05 - 1.0).min(1.0)
+        };
+        let force_n = time_s.iter().map(|&t| 20.0 * seen(friction(t) + noise * random.normal())).collect();
+        let normal_force_n = time_s.iter().map(|_| 20.0).collect();
+        TraceChannels { time_s, tangential: Tangential::ForceN(force_n), normal_force_n }
+    }
+
+    const OPTIONS: TraceOptions = TraceOptions {
+        window_s: crate::DEFAULT_WINDOW_S,
+        effective_radius_m: f64::NAN,
+        nominal_force_n: Some(20.0),
+        speed_m_s: 5e-3,
+        static_peak: true,
+        stroke_share: Some(DEFAULT_STROKE_SHARE),
+    };
+
+    #[test]
+    fn half_the_width_of_the_loop_is_friction_whatever_the_sensors_offset() {
+        for (offset, flagged) in [(0.0, false), (0.01, false), (-0.08, true)] {
+            let found = analyse(&recorded(0.002, |mu| mu + offset), &OPTIONS).unwrap();
+            assert!((found.window.mu - 0.25).abs() < 4.0 * found.window.stderr, "{offset}: {:?}", found.window);
+            assert!(found.window.stderr < 2e-4 && found.static_peak.is_none() && found.stick_slip.is_none());
+            match &found.flags[..] {
+                [] => assert!(!flagged),
+                [TraceFlag::StrokesDiffer { offset: told, .. }] => assert!(flagged && (told - offset).abs() < 1e-3),
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn without_noise_the_middle_of_a_stroke_is_exact_and_its_ends_are_not_part_of_it() {
+        let smooth = |mu: f64| mu * (1.0 + 1e-9 * mu);
+        let found = analyse(&recorded(1e-9, smooth), &OPTIONS).unwrap();
+        assert!((found.window.mu - 0.25).abs() < 1e-8, "{:?}", found.window);
+        // The whole stroke holds the turn, 0.05 s of 0.5 s in which friction is half of what it is later, on average none.
+        let whole = analyse(&recorded(1e-9, smooth), &TraceOptions { stroke_share: Some(1.0), ..OPTIONS }).unwrap();
+        assert!((0.22..0.245).contains(&whole.window.mu), "{:?}", whole.window);
+    }
+
+    #[test]
+    fn friction_without_its_sign_is_read_and_told() {
+        let found = analyse(&recorded(0.002, f64::abs), &OPTIONS).unwrap();
+        assert!(
+            (found.window.mu - 0.25).abs() < 4.0 * found.window.stderr && found.flags == [TraceFlag::SignNotRecorded]
+        );
+    }
+
+    #[test]
+    fn sliding_back_and_forth_is_refused_as_one_direction_and_the_other_way_round() {
+        let both = recorded(0.002, |mu| mu);
+        let one_way = analyse(&both, &TraceOptions { stroke_share: None, ..OPTIONS });
+        assert!(matches!(one_way, Err(TraceError::WrongSign { .. })), "{one_way:?}");
+        let one = recorded(0.002, |_| 0.25);
+        let mut steady = one.clone();
+        let mut random = Noise::new(3);
+        steady.tangential = Tangential::ForceN(steady.time_s.iter().map(|_| 5.0 + 0.02 * random.normal()).collect());
+        let refused = analyse(&steady, &OPTIONS);
+        assert!(matches!(refused, Err(TraceError::TooFewStrokes { found: 0, .. })), "{refused:?}");
+        // Ten samples a second: one in a stroke's middle quarter of a second is no mean.
+        let coarse = |values: &[f64]| values.iter().copied().step_by(20).collect::<Vec<_>>();
+        let sparse = TraceChannels {
+            time_s: coarse(&both.time_s),
+            tangential: Tangential::ForceN(coarse(both.tangential.values())),
+            normal_force_n: coarse(&both.normal_force_n),
+        };
+        assert!(matches!(analyse(&sparse, &OPTIONS), Err(TraceError::StrokeTooCoarse { .. })));
+    }
+}
