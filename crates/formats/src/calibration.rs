@@ -257,8 +257,8 @@ fn measured_law(
     })
 }
 
-/// The specimen's face: a disc by its radius, or the shapes of a design's specimen.
-fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
+/// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
+pub(crate) fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
     let file = table.get_ref();
     let others = [
         ("disc", &file.diameter_mm),
@@ -295,7 +295,8 @@ fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Ou
     Ok(laser::read_specimen(document, &Spanned::new(table.span(), as_design))?.outline)
 }
 
-fn area_m2(outline: &Outline) -> f64 {
+/// Area of a face, in square metres.
+pub(crate) fn area_m2(outline: &Outline) -> f64 {
     match outline {
         // pi r^2
         Outline::Disc { diameter_m } => std::f64::consts::PI * (diameter_m / 2.0) * (diameter_m / 2.0),

@@ -22,6 +22,10 @@ pub struct Placed {
     pub line: u32,
 }
 
+/// Part by which the pressure on a face of another size may differ from the one that a flat sample was measured at, and count as it: forces
+/// are set in round numbers. Friction changes by a tenth of that at most.
+const SAME_PRESSURE: f64 = 0.01;
+
 /// Conditions that a message names.
 const MOST_NAMED: usize = 4;
 
@@ -39,6 +43,22 @@ impl Placed {
     #[must_use]
     pub fn rows(path: &Path, rows: Vec<(u32, Measurement)>) -> Vec<Self> {
         rows.into_iter().map(|(line, measurement)| Self { measurement, path: path.to_owned(), line }).collect()
+    }
+
+    /// The same measurement with the force that presses as much on a face of `specimens` as its own does on one of `own`; where `flat`
+    /// samples were measured at nearly this pressure, at theirs.
+    #[must_use]
+    pub(crate) fn on(&self, own: &Specimens, specimens: &Specimens, flat: &[Self]) -> Self {
+        let mut row = self.clone();
+        if own.area_m2 != specimens.area_m2 {
+            // P = F / A
+            let force_n = row.measurement.force_n * specimens.area_m2 / own.area_m2;
+            let off = |other: &f64| (other / force_n - 1.0).abs();
+            let forces = flat.iter().map(|other| other.measurement.force_n);
+            let nearest = forces.min_by(|a, b| off(a).total_cmp(&off(b))).filter(|other| off(other) <= SAME_PRESSURE);
+            row.measurement.force_n = nearest.unwrap_or(force_n);
+        }
+        row
     }
 
     /// A diagnostic that points at `key` of it.

@@ -8,7 +8,8 @@ use slipgrid_pattern::Pattern;
 use slipgrid_results::PatternReport;
 use toml::Spanned;
 
-use super::calibration::read_fitting_pattern;
+use super::calibration::{area_m2, read_fitting_pattern, read_outline};
+use super::calibration_file::SpecimenFile;
 use super::document::Document;
 use super::material::existing;
 use super::measured::{self, Placed, Specimens};
@@ -35,6 +36,8 @@ pub struct TrialFile {
     pattern: Spanned<PatternFile>,
     /// CSV table of friction in the columns of flat samples; a trial without it is pending.
     measurements: Option<Spanned<String>>,
+    /// Face of this sample, on which `force_n` of its table counts; the calibration's specimen when absent.
+    specimen: Option<Spanned<SpecimenFile>>,
     /// Standard error of its measured mean width; 0 when absent.
     width_std_um: Option<Number>,
     /// Standard error of its measured mean spacing; 0 when absent.
@@ -139,7 +142,9 @@ pub fn read_trials(
                 .refuse(file.name.span(), "names two trials")
                 .expected("a name of its own for every [[trial]]"));
         }
-        let pattern = read_fitting_pattern(document, &file.pattern, outline)?;
+        let own = file.specimen.as_ref().map(|table| read_outline(document, table)).transpose()?;
+        let own_specimens = Specimens { area_m2: own.as_ref().map_or(specimens.area_m2, area_m2), ..*specimens };
+        let pattern = read_fitting_pattern(document, &file.pattern, own.as_ref().unwrap_or(outline))?;
         let rows = match &file.measurements {
             Some(name) => {
                 let path = existing(document, name, name.get_ref())?;
@@ -147,7 +152,8 @@ pub fn read_trials(
             }
             None => Vec::new(),
         };
-        told.extend(measured::check(&rows, specimens)?);
+        told.extend(measured::check(&rows, &own_specimens)?);
+        let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
         told.extend(measured::check_partners(&rows, flat)?);
         let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
             Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
@@ -193,8 +199,8 @@ struct TemplateTrial<'a> {
 pub fn sector_trials(disc: &str, patterns: &[Pattern], densities: &[f64]) -> String {
     let mut text = "# Trials of one disc, by slipgrid: add these to the calibration once it is cut. They are pending until each names its measurements.\n\
                     # Measure each sector alone: what presses the whole disc measures a mean of all sectors, which is a trial of none.\n\
-                    # Write measured dimensions in place of the designed ones. force_n in a table counts on the calibration's specimen:\n\
-                    # a pin of area a that is pressed with F stands in it with F times the specimen's area over a.\n"
+                    # Write measured dimensions in place of the designed ones. force_n in a table counts on the calibration's specimen,\n\
+                    # or on the face that [trial.specimen] gives, as that of a pin on a sector: radius_mm = 1.5.\n"
         .to_owned();
     for (place, (pattern, density)) in patterns.iter().zip(densities).enumerate() {
         let number = place + 1;

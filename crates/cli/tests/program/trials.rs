@@ -158,6 +158,25 @@ fn rows_of_a_trial_without_a_flat_partner_are_named() {
     );
 }
 
+/// A pin of 2 mm radius needs 0.16 times the force on a disc of 5 mm for the same pressure; forces are set in round numbers.
+#[test]
+fn forces_on_a_sample_of_another_size_count_by_their_pressure() {
+    let rows = table([0.9, 0.88, 0.86]);
+    let rounded = rows.replace("\n50,2,", "\n8.03,2,").replace("\n100,2,", "\n16,2,").replace("\n200,2,", "\n32,2,");
+    let ledger = |rows: &str, specimen: &str| {
+        let keys = format!("measurements = \"a.csv\"\n{specimen}");
+        let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], &keys));
+        let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration), ("a.csv", rows)]);
+        let output = place.run(&["trials", "calibration.toml", "--json"]);
+        (output.status.code(), String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (disc, pin) = (ledger(&rows, ""), ledger(&rounded, "specimen = { radius_mm = 2.0 }\n"));
+    assert_eq!((disc.0, pin.0), (Some(0), Some(0)), "{} {}", disc.2, pin.2);
+    assert_eq!(disc.1, pin.1);
+    // Without its own face the same forces have no partner.
+    assert_eq!(ledger(&rounded, "").0, Some(2));
+}
+
 /// Three samples as sectors of one disc: what the laser takes, and trials that the calibration takes as they stand.
 #[test]
 fn sectors_of_one_disc_are_drawn_and_become_trials() {
