@@ -17,6 +17,8 @@ pub(crate) struct Header {
     pub(crate) value_nm: Option<f64>,
     /// The first line was SPIP's: other programs use the same words with other units.
     spip: bool,
+    /// Titles of the columns x, y and z were met.
+    pub(crate) titled: bool,
     /// Lines of the matrix, and values on each.
     pub(crate) pixels: [Option<u64>; 2],
     pub(crate) lateral_unit: Option<LengthUnit>,
@@ -31,7 +33,7 @@ impl Header {
             self.comment(comment.trim(), line)?;
             return Ok(true);
         }
-        self.titles(text, line)
+        Ok(self.titles(text, line)? || self.units_below_titles(text, line)?)
     }
 
     fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
@@ -68,33 +70,55 @@ impl Header {
         Ok(())
     }
 
-    /// Titles such as `x_um,y_um,z_nm` or `X [um]  Y [um]  Z [nm]`.
+    /// Titles such as `x_um,y_um,z_nm`, `X [um]  Y [um]  Z [nm]` or `"X (mm)","Y (mm)","Height (um)"`.
     fn titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let joined = text.replace(" [", "_").replace(" (", "_");
         let titles: Vec<&str> = Delimiter::of(&joined).fields(&joined).take(4).collect();
         let [x, y, z] = titles[..] else { return Ok(false) };
-        let is_title = |title: &str, name: char| {
-            let mut chars = title.chars();
-            chars.next().is_some_and(|c| c.eq_ignore_ascii_case(&name))
-                && chars.next().is_none_or(|c| !c.is_alphanumeric())
-        };
-        if !(is_title(x, 'x') && is_title(y, 'y') && is_title(z, 'z')) {
-            return Ok(false);
+        /// What follows the word that a title begins with, where it is one of `names`.
+        fn behind<'a>(title: &'a str, names: &[&str]) -> Option<&'a str> {
+            let end = title.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(title.len());
+            names.iter().any(|name| title[..end].eq_ignore_ascii_case(name)).then_some(&title[end..])
         }
-        let named = |title: &str| title[1..].trim_matches(['_', '[', ']', '(', ')', ' ', '/']).to_owned();
-        let (x, y, z) = (named(x), named(y), named(z));
+        let (Some(x), Some(y), Some(z)) = (behind(x, &["x"]), behind(y, &["y"]), behind(z, &["z", "height"])) else {
+            return Ok(false);
+        };
+        self.titled = true;
+        self.take_units([x, y, z], line)?;
+        Ok(true)
+    }
+
+    /// Units in a line of their own below the titles, as `um,um,nm` or `[um] [um] [nm]`.
+    fn units_below_titles(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        let cells: Vec<&str> = Delimiter::of(text).fields(text).take(4).collect();
+        let [x, y, z] = cells[..] else { return Ok(false) };
+        let is_row = self.titled && [x, y, z].iter().all(|cell| bare(cell).parse::<LengthUnit>().is_ok());
+        if is_row {
+            self.take_units([x, y, z], line)?;
+        }
+        Ok(is_row)
+    }
+
+    /// Takes the units of x, y and z; nothing where none is named.
+    fn take_units(&mut self, cells: [&str; 3], line: usize) -> Result<(), ReadError> {
+        let [x, y, z] = cells.map(bare);
         if x != y {
             let value = excerpt(&format!("{x} and {y}"));
             return Err(ReadError::Header { line, key: "unit of x and y", value, expected: "the same unit for both" });
         }
         if !x.is_empty() {
-            self.lateral_unit = Some(unit(line, "unit of x and y", &x)?);
+            self.lateral_unit = Some(unit(line, "unit of x and y", x)?);
         }
         if !z.is_empty() {
-            self.value_unit = Some(unit(line, "unit of z", &z)?);
+            self.value_unit = Some(unit(line, "unit of z", z)?);
         }
-        Ok(true)
+        Ok(())
     }
+}
+
+/// A unit without its brackets.
+fn bare(cell: &str) -> &str {
+    cell.trim_matches(['_', '[', ']', '(', ')', ' ', '/'])
 }
 
 /// A length with its unit, as `1.5 mm`, in metres.
@@ -170,15 +194,25 @@ mod tests {
 
     #[test]
     fn column_titles_carry_units() {
-        for titles in ["x_um,y_um,z_nm", "X [um]\tY [um]\tZ [nm]", "x (\u{b5}m); y (\u{b5}m); z (nm)"] {
-            let read = header(&[titles]).unwrap();
-            assert_eq!(read.lateral_unit, Some(LengthUnit::Micrometre), "{titles}");
-            assert_eq!(read.value_unit, Some(LengthUnit::Nanometre), "{titles}");
+        for titles in [
+            &["x_um,y_um,z_nm"][..],
+            &["X [um]\tY [um]\tZ [nm]"],
+            &["x (\u{b5}m); y (\u{b5}m); z (nm)"],
+            &["X(um)\tY(um)\tZ(nm)"],
+            &["\"X (um)\",\"Y (um)\",\"Height (nm)\""],
+            &["X,Y,Z", "um,um,nm"],
+            &["x y z", "[um] [um] [nm]"],
+        ] {
+            let read = header(titles).unwrap();
+            assert_eq!(read.lateral_unit, Some(LengthUnit::Micrometre), "{titles:?}");
+            assert_eq!(read.value_unit, Some(LengthUnit::Nanometre), "{titles:?}");
         }
         let read = header(&["x y z"]).unwrap();
         assert_eq!((read.lateral_unit, read.value_unit), (None, None));
         assert!(!Header::default().take("1 2 3", 1).unwrap());
         assert!(!Header::default().take("xerox yes zero", 1).unwrap());
+        // Units mean nothing without titles.
+        assert!(!Header::default().take("um,um,nm", 1).unwrap());
     }
 
     #[test]

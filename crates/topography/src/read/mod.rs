@@ -37,7 +37,7 @@ mod xyz;
 use std::io::{BufRead, Cursor, Read};
 
 use header::Header;
-use lines::{Delimiter, Lines};
+use lines::{Delimiter, Lines, height};
 use matrix::MatrixReader;
 use xyz::XyzReader;
 
@@ -221,38 +221,75 @@ enum Data {
     Xyz(XyzReader),
 }
 
-fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
-    let mut lines = Lines::new(source);
-    let mut header = Header::default();
-    let mut data = None;
-    let mut pointed;
-    loop {
-        let line = lines.line() + 1;
-        let Some(mut text) = lines.next()? else { break };
-        if options.decimal_comma {
-            pointed = text.replace(',', ".");
-            text = &pointed;
+/// A text of heights, as far as it is read.
+struct Text<'o> {
+    options: &'o ReadOptions,
+    header: Header,
+    data: Option<Data>,
+    /// The first line that an instrument may have written above the titles of its columns.
+    preamble: Option<(usize, String)>,
+}
+
+impl Text<'_> {
+    /// Takes a line; says whether more are wanted.
+    fn take(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        let before_data = self.data.is_none();
+        if text.is_empty() || ((before_data || text.starts_with(['#', '%'])) && self.header.take(text, line)?) {
+            if self.header.titled {
+                self.preamble = None;
+            }
+            return Ok(true);
         }
-        if text.is_empty() || ((data.is_none() || text.starts_with(['#', '%'])) && header.take(text, line)?) {
-            continue;
+        if before_data && !self.header.titled && begins_with_a_word(text) {
+            self.preamble.get_or_insert_with(|| (line, text.to_owned()));
+            return Ok(true);
         }
-        let target = match &mut data {
+        // Data without titles: what stands above them is no preamble, and is refused as what it is.
+        if let Some((line, text)) = self.preamble.take() {
+            self.push(&text, line)?;
+        }
+        self.push(text, line)
+    }
+
+    fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
+        let target = match &mut self.data {
             Some(target) => target,
-            None => data.insert(match options.format.unwrap_or_else(|| detect(&header, text)) {
+            None => self.data.insert(match self.options.format.unwrap_or_else(|| detect(&self.header, text)) {
                 MapFormat::Xyz => Data::Xyz(XyzReader::default()),
-                _ => Data::Matrix(Box::new(MatrixReader::new(text, line, &header, options)?)),
+                _ => Data::Matrix(Box::new(MatrixReader::new(text, line, &self.header, self.options)?)),
             }),
         };
         match target {
             Data::Matrix(matrix) => {
                 matrix.push(text, line)?;
-                if matrix.is_full() {
-                    break;
-                }
+                Ok(!matrix.is_full())
             }
-            Data::Xyz(points) => points.push(text, line)?,
+            Data::Xyz(points) => points.push(text, line).map(|()| true),
         }
     }
+}
+
+/// Whether a line begins with a word other than those for a missing height.
+fn begins_with_a_word(text: &str) -> bool {
+    let first = Delimiter::of(text).fields(text).next().unwrap_or_default();
+    first.starts_with(char::is_alphabetic) && height(first).is_none()
+}
+
+fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
+    let mut lines = Lines::new(source);
+    let mut text = Text { options, header: Header::default(), data: None, preamble: None };
+    loop {
+        let line = lines.line() + 1;
+        let Some(own) = lines.next()? else { break };
+        let more = if options.decimal_comma { text.take(&own.replace(',', "."), line)? } else { text.take(own, line)? };
+        if !more {
+            break;
+        }
+    }
+    if let Some((line, first)) = text.preamble.take() {
+        text.push(&first, line)?;
+    }
+    let Text { header, data, .. } = text;
     let (map, whole, format) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
         Some(Data::Matrix(matrix)) => {
@@ -289,6 +326,18 @@ mod tests {
     fn refused(text: &str) -> String {
         let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
         read_map(text.as_bytes(), &options).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn what_an_instrument_writes_above_the_titles_is_passed_over_and_nothing_else_is() {
+        let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n";
+        let read = read(&format!("Measurement 17\nOperator,Anna\n\nX,Y,Z\num,um,nm\n{points}")).unwrap();
+        assert_eq!((read.format, read.map.dx_m()), (MapFormat::Xyz, 1e-6));
+        assert_eq!(read.map.heights_m(), [1e-9, 3e-9, 2e-9, 4e-9]);
+        for text in [format!("Measurement,17\n{points}"), format!("a,b,c\n{points}"), "friction\n".to_owned()] {
+            assert!(refused(&text).starts_with("line 1, column "), "{text}: {}", refused(&text));
+        }
+        assert!(refused(&format!("X,Y,Z\nabout,these,points\n{points}")).starts_with("line 2"));
     }
 
     #[test]
