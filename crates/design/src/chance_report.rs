@@ -7,6 +7,7 @@ use slipgrid_springblock::Simulation;
 use crate::DesignError;
 use crate::chance::{About, Chances};
 use crate::multi_fidelity::MultiFidelityLoop;
+use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
@@ -71,7 +72,7 @@ impl MultiFidelityLoop<'_> {
         let known = material.at_loads(self.scene.area_law.as_ref(), &self.scene.loads, design.condition.as_ref())?;
         let mut not_known: Vec<String> = Vec::new();
         if design.tolerances.is_none() {
-            not_known.push("tolerances of width, spacing and depth".to_owned());
+            not_known.push(TOLERANCES.to_owned());
         }
         let has_exact_rims = design.tolerances.is_none_or(|scatter| scatter.tolerances.rim_height_std_m == 0.0);
         if best.design.texture().rim().is_some() && has_exact_rims {
@@ -148,7 +149,7 @@ impl MultiFidelityLoop<'_> {
         });
         let limited_by = parts.first().filter(|part| all.share < 0.995 && part.chance_without > all.share).cloned();
         Ok(Some(ChanceReport {
-            words: words(all.share, limited_by.as_ref(), design.tolerances.is_some(), &not_known),
+            words: format!("{} {ON_TARGET}{}", percent(all.share), limits(limited_by.as_ref(), &not_known)),
             value: Some(tidy(all.share)),
             stderr: Some(tidy(all.stderr)),
             included,
@@ -223,33 +224,74 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-fn words(share: f64, limited_by: Option<&PartReport>, has_tolerances: bool, not_known: &[String]) -> String {
+/// What the chance is of.
+const ON_TARGET: &str = "chance that a cut sample is on target";
+/// Where the chance leaves out scatter that nobody told it.
+const TOLERANCES: &str = "tolerances of width, spacing and depth";
+
+/// What limits a chance, in parentheses behind it.
+fn limits(limited_by: Option<&PartReport>, not_known: &[String]) -> String {
+    let is_unknown = |name: &str| not_known.iter().any(|unknown| unknown == name);
     let mut of = Vec::new();
     if let Some(part) = limited_by {
         of.push(format!("limited by {}, {}", part.input, part.known_to));
     }
-    if !has_tolerances {
+    if is_unknown(TOLERANCES) {
         of.push("from the material alone: tolerances are not given".to_owned());
-    } else if ["flat friction", "Young's modulus", "scale of the area law"]
-        .iter()
-        .any(|name| not_known.iter().any(|unknown| unknown == name))
-    {
+    } else if ["flat friction", "Young's modulus", "scale of the area law"].into_iter().any(is_unknown) {
         of.push("not all errors of the material are given".to_owned());
     }
-    let of = if of.is_empty() { String::new() } else { format!(" ({})", of.join("; ")) };
-    format!("{} chance that a cut sample is on target{of}", percent(share))
+    if of.is_empty() { String::new() } else { format!(" ({})", of.join("; ")) }
 }
 
 impl ChanceReport {
-    /// What is in the chance and what is not, one line each.
+    /// What a design is announced with: the chance by what trials say that the model lacks, where `advice` has it and the chance itself does
+    /// not count it.
     #[must_use]
-    pub fn lines(&self) -> Vec<String> {
-        let mut lines = Vec::new();
-        if !self.included.is_empty() {
-            lines.push(format!("the chance includes {}", self.included.join(", ")));
+    pub fn announced(&self, advice: Option<&AdviceReport>) -> String {
+        match (self.value, self.beside(advice)) {
+            (Some(_), Some(advice)) => format!("{} {ON_TARGET}", percent(advice.chance)),
+            _ => self.words.clone(),
         }
-        if !self.not_known.is_empty() {
-            lines.push(format!("not in it, as nothing says how well it is known: {}", self.not_known.join(", ")));
+    }
+
+    /// What the chance announced counts, and what it would be if the model lacked nothing; `None` where the two are the same.
+    #[must_use]
+    pub fn with_and_without_trials(&self, advice: Option<&AdviceReport>) -> Option<String> {
+        let (share, advice) = (self.value?, self.beside(advice)?);
+        Some(format!(
+            "the chance counts {}; if it lacked nothing, it would be {}{}",
+            advice.known_of(),
+            percent(share),
+            limits(self.limited_by.as_ref(), &self.not_known)
+        ))
+    }
+
+    /// The chance that is announced.
+    #[must_use]
+    pub fn announced_value(&self, advice: Option<&AdviceReport>) -> Option<f64> {
+        self.value.map(|share| self.beside(advice).map_or(share, |advice| advice.chance))
+    }
+
+    /// The advice, where the chance does not count what trials say.
+    fn beside<'a>(&self, advice: Option<&'a AdviceReport>) -> Option<&'a AdviceReport> {
+        advice.filter(|_| self.not_known.iter().any(|unknown| unknown == MODEL))
+    }
+
+    /// What is in the chance and what is not, one line each. Where `advice` counts how far the model is off, that is in the chance announced.
+    #[must_use]
+    pub fn lines(&self, advice: Option<&AdviceReport>) -> Vec<String> {
+        let both = self.with_and_without_trials(advice);
+        let [includes, leaves_out] =
+            if both.is_some() { ["the latter includes", "in neither"] } else { ["the chance includes", "not in it"] };
+        let is_left = |of: &&str| both.is_none() || *of != MODEL;
+        let left: Vec<&str> = self.not_known.iter().map(String::as_str).filter(is_left).collect();
+        let mut lines: Vec<String> = both.into_iter().collect();
+        if !self.included.is_empty() {
+            lines.push(format!("{includes} {}", self.included.join(", ")));
+        }
+        if !left.is_empty() {
+            lines.push(format!("{leaves_out}, as nothing says how well it is known: {}", left.join(", ")));
         }
         lines
     }

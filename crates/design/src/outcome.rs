@@ -212,7 +212,7 @@ impl DesignReport {
         if let Some(selection) = &self.selection {
             text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
         }
-        for line in self.chance.iter().flat_map(ChanceReport::lines) {
+        for line in self.chance.iter().flat_map(|chance| chance.lines(self.advice.as_ref())) {
             text.insert_str(text.len() - 1, &format!("  {line}\n"));
         }
         if let Some(advice) = &self.advice {
@@ -331,7 +331,7 @@ impl DesignReport {
 
     /// The chance, before the verdict.
     fn chance_words(&self) -> String {
-        self.chance.as_ref().map_or_else(String::new, |chance| format!("{}; ", chance.words))
+        self.chance.as_ref().map_or_else(String::new, |chance| format!("{}; ", chance.announced(self.advice.as_ref())))
     }
 
     /// What ran out, in words.

@@ -12,7 +12,7 @@ use slipgrid_pattern::Pattern;
 use slipgrid_springblock::Layer;
 use toml::Spanned;
 
-use super::calibration_file::{BulkFile, CalibrationFile, SpecimenFile};
+use super::calibration_file::{BulkFile, CalibrationFile, FaceFile};
 use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser;
@@ -258,7 +258,7 @@ fn measured_law(
 }
 
 /// A specimen's face: a disc by its radius, or the shapes of a design's specimen.
-pub(crate) fn read_outline(document: &Document, table: &Spanned<SpecimenFile>) -> Result<Outline, Diagnostic> {
+pub(crate) fn read_outline(document: &Document, table: &Spanned<FaceFile>) -> Result<Outline, Diagnostic> {
     let file = table.get_ref();
     let others = [
         ("disc", &file.diameter_mm),
@@ -316,7 +316,7 @@ fn extent_m(outline: &Outline) -> f64 {
 /// What is unusual of the specimen's size.
 fn outline_told(
     document: &Document,
-    table: &Spanned<SpecimenFile>,
+    table: &Spanned<FaceFile>,
     outline: &Outline,
 ) -> Result<Option<Diagnostic>, Diagnostic> {
     let file = table.get_ref();

@@ -22,7 +22,7 @@ pub(crate) struct CalibrationFile {
     /// Where the area law comes from; friction is proportional to load when absent.
     pub surface: Option<Spanned<SurfaceFile>>,
     /// The face of one specimen: pressure is force over its area.
-    pub specimen: Spanned<SpecimenFile>,
+    pub specimen: Spanned<FaceFile>,
     /// Tables of measured friction.
     pub measurements: Option<Spanned<MeasurementsFile>>,
     /// Raw exports of a tribometer, in place of tables.
@@ -57,7 +57,7 @@ pub(crate) struct BulkFile {
 /// The face of one specimen, by the radius of a disc or by a shape.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct SpecimenFile {
+pub struct FaceFile {
     /// Radius of a disc.
     pub radius_mm: Option<Number>,
     /// `disc`, `rectangle` or `ring`; the lengths say it when absent.

@@ -9,7 +9,7 @@ use slipgrid_results::PatternReport;
 use toml::Spanned;
 
 use super::calibration::{area_m2, read_fitting_pattern, read_outline};
-use super::calibration_file::SpecimenFile;
+use super::calibration_file::FaceFile;
 use super::document::Document;
 use super::material::existing;
 use super::measured::{self, Placed, Specimens};
@@ -37,7 +37,7 @@ pub struct TrialFile {
     /// CSV table of friction in the columns of flat samples; a trial without it is pending.
     measurements: Option<Spanned<String>>,
     /// Face of this sample, on which `force_n` of its table counts; the calibration's specimen when absent.
-    specimen: Option<Spanned<SpecimenFile>>,
+    specimen: Option<Spanned<FaceFile>>,
     /// Standard error of its measured mean width; 0 when absent.
     width_std_um: Option<Number>,
     /// Standard error of its measured mean spacing; 0 when absent.

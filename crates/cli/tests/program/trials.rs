@@ -238,10 +238,10 @@ fn a_design_is_cut_as_a_trial_where_little_is_known() {
     let advice = &report["advice"];
     assert_eq!((advice["advice"].as_str(), advice["trials"].as_u64()), (Some("trial"), Some(0)), "{advice}");
     let words = advice["words"].as_str().unwrap();
-    assert!(words.starts_with("cut it as a trial: chance ") && words.contains("before any trial"), "{words}");
+    assert!(words.starts_with("cut it as a trial: its chance, ") && words.contains("below one half"), "{words}");
     assert_eq!(advice["predicted"].as_array().unwrap().len(), 2);
     let page = fs::read_to_string(place.path("out/report.html")).unwrap();
-    assert!(page.contains("Cut it as a trial: chance "));
+    assert!(page.contains("Cut it as a trial: its chance, "));
 }
 
 #[test]

@@ -45,6 +45,16 @@ impl AdviceReport {
         format!("  {}\n{table}", self.words)
     }
 
+    /// What its chance counts beside the model, in words.
+    #[must_use]
+    pub fn known_of(&self) -> String {
+        match self.trials {
+            0 => "what is believed before any trial that the model lacks".to_owned(),
+            1 => "what one trial says that the model lacks".to_owned(),
+            trials => format!("what {trials} trials say that the model lacks"),
+        }
+    }
+
     fn table(&self) -> Table {
         let mut table = Table::new(TrialCandidateReport::COLUMNS);
         self.rather.iter().enumerate().for_each(|(place, of)| {
@@ -93,12 +103,8 @@ impl MultiFidelityLoop<'_> {
         let judged = design.judged(&asked.learned.at(&asked.loads), &asked.wanted);
         let chance = judged.score.chance;
         let (advice, trials) = (if chance > SERIES { "series" } else { "trial" }, asked.learned.trials().len());
-        let known_of = match trials {
-            0 => "before any trial, by what is believed that the model lacks".to_owned(),
-            1 => "with what one trial says that the model lacks".to_owned(),
-            trials => format!("with what {trials} trials say that the model lacks"),
-        };
-        let words = format!("cut it as a {advice}: chance {}, {known_of}", percent(chance));
+        let side = if chance > SERIES { "above" } else { "below" };
+        let words = format!("cut it as a {advice}: its chance, {}, is {side} one half", percent(chance));
         let predicted = PredictedRatio::of(&asked, &judged);
         let rather = if chance > SERIES { None } else { self.rather(task, &asked, &models, chance) };
         let words = match &rather {

@@ -8,7 +8,7 @@ use slipgrid_results::PatternReport;
 use slipgrid_springblock::Load;
 
 use super::first_screen::first_screen;
-use super::page::{Page, ends, estimate, known, length_um, number, percent, plain, with_error};
+use super::page::{Page, ends, estimate, known, length_um, number, percent, plain, sentence, with_error};
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -37,7 +37,9 @@ pub fn design(
             uncertainty::robustness(page, found);
         }
         if let Some(chance) = &report.chance {
-            page.fold("What the chance includes, and what limits it", |page| chance_parts(page, chance));
+            page.fold("What the chance includes, and what limits it", |page| {
+                chance_parts(page, chance, report.advice.as_ref());
+            });
         }
         if let Some(found) = &report.sensitivities {
             page.fold("What a micrometre changes", |page| uncertainty::sensitivities(page, found));
@@ -105,18 +107,10 @@ fn predicted(at: Option<&PredictedRatio>) -> String {
 }
 
 /// What the chance rests on.
-fn chance_parts(page: &mut Page, chance: &ChanceReport) {
-    if !chance.included.is_empty() {
-        page.paragraph(&format!(
-            "The chance is one of all pressures and conditions at once. It includes {}.",
-            chance.included.join(", ")
-        ));
-    }
-    if !chance.not_known.is_empty() {
-        page.paragraph(&format!(
-            "Not in the chance, as nothing says how well it is known: {}.",
-            chance.not_known.join(", ")
-        ));
+fn chance_parts(page: &mut Page, chance: &ChanceReport, advice: Option<&AdviceReport>) {
+    page.paragraph("The chance is one of all pressures and conditions at once.");
+    for line in chance.lines(advice) {
+        page.paragraph(&sentence(&line));
     }
     page.records(
         "What limits the chance: what it would be in % were one of these known, or made, exactly.",

@@ -1,7 +1,7 @@
 //! What is seen first: the chance, what to cut, what to know, the target and the pattern.
 
 use slipgrid_design::records::ChanceReport;
-use slipgrid_design::{DesignOutcome, DesignReport};
+use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport};
 use slipgrid_export::laser_time_s;
 use slipgrid_units::LENGTH_MM;
 
@@ -53,7 +53,7 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
 fn verdict(page: &mut Page, report: &DesignReport) {
     let scope = if report.section_model { " (by the vertical section, as grooves)" } else { "" };
     if let Some(found) = &report.chance {
-        chance(page, found);
+        chance(page, found, report.advice.as_ref());
     }
     if let Some(advice) = &report.advice {
         page.paragraph(&sentence(&advice.words));
@@ -76,10 +76,13 @@ fn verdict(page: &mut Page, report: &DesignReport) {
 }
 
 /// The chance that a cut sample is on target, first of all.
-fn chance(page: &mut Page, chance: &ChanceReport) {
-    page.marked("chance", &sentence(&chance.words));
-    if let Some(share) = known(chance.value) {
+fn chance(page: &mut Page, chance: &ChanceReport, advice: Option<&AdviceReport>) {
+    page.marked("chance", &sentence(&chance.announced(advice)));
+    if let Some(share) = known(chance.announced_value(advice)) {
         page.bar(share);
+    }
+    if let Some(both) = chance.with_and_without_trials(advice) {
+        page.paragraph(&sentence(&both));
     }
 }
 

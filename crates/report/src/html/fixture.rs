@@ -186,7 +186,7 @@ fn chance() -> ChanceReport {
         stderr: Some(0.01),
         words: "16 % chance that a cut sample is on target (limited by Young's modulus)".into(),
         included: vec!["width".into()],
-        not_known: vec!["the model".into()],
+        not_known: vec!["how far the model itself is off".into()],
         limited_by: None,
         parts: vec![width],
         draws: 1000,

@@ -61,7 +61,7 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
         "<div class=\"narrow\"><div class=\"card\"",
         "<p class=\"chance\">16 % chance that a cut sample is on target (limited by Young's modulus).</p>",
         "<div style=\"width:16.0%\">",
-        "Not in the chance, as nothing says how well it is known: the model.",
+        "Not in it, as nothing says how well it is known: how far the model itself is off.",
         "The design was chosen of 3.",
         "Target met by the model.",
         "<td>0.97 ± 0.01</td>",
