@@ -39,6 +39,15 @@ def slow() -> slipgrid.Scene:
     )
 
 
+@pytest.fixture
+def ctrl_c():
+    """Ctrl-C raises here even where it is ignored, as in what a script starts in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_ends_a_run_within_a_second() -> None:
     scene = slow()
     pressed = []
