@@ -27,10 +27,10 @@ fn schemas_are_generated_from_the_types_that_read() {
 #[test]
 fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
     let types = types();
-    let mut chapter = "# Keys of all files\n\nThis chapter is generated from the types that read the files. A key that is **bold** must \
-                       be there. \"Accepted\" is what the reader itself answers where something else stands there; where it says \
-                       nothing, the type says all. [Files with keys](files.md) tells which file is for what, and how an editor \
-                       checks them.\n"
+    let mut chapter = "# Keys of all files\n\nThis chapter is generated from the types that read the files. A key that is **bold** is \
+                       required. The column \"accepted\" has what the program answers to a wrong value; where it is empty, every \
+                       value of the type is accepted. [Files with keys](files.md) says which file is for what, and how an editor \
+                       checks keys.\n"
         .to_owned();
     let mut described = BTreeMap::new();
     for kind in &KINDS {
@@ -43,11 +43,11 @@ fn the_chapter_of_keys_is_generated_from_the_types_that_read() {
 
 #[test]
 fn the_chapter_of_columns_is_generated_from_what_reads_them() {
-    let mut chapter = "# Columns of traces\n\nThis chapter is generated from what reads the exports. A title is compared by its letters and digits \
-                       alone, capital or small: `Normal force`, `normal_force` and `NormalForce` are the same. The unit stands behind the \
-                       title in brackets, behind a slash or an underscore, or in a line of its own below the titles; without one, the first \
-                       of the units named here is meant. Separators are tabs, semicolons or commas, the decimal \
-                       sign a point or a comma. Columns with other titles are not read.\n\n\
+    let mut chapter = "# Columns of traces\n\nThis chapter is generated from the code that reads the exports. Of a title only letters and digits \
+                       are compared, whether capital or small: `Normal force`, `normal_force` and `NormalForce` are the same. The unit stands behind the \
+                       title in brackets, behind a slash or an underscore, or in a line of its own below the titles. Without a unit, the \
+                       first unit of this table is assumed. Separators are tabs, semicolons or commas; the decimal \
+                       sign is a point or a comma. Columns with other titles are not read.\n\n\
                        | column | titles | units |\n|---|---|---|\n"
         .to_owned();
     for channel in Channel::ALL {
@@ -71,7 +71,7 @@ const RECORDS: [(&str, [&str; 2], &str); 2] = [
 fn the_chapter_of_results_is_generated_from_the_types_that_are_written() {
     let types = records();
     let mut chapter = "# Keys of result.json\n\nThis chapter is generated from the types that are written. A key that is **bold** is always \
-                       there; others are left out, or null, where there is nothing to say. Numbers that are not known are null.\n"
+                       there; others are left out, or null, where they do not apply. Numbers that are not known are null.\n"
         .to_owned();
     for (name, [file, structure], title) in RECORDS {
         let root = (file.to_owned(), structure.to_owned());
@@ -195,7 +195,7 @@ fn describe(
                 .to_owned()
         });
         let words = accepted.get(&path).filter(|range| !range.starts_with("a number ")).map_or(range, Clone::clone);
-        let default = key.default().unwrap_or(if key.is_required { "must be there" } else { "-" });
+        let default = key.default().unwrap_or(if key.is_required { "required" } else { "-" });
         let cells = [&name, &key.shape.words(), key.unit(), default, &words, &key.meaning];
         let _ = writeln!(chapter, "| {} |", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
     }

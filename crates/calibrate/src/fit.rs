@@ -66,7 +66,7 @@ pub struct Parameter {
     pub std_error: f64,
     /// Least and greatest value allowed.
     pub bounds: [f64; 2],
-    /// The value ended at a bound: the data would have it beyond.
+    /// The value ended at a bound: the data ask for one beyond it.
     pub at_bound: bool,
     /// Least chi-square, over all other parameters, above the fit's own: value and increase.
     pub profile: Vec<[f64; 2]>,

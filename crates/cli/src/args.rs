@@ -24,22 +24,22 @@ pub use trials::{NextArgs, TrialsArgs};
     about = "Designs laser-textured surfaces for a target dry friction",
     arg_required_else_help = true,
     after_help = "Units stand in the keys of all files (width_um, pressure_mpa, speed_mm_s).\n\n\
-        Exit codes: 0 done (optimize: target met), 2 input refused and nothing written,\n\
-        optimize also 3 target unreachable and 4 budget spent, 1 anything else.\n\n\
+        Exit codes: 0 done (optimize: target met); 2 input refused, nothing written; 3 target unreachable and \
+        4 budget spent (both only from optimize); 1 anything else.\n\n\
         Examples:\n  \
         slipgrid optimize designs/ldpe-lower-friction.toml\n  \
         slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n  \
         slipgrid calibrate calibration/ldpe-cast-iron/calibration.toml -o ldpe.toml"
 )]
 pub struct Arguments {
-    /// Threads to compute with; all cores by default. Results do not depend on it
+    /// Number of threads; all cores by default. Results do not depend on it
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Compute everything anew; otherwise fits and runs in time that were made before are taken from the folder that
-    /// SLIPGRID_CACHE names, ~/.cache/slipgrid by default. Results do not depend on it
+    /// Compute everything anew. Without it, earlier fits and runs in time are taken from the folder that SLIPGRID_CACHE
+    /// names, ~/.cache/slipgrid by default. Results do not depend on it
     #[arg(long, global = true)]
     pub no_cache: bool,
-    /// No progress bar and no notes; results still go to stdout
+    /// Show no progress bar and no notes; results still go to stdout
     #[arg(long, short, global = true)]
     pub quiet: bool,
     /// What to do.
@@ -58,7 +58,7 @@ pub enum Command {
     Explore(ExploreArgs),
     /// Fit local friction coefficients to measurements on flat samples
     Calibrate(CalibrateArgs),
-    /// Choose the sample to cut next, with its chance to be on target by what trials say
+    /// Choose the sample to cut next, and give its chance to be on target according to the trials
     Next(NextArgs),
     /// Compare what was predicted of trial samples, before they were cut, with what was measured
     Trials(TrialsArgs),
@@ -76,7 +76,7 @@ pub enum Command {
     Validate(ValidateArgs),
     /// Compare speed and error of every method, on one page
     Accuracy(AccuracyArgs),
-    /// Do thousands of scenes or designs on any number of machines
+    /// Compute thousands of scenes or designs on any number of machines
     Campaign(CampaignArgs),
     /// Write a commented file to start from
     New(NewArgs),
@@ -92,9 +92,9 @@ pub enum Command {
     slipgrid simulate scene.toml\n  \
     slipgrid simulate scene.toml --json > result.json\n  \
     slipgrid simulate scene.toml --fidelity dynamic --extent sample -o out/scene\n\n\
-    steady solves the equilibrium with every contact block sliding. It knows neither time nor static\n\
-    friction, and serves searches. dynamic integrates in time by the fastest scheme whose error is measured,\n\
-    and confirms. reference is the published scheme to the letter (RK4, 1 ns), and judges the others.\n\n\
+    steady solves the equilibrium in which every contact block slides. It has neither time nor static \
+    friction; searches use it. dynamic integrates in time by the fastest scheme whose error is measured, and \
+    confirms designs. reference is exactly the published scheme (RK4, 1 ns); the others are judged by it.\n\n\
     The model leaves out plasticity, viscoelasticity, heating, wear, and recast rims unless [pattern] gives them.")]
 pub struct SimulateArgs {
     /// Scene file
@@ -119,15 +119,15 @@ pub struct SimulateArgs {
     slipgrid optimize designs/ldpe-lower-friction.toml\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml -o out/grooves --threads 8\n  \
     slipgrid optimize designs/ldpe-lower-friction.toml --table --resume\n\n\
-    Writes result.json, timings.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv,\n\
-    process.toml, report.html and pictures. A file that slipgrid did not write is not replaced. Exit codes: 0 target met, 3 no design within bounds and limits reaches\n\
-    it, 4 budget of evaluations or seconds spent; the best design is written in all three cases.\n\n\
-    Every answer of the search's model is appended to out/NAME.study.jsonl at once: a run that was killed\n\
-    goes on from there with --resume, and ends with the same results. A study of another material, layer,\n\
-    load or texture is refused; other targets, limits and bounds share it. One run at a time works for a\n\
-    folder: out/NAME.lock says which.\n\n\
-    Grooves across the sliding direction are solved in the vertical plane, squares, rectangles, discs and\n\
-    grooves that slide along or aslant in space; dimensions = 2 or 3 in [search] overrides it.\n\n\
+    Writes result.json, timings.json, design.toml (a scene for `simulate`), pattern.dxf, pattern.svg, pattern.csv, \
+    process.toml, report.html and pictures. A file that slipgrid did not write is not replaced. Exit codes: \
+    0 target met, 3 no design within bounds and limits reaches it, 4 budget of evaluations or seconds spent; \
+    the best design is written in all three cases.\n\n\
+    Every answer of the search's model is appended to out/NAME.study.jsonl at once. A run that was killed goes on \
+    from there with --resume, and ends with the same results. A study of another material, layer, load or texture \
+    is refused; other targets, limits and bounds share it. While a run works for a folder, out/NAME.lock keeps others out.\n\n\
+    Grooves across the sliding direction are solved in the vertical plane. All other planforms, and grooves along or \
+    oblique to the sliding direction, are solved in space. dimensions = 2 or 3 in [search] overrides this.\n\n\
     The model leaves out plasticity, viscoelasticity, heating, wear, and recast rims unless [pattern] gives them.")]
 pub struct OptimizeArgs {
     /// Design file
@@ -135,10 +135,10 @@ pub struct OptimizeArgs {
     /// Folder for the results; out/NAME for designs/NAME.toml by default
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Compute every design of whole blocks and bursts within the bounds, too: table.csv, and whether any is better
+    /// Also compute every design of whole blocks and bursts within the bounds, write table.csv, and say if any is better
     #[arg(long)]
     pub table: bool,
-    /// Leave the explorer out of report.html: some seconds and a hundred kilobytes less
+    /// Leave the explorer out of report.html, which saves some seconds and a hundred kilobytes
     #[arg(long)]
     pub no_explorer: bool,
     /// Take over the answers that an earlier run of the same design left in out/NAME.study.jsonl
@@ -154,12 +154,12 @@ pub struct OptimizeArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid explore designs/ldpe-lower-friction.toml\n  \
     slipgrid explore ldpe.toml -o ldpe.html\n\n\
-    Steady solutions of a lattice of designs, interpolated; the page says how far that is from the solver. It needs neither\n\
-    the network nor slipgrid. Of a material: grooves at 0.65 to 2.6 MPa; a design file asks for anything else.")]
+    The page interpolates steady solutions of a lattice of designs, and says how far this is from the solver. It needs \
+    neither the network nor slipgrid. For a material it shows grooves at 0.65 to 2.6 MPa; for all else give a design.")]
 pub struct ExploreArgs {
     /// Design, material or calibration file
     pub file: PathBuf,
-    /// The page
+    /// Page to write
     #[arg(long, short, value_name = "PAGE.html", default_value = "explore.html")]
     pub output: PathBuf,
 }
@@ -187,10 +187,10 @@ pub struct CalibrateArgs {
     slipgrid traces my-material/calibration.toml -o out/traces\n  \
     slipgrid traces run1.csv run2.csv run3.csv --effective-radius-mm 38.1 --force-n 200 \\\n    \
     --speed-mm-s 2 --humidity-pct 15 -o out/200N\n\n\
-    Either a calibration file with a table [traces], or the repeats of one condition. An export is a\n\
-    table with a header that names time, torque (or friction force) and normal force, with units; comma,\n\
-    semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius).\n\
-    Writes flat.csv and patterned.csv, which `calibrate` takes, traces.csv and a picture a condition.\n\
+    Takes a calibration file with a table [traces], or the repeats of one condition. An export is a \
+    table with a header that names time, torque (or friction force) and normal force, with units; comma, \
+    semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius). \
+    Writes flat.csv and patterned.csv, which `calibrate` takes, traces.csv and a picture of each condition. \
     A trace that cannot be used (saturated, gap, no load, wrong sign, clock going back) is refused.")]
 pub struct TracesArgs {
     /// Calibration file, or exports of one condition
@@ -220,7 +220,7 @@ pub struct TracesArgs {
     /// Do not look for a peak at the onset of sliding
     #[arg(long)]
     pub no_static_peak: bool,
-    /// The samples slide back and forth: half the width of the loop counts, in the middle half of strokes
+    /// The samples slide back and forth: friction is half the width of the loop, in the middle half of every stroke
     #[arg(long)]
     pub reciprocating: bool,
     /// Folder for tables and pictures
@@ -233,10 +233,10 @@ pub struct TracesArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid area-law flat-map.asc --youngs-modulus-gpa 0.38\n  \
     slipgrid area-law scan.txt --pixel-um 0.5 --height-unit nm --pressures-mpa 0.1,0.7,2.6 --json\n\n\
-    The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through\n\
+    The factor f is the contact area at P over that at 0.7 MPa, divided by P/0.7 MPa: the line through \
     the origin, not the tangent at 0.7 MPa. It depends on the map's pixel size and rms slope.\n\n\
-    Maps that look wrong are named in lines that begin with !, or are refused; crates/book has the limits.\n\
-    Last digits (1e-14) differ between processors that have AVX and others.")]
+    Maps that look wrong are named in lines that begin with !, or are refused; crates/book has the limits. \
+    Last digits (1e-14) differ between processors with AVX and without it.")]
 pub struct AreaLawArgs {
     /// Altitude map
     #[arg(required_unless_present = "persson_rms_slope")]
@@ -263,7 +263,7 @@ pub struct AreaLawArgs {
     /// 2 by default where the map has room
     #[arg(long, value_name = "N")]
     pub windows: Option<usize>,
-    /// Report f at coarser pixels, too: means over 2 x 2 and 4 x 4, or as named
+    /// Also report f at coarser pixels: means over 2 x 2 and 4 x 4, or over the numbers given
     #[arg(long, value_delimiter = ',', value_name = "N,N,...", num_args = 0.., default_missing_value = "2,4", require_equals = true)]
     pub resolutions: Option<Vec<usize>>,
     /// How the map is read.
@@ -285,7 +285,7 @@ pub struct AreaLawArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n\n\
-    gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the\n\
+    gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the \
     laser's limits is refused.")]
 pub struct ExportArgs {
     /// result.json of `optimize`, or the folder that holds it
@@ -307,12 +307,12 @@ pub struct ExportArgs {
     slipgrid validate\n  \
     slipgrid validate --all --slope-factors 0.5,1,2 -o out/validation\n  \
     slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n\n\
-    The model takes the flat measurements and the surface; the patterned measurements are only\n\
-    compared with. The default pattern is the one that the source of the LDPE calibration simulated,\n\
-    grooves 20 um deep; its measured cavities are squares, 5.2 um deep. With -o it writes a page,\n\
-    report.html, of the source's tables and figures beside these, with their numbers and pictures:\n\
-    contact area, interface pressure, friction in time and ratios at the heaviest load, and of what rims of\n\
-    unknown height can and cannot explain.\n\n\
+    The model uses the flat measurements and the surface. It does not use the patterned measurements, which \
+    are only compared with its results. The default pattern is the one that the source of the LDPE calibration \
+    simulated, grooves 20 um deep; the cavities that it measured are squares, 5.2 um deep. With -o a page is written, \
+    report.html, with the source's tables and figures beside those of the model: contact area, interface pressure, \
+    friction in time and ratios at the heaviest load. The page also says what rims of unknown height can and \
+    cannot explain.\n\n\
     Not modelled: plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
     /// Calibration file with measurements on patterned samples
@@ -333,7 +333,7 @@ pub struct ValidateArgs {
     /// Factors on the slopes of the surface, separated by commas; 1 is always among them
     #[arg(long, value_delimiter = ',', default_values_t = [0.5, 1.0, 2.0], value_name = "S,S,...")]
     pub slope_factors: Vec<f64>,
-    /// Every measured condition, not only the speed and humidity of the table's first row
+    /// Compare every measured condition, not only the speed and humidity of the table's first row
     #[arg(long)]
     pub all: bool,
     /// Print one JSON object instead of a table
@@ -353,22 +353,22 @@ pub struct ValidateArgs {
     slipgrid accuracy\n  \
     slipgrid accuracy --full -o out/accuracy\n  \
     slipgrid accuracy scene.toml --seeds 5 --json\n\n\
-    Methods (fidelity, integrator, springs, step, block size, extent, shortcuts) are compared with\n\
-    `reference` on the same scene: wall time, site updates, error and its standard error. Damping,\n\
-    speed and layer height are choices of the model, not errors, and stand apart. Writes report.html, accuracy.md,\n\
+    Methods (fidelity, integrator, springs, step, block size, extent, shortcuts) are compared with \
+    `reference` on the same scene: wall time, site updates, error and its standard error. Damping, \
+    speed and layer height are choices of the model, not errors, and have a table of their own. Writes report.html, accuracy.md, \
     accuracy.csv, accuracy.svg and result.json.\n\n\
-    Reported times are those of runs on one thread with a core to itself. Not modelled: recast rims, plasticity,\n\
+    Reported times are those of runs on one thread with a core to itself. Not modelled: recast rims, plasticity, \
     viscoelasticity, heating, wear.")]
 pub struct AccuracyArgs {
     /// Scene file; the source paper's specimen by default
     pub scene: Option<PathBuf>,
-    /// A short specimen with a thin layer, about a minute; this is the default
+    /// Run a short specimen with a thin layer, about a minute; this is the default
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
-    /// The scene as it is, all rows: hours
+    /// Run the scene as it is, with all its rows of blocks, which takes hours
     #[arg(long)]
     pub full: bool,
-    /// Simulated laboratories instead: how many samples each way of choosing them takes to a target; some ten minutes
+    /// Run simulated laboratories instead: how many samples each way of choosing needs to a target; some ten minutes
     #[arg(long, conflicts_with_all = ["full", "scene"])]
     pub laboratories: bool,
     /// Draws of the local coefficients behind each row
@@ -436,7 +436,7 @@ pub enum FidelityName {
     Steady,
     /// Time integration by the fastest scheme whose error is measured
     Dynamic,
-    /// The published scheme to the letter
+    /// Exactly the published scheme
     Reference,
 }
 

@@ -229,7 +229,7 @@ fn read_line(line: &[u8], loads: usize) -> Result<Evaluation, Fault> {
     let answered = match (read.answer, read.failed) {
         (Some(answer), None) => answer.check(loads).map(|()| Ok(answer))?,
         (None, Some(reason)) => Err(reason),
-        _ => return Err(damaged("it holds neither an answer nor why there is none".to_owned())),
+        _ => return Err(damaged("it holds neither an answer nor a reason why there is none".to_owned())),
     };
     Ok(Evaluation { lengths_um, answered })
 }

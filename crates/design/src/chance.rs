@@ -38,7 +38,7 @@ pub const RIM_HEIGHT: &str = "rim height";
 /// Something that is not known exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// What.
+    /// The input, in words.
     pub name: &'static str,
     /// How well it is known, in words after the name.
     pub known_to: String,
@@ -269,7 +269,8 @@ impl<'a> Chances<'a> {
         Ok(self.still.steady(design)?.ratio)
     }
 
-    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed: `others`, and in the vertical plane how
+    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed:
+    /// `others`, and in the vertical plane how
     /// far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ pub struct ChanceReport {
     pub words: String,
     /// What was drawn, with how well it is known.
     pub included: Vec<String>,
-    /// What is not in it, because nobody says how well it is known.
+    /// What it does not include, because no error is given.
     pub not_known: Vec<String>,
     /// The part without which the chance would be greatest; null where it is nearly certain.
     pub limited_by: Option<PartReport>,
@@ -47,11 +47,11 @@ pub struct ChanceReport {
 /// Something that is not known exactly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PartReport {
-    /// What.
+    /// The input, in words.
     pub input: String,
-    /// How well it is known.
+    /// How well it is known, in words.
     pub known_to: String,
-    /// The chance were it known exactly.
+    /// The chance if it were known exactly.
     pub chance_without: f64,
 }
 
@@ -245,7 +245,8 @@ fn limits(limited_by: Option<&PartReport>, not_known: &[String]) -> String {
 }
 
 impl ChanceReport {
-    /// What a design is announced with: the chance by what trials say that the model lacks, where `advice` has it and the chance itself does
+    /// What a design is announced with: the chance by what trials say that the model lacks, where `advice` has it and
+    /// the chance itself does
     /// not count it.
     #[must_use]
     pub fn announced(&self, advice: Option<&AdviceReport>) -> String {
@@ -278,12 +279,16 @@ impl ChanceReport {
         advice.filter(|_| self.not_known.iter().any(|unknown| unknown == MODEL))
     }
 
-    /// What is in the chance and what is not, one line each. Where `advice` counts how far the model is off, that is in the chance announced.
+    /// What is in the chance and what is not, one line each. Where `advice` counts how far the model is off, that is
+    /// in the chance announced.
     #[must_use]
     pub fn lines(&self, advice: Option<&AdviceReport>) -> Vec<String> {
         let both = self.with_and_without_trials(advice);
-        let [includes, leaves_out] =
-            if both.is_some() { ["the latter includes", "in neither"] } else { ["the chance includes", "not in it"] };
+        let [includes, leaves_out] = if both.is_some() {
+            ["the latter includes", "neither includes"]
+        } else {
+            ["the chance includes", "it does not include"]
+        };
         let is_left = |of: &&str| both.is_none() || *of != MODEL;
         let left: Vec<&str> = self.not_known.iter().map(String::as_str).filter(is_left).collect();
         let mut lines: Vec<String> = both.into_iter().collect();
@@ -291,7 +296,7 @@ impl ChanceReport {
             lines.push(format!("{includes} {}", self.included.join(", ")));
         }
         if !left.is_empty() {
-            lines.push(format!("{leaves_out}, as nothing says how well it is known: {}", left.join(", ")));
+            lines.push(format!("{leaves_out} the following, for which no error is given: {}", left.join(", ")));
         }
         lines
     }

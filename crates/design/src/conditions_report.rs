@@ -92,7 +92,7 @@ pub struct ConflictReport {
     pub factor: f64,
     /// Lowest and highest value accepted.
     pub accepted: [f64; 2],
-    /// The same about the same middle, so wide that both conditions of the best design fit.
+    /// A band about the same middle, wide enough for both conditions of the best design.
     pub needed: [f64; 2],
     /// All this in one sentence.
     pub words: String,
@@ -103,7 +103,8 @@ const MEANING: &str = "at the condition designed for, and where values are lowes
 
 impl MultiFidelityLoop<'_> {
     /// What the best design does at every condition; `None` where there is one, and where the confirming run has no
-    /// friction. `lacking` is what designs aim with beside the physics, at each load of each condition, `errors` are those at the first, `outside`: whether each pressure lies outside the measured range there.
+    /// friction. `lacking` is what designs aim with beside the physics, at each load of each condition, `errors` are
+    /// those at the first, `outside`: whether each pressure lies outside the measured range there.
     ///
     /// # Errors
     /// [`DesignError::Failed`] where the model has no answer.

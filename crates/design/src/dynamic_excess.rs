@@ -31,9 +31,9 @@ pub fn correct(simulation: &mut Simulation, scene: &Scene, excess: Option<&[f64]
     }
     let range = if (most - least).abs() < 5e-5 { format!("{most:.4}") } else { format!("{least:.4} to {most:.4}") };
     simulation.model.push(if is_steady {
-        format!("dynamic friction: steady friction times {range}, what the calibration's flat sample has in time over steady sliding; stresses are the steady ones")
+        format!("dynamic friction: steady friction times {range}, by which the calibration's flat sample has more friction in time than in steady sliding; stresses are the steady ones")
     } else {
-        format!("dynamic friction: times {range}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding is another than in the plane")
+        format!("dynamic friction: times {range}, so that the flat surface has the calibrated friction in space, where its excess over steady sliding differs from that in the plane")
     });
 }
 

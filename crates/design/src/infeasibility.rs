@@ -53,13 +53,13 @@ pub struct ReliefReport {
     pub what: String,
     /// Unit of the limits; may be empty.
     pub unit: Cow<'static, str>,
-    /// As it is.
+    /// The limit or bound as it is.
     pub limit: f64,
-    /// What suffices, rounded to the loose side; else what the design below has.
+    /// The value that suffices, rounded to the loose side; otherwise the value of the design below.
     pub relaxed: f64,
     /// Whether the target is met then, by the search's model.
     pub suffices: bool,
-    /// The design then.
+    /// The design with the limit or bound relaxed.
     pub nearest: NearestReport,
 }
 

@@ -28,17 +28,17 @@ const BETTER: f64 = slipgrid_optimize::COMFORTABLE_RMS;
 pub struct TableReport {
     /// Designs of the table.
     pub designs: usize,
-    /// Those that could not be computed.
+    /// Designs that could not be computed.
     pub failed: usize,
-    /// Those that respect every limit.
+    /// Designs that respect every limit.
     pub feasible: usize,
-    /// Those that meet the target, too; with a goal, that do what is demanded.
+    /// Designs of these that also meet the target; with a goal, that do what is demanded.
     pub meeting: usize,
     /// The best of the table.
     pub best: NodeReport,
     /// The best of those within a step of the design found, in each direction; null where there is none.
     pub neighbour: Option<NodeReport>,
-    /// What designs are ranked by, of the design found: largest misfit in tolerances, or the goal in per cent.
+    /// Cost of the design found: its largest misfit in tolerances, or the goal in per cent.
     pub found_cost: f64,
     /// No design of the table is better than the one found.
     pub confirms_search: bool,
@@ -51,7 +51,7 @@ pub struct TableReport {
 pub struct NodeReport {
     /// The design.
     pub design: PatternReport,
-    /// What designs are ranked by.
+    /// Cost of the design: its largest misfit in tolerances, or the goal in per cent.
     pub cost: f64,
     /// Largest distance from the target, in tolerances.
     pub misfit: f64,

@@ -23,7 +23,7 @@
 //! | `uncertainty_budget`, `scene_errors`, `discrepancy_correction` | the error beside every number |
 //! | `robustness`, `robust_search`, `sensitivity`, `rim_sensitivity` | what tolerances make of the design, and its slopes |
 //! | `infeasibility`, `flat_is_best`, `reachable_range` | why a target is out of reach, and what is within |
-//! | `lattice_table`, `trade_offs`, `explorer` | every design of a lattice; what can be had for what; a surface of all of them to ask |
+//! | `lattice_table`, `trade_offs`, `explorer` | every design of a lattice; trade-offs between goals; a surface of all of them to ask |
 //! | `evaluation_cache`, `cache_key` | answers kept beyond a run, and what they depend on |
 //! | `time_budget`, `timings`, `cost_estimate` | the seconds allowed, taken, and expected |
 //!

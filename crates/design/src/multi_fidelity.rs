@@ -236,7 +236,7 @@ impl<'a> MultiFidelityLoop<'a> {
         let block_um = um(self.scene.layer.block_m);
         let mut statements = vec![match self.model.guide() {
             Some((_, guide_m)) => format!(
-                "searched in space: steady cells in blocks of {block_um} um judge {} designs, which cells in blocks of {} um, corrected by them, found among {}",
+                "searched in space: steady cells in blocks of {block_um} um judged {} designs; cells in blocks of {} um, corrected by these, found them among {}",
                 self.solid_evaluations,
                 um(guide_m),
                 self.evaluations,

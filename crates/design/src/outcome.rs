@@ -67,7 +67,7 @@ pub struct DesignReport {
     pub section_model: bool,
     /// What confirmed the design.
     pub fidelity: Cow<'static, str>,
-    /// On how much of the specimen.
+    /// Extent of the confirmation: a cell or the whole sample.
     pub extent: Cow<'static, str>,
     /// What was asked for.
     pub target: TargetReport,
@@ -81,12 +81,12 @@ pub struct DesignReport {
     pub confirmed: Vec<LoadReport>,
     /// Values as they are compared with the target, each with one error and its parts.
     pub errors: ErrorsReport,
-    /// What patterned samples of the calibration say of the model's error, and what comes of it; null where none are
+    /// The error of the model by the calibration's patterned samples, and what follows from it; null where none are
     /// known.
     pub discrepancy: Option<DiscrepancyReport>,
     /// What the design does at every condition; null where there is one.
     pub conditions: Option<ConditionsReport>,
-    /// What became of the goal; null without one.
+    /// The result for the goal; null without a goal.
     pub goal: Option<GoalReport>,
     /// Largest distance from the target in tolerances.
     pub misfit: MisfitReport,
@@ -106,13 +106,13 @@ pub struct DesignReport {
     pub table: Option<TableReport>,
     /// Other designs that the search's model found to meet the target.
     pub alternatives: Vec<PatternReport>,
-    /// Designs that the search's model, or its guide, was asked of.
+    /// Designs that the search's model, or its guide, evaluated.
     pub evaluations: usize,
     /// Designs solved in space at the layer's own block size.
     pub solid_evaluations: usize,
     /// Seconds, not evaluations, were spent.
     pub out_of_time: bool,
-    /// Stages that the seconds allowed did not suffice for.
+    /// Stages for which the allowed seconds were not enough.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cut_short: Vec<Cow<'static, str>>,
     /// Designs that the model could not compute.

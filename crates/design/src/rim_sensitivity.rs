@@ -26,7 +26,7 @@ const MOST_CORE_S: f64 = 5.0;
 /// What the height of rims moves.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RimSensitivityReport {
-    /// The design has no rims: what is said is of those it was tried with.
+    /// The design has no rims: the values are for rims with which it was tried.
     pub tried: bool,
     /// The rims: the design's own, or those it was tried with; null where the model saw none.
     pub rim: Option<RimReport>,
@@ -36,7 +36,7 @@ pub struct RimSensitivityReport {
     pub step_um: f64,
     /// One per pressure that was computed, at the condition designed for.
     pub by_pressure: Vec<RimSlopeReport>,
-    /// All this in a sentence, or why there is none of it.
+    /// All this in a sentence, or the reason why it is missing.
     pub words: String,
 }
 
@@ -47,7 +47,7 @@ pub struct RimSlopeReport {
     pub pressure_mpa: f64,
     /// d(value)/d(height of the rims) per um; of rims that were tried the change over their height.
     pub per_um: f64,
-    /// Distance to the slope at twice the step; null for rims that were tried.
+    /// How far the slope at twice the step is from it; null for rims that were tried.
     pub error_per_um: Option<f64>,
     /// Change of the value by the rims that were tried; null for the design's own.
     pub change: Option<f64>,

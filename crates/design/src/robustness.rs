@@ -419,7 +419,7 @@ fn inputs(request: &Request<'_>, about: &AboutDesign<'_>, uncertainty: &Uncertai
             name: "discrepancy, at each load".to_owned(),
             std: (0..about.scene.loads.len()).map(|load| percent(uncertainty.std(DIMENSIONS + first + load))).collect(),
             unit: "%".into(),
-            basis: "what trials leave open of what the model lacks, with Young's modulus".to_owned(),
+            basis: "what the model lacks, as far as trials leave it open, with Young's modulus".to_owned(),
         });
     }
     inputs

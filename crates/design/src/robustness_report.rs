@@ -22,7 +22,7 @@ pub struct RobustnessReport {
     pub meaning: Cow<'static, str>,
     /// `sampled`: the steady model at every draw; `linearized`: its first-order form.
     pub method: Cow<'static, str>,
-    /// What scatters, independently but where something else is said.
+    /// What scatters; the parts are independent unless stated otherwise.
     pub inputs: Vec<InputReport>,
     /// Tolerances alone: how samples of the material as calibrated differ from one another.
     pub samples: ScatterReport,
@@ -56,13 +56,13 @@ pub struct ScatterReport {
 /// Something that scatters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct InputReport {
-    /// What.
+    /// The input, in words.
     pub name: String,
     /// Standard deviation; one, or one per pressure.
     pub std: Vec<f64>,
     /// Its unit.
     pub unit: Cow<'static, str>,
-    /// Where it comes from, what it is taken to do.
+    /// Where it comes from, and how it is assumed to act.
     pub basis: String,
 }
 
@@ -112,7 +112,7 @@ pub struct Distribution {
 /// The robust optimum beside the nominal one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OptimumReport {
-    /// The design that misses the target least, were it made exactly.
+    /// The design that misses the target least if it is made exactly.
     pub nominal: PatternReport,
     /// Root-mean-square misfit over made samples, in tolerances: of that design; null where a
     /// sample of it cannot be computed.
@@ -122,7 +122,7 @@ pub struct OptimumReport {
     /// Share of samples of the nominal design within the tolerance at all pressures, drawn alike; null where it could
     /// not be computed.
     pub nominal_probability: Option<f64>,
-    /// Designs that the search for it was asked of.
+    /// Designs that the search for it evaluated.
     pub evaluations: usize,
 }
 

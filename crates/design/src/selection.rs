@@ -33,16 +33,16 @@ const NODES_IN_SPACE: usize = 80;
 pub struct SelectionReport {
     /// What was chosen and why, in one line.
     pub words: String,
-    /// Designs that the search's model, or its guide, was asked of.
+    /// Designs that the search's model, or its guide, evaluated.
     pub designs: usize,
-    /// Those on target that were compared.
+    /// Number of designs on target that were compared.
     pub on_target: usize,
     /// The chance of the chosen design about the steady model, before it was confirmed.
     pub chance: f64,
     /// Of the design that comes first where effort does not count: chances count in proportion to how likely the run in time
     /// is to confirm the design.
     pub greatest_chance: f64,
-    /// Chances that differ by less count as alike.
+    /// Chances that differ by less than this count as equal.
     pub alike: f64,
     /// What decides among those: `laser_time_s` or `cavity_volume_mm3`.
     pub effort: Cow<'static, str>,

@@ -35,7 +35,7 @@ pub struct SlopesReport {
     pub pressure_mpa: f64,
     /// d(value)/d(length) per um.
     pub per_um: Dimensions<Option<f64>>,
-    /// Distance to the slope at twice the step.
+    /// How far the slope at twice the step is from it.
     pub error_per_um: Dimensions<Option<f64>>,
 }
 

@@ -65,7 +65,7 @@ pub fn simulate_on(
     onto(&mut simulation, share, &ends);
     let largest = ends.iter().flatten().copied().fold(0.0, f64::max);
     simulation.model.push(format!(
-        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; friction is lowered in that proportion, which leaves the ratio open by {largest:.4} at most, as strips of grooves say",
+        "specimen as it is laid out: cavities take {:.2} % of its face, {:.2} % of a period; friction is lowered in that proportion, which gives the ratio an error of {largest:.4} at most, as strips of grooves show",
         100.0 * layout.areal_density(),
         100.0 * pattern.areal_density(),
     ));

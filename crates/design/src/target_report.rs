@@ -105,7 +105,7 @@ impl TargetReport {
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
     pub goal: Cow<'static, str>,
-    /// What is as low, high or small as found, in words.
+    /// The quantity that is as low, as high or as even as found, in words.
     pub of: String,
     /// By the search's model.
     pub predicted: Option<f64>,

@@ -25,7 +25,7 @@ pub struct Timings {
     pub uncertainty: f64,
     /// Comparing designs by the goals of `[trade_offs]`.
     pub trade_offs: f64,
-    /// Solving what the page's explorer asks.
+    /// Solving the table for the page's explorer.
     #[serde(default)]
     pub explorer: f64,
     /// Drawing and tabulating, up to result.json itself.

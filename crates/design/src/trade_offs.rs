@@ -1,4 +1,4 @@
-//! What can be had for what: the designs of which none is better than another by every goal of `[trade_offs]`.
+//! Trade-offs: the designs that no other beats in every goal of `[trade_offs]`.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -50,7 +50,7 @@ pub struct TradeOffsReport {
     pub listed: Vec<ListedDesign>,
     /// The best of the front by each goal.
     pub best: Vec<ListedDesign>,
-    /// By what model.
+    /// The model by which designs were compared.
     pub model: String,
     /// Why no design could be compared; absent where some were.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -62,7 +62,7 @@ pub struct TradeOffsReport {
 pub struct ListedDesign {
     /// The design.
     pub design: PatternReport,
-    /// By each goal.
+    /// Its value by each goal.
     pub goals: Vec<f64>,
 }
 

@@ -47,9 +47,9 @@ struct DesignFile {
     also_at: Option<Spanned<Vec<Spanned<ConditionRangeFile>>>>,
     /// What friction is wanted.
     target: Spanned<TargetFile>,
-    /// Between which dimensions the search looks.
+    /// The ranges of dimensions in which the search looks.
     bounds: Spanned<BoundsFile>,
-    /// All of the texture that is not searched; grooves across the sliding direction when absent.
+    /// The part of the texture that is not searched; grooves across the sliding direction when absent.
     #[serde(default = "plain_texture")]
     pattern: Spanned<TextureFile>,
     /// What the laser and the surface demand.

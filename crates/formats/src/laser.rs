@@ -36,7 +36,7 @@ pub struct LaserFile {
     exposure: Option<Spanned<String>>,
     /// Fluence in use, with `[laser.ablation]`.
     fluence_j_cm2: Option<Number>,
-    /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted; in place of `limits.depth_per_burst_um`.
+    /// Measured depths per burst, to which d = delta ln(F / F_th) is fitted, in place of `limits.depth_per_burst_um`.
     ablation: Option<Spanned<AblationFile>>,
 }
 
@@ -73,7 +73,8 @@ pub struct SpecimenFile {
     /// Diameter of a ring's hole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_diameter_mm: Option<Number>,
-    /// What becomes of cavities at the rim: `whole` ones stay and others are left out, or they are `clipped`; `whole` when absent.
+    /// Cavities at the rim of the specimen: with `whole` those that pass it are left out, with `clipped` they are
+    /// cut; `whole` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cavities: Option<Spanned<String>>,
 }

@@ -29,7 +29,7 @@ pub struct LimitsFile {
     max_laser_time_s: Option<Number>,
     /// Least gap left under a cavity's ceiling at every target pressure.
     min_clearance_um: Option<Number>,
-    /// `refuse` rejects designs of which a contact block is under tension in the steady model.
+    /// `refuse` rejects designs in which a contact block is under tension in the steady model.
     lift_off: Option<Spanned<String>>,
 }
 

@@ -62,10 +62,10 @@ pub struct MaterialFile {
     /// Area law; absent for Amontons-Coulomb.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub area_law: Option<Spanned<AreaLawFile>>,
-    /// One factor for every texture, as earlier versions wrote it: read over.
+    /// One factor for every texture, which earlier versions wrote; it is ignored.
     #[serde(default, skip_serializing)]
     pub discrepancy: Option<toml::Table>,
-    /// What trials say of any texture.
+    /// What was learned from trials, for any texture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learned: Option<Spanned<LearnedFile>>,
 }
@@ -84,20 +84,20 @@ pub struct FrictionFile {
     /// Mean local dynamic coefficient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_mean: Option<Spanned<Numbers>>,
-    /// Scatter of both relative to their means; 0.05 when absent.
+    /// Scatter of both coefficients over their means; 0.05 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_std: Option<Number>,
     /// Standard errors of `static_mean`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
-    /// stand beside them.
+    /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
+    /// `dynamic_std_error_given_law` beside them they hold at the given law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// The same at the given area law: those of flat friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per measurement.
@@ -128,14 +128,14 @@ pub struct ConditionTable {
     /// Standard errors of `static_mean`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub static_std_error: Option<Spanned<Numbers>>,
-    /// Standard errors of `dynamic_mean`, whatever Young's modulus and the area law are; at the given law where no others
-    /// stand beside them.
+    /// Standard errors of `dynamic_mean`, with those of Young's modulus and the area law in them. Without
+    /// `dynamic_std_error_given_law` beside them they hold at the given law.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error: Option<Spanned<Numbers>>,
     /// The same at the given area law: those of flat friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_std_error_given_law: Option<Spanned<Numbers>>,
-    /// Dynamic friction of the flat sample over mu_d f(P), that of an endless one in steady sliding.
+    /// Dynamic friction of the flat sample over mu_d f(P), which is the friction of an endless one in steady sliding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dynamic_over_steady: Option<Spanned<Numbers>>,
     /// Model minus measurement of the flat sample, one per pressure.

@@ -77,7 +77,7 @@ pub struct PatternFile {
     pub rim_height_std_um: Option<Number>,
 }
 
-/// A texture, all of a pattern that a design does not search, as a design writes it.
+/// A texture as a design writes it: all of a pattern that the design does not search.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TextureFile {
@@ -88,19 +88,19 @@ pub struct TextureFile {
     /// The outline of a polygon: its corners as `[x, y]` in order, the last joined to the first. Their shape counts: they are
     /// scaled so that the extent along x is the width.
     pub vertices_um: Option<Spanned<Vec<[f64; 2]>>>,
-    /// The same as the one closed outline of a drawing, SVG or DXF.
+    /// A drawing, SVG or DXF, whose one closed outline is taken in place of `vertices_um`.
     pub outline: Option<Spanned<String>>,
-    /// The layer of a DXF drawing on which it stands; any when absent.
+    /// The layer of the DXF drawing that holds the outline; any when absent.
     pub outline_layer: Option<Spanned<String>>,
     /// Gap between rows; as along the row when absent.
     pub spacing_across_um: Option<Number>,
     /// `square`, `staggered` or `hexagonal`; `square` when absent.
     pub arrangement: Option<Spanned<String>>,
-    /// Grooves, of crossing ones the first family, turned from lying across the specimen's x axis; 0 when absent.
+    /// Angle of grooves (of the first family of crossing ones) from lying across the specimen's x axis; 0 when absent.
     pub angle_deg: Option<Number>,
-    /// Second family of crossing grooves turned from the first; 90 when absent.
+    /// Angle of the second family of crossing grooves from the first; 90 when absent.
     pub crossing_angle_deg: Option<Number>,
-    /// Sliding direction turned from the specimen's x axis; 0 when absent. A design may name several.
+    /// Angle of the sliding direction from the specimen's x axis; 0 when absent. A design may name several.
     pub sliding_angle_deg: Option<Spanned<Numbers>>,
     /// Height of the rims at the edges of cavities, whatever their depth; no rims when neither this nor the next is given.
     pub rim_height_um: Option<Number>,

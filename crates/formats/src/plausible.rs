@@ -93,7 +93,7 @@ pub const RELATIVE_DEVIATION: Plausible = Plausible {
     unit: "",
     measurable: [1e-6, 1.0],
     usual: [1e-4, 0.5],
-    why: "repeats differ by 0.1 % at best; a deviation of nil would weigh one row infinitely",
+    why: "repeats differ by 0.1 % at best; with a deviation of zero one row would count infinitely",
     slips: &[],
 };
 /// Extents of specimens.

@@ -13,7 +13,7 @@ use slipgrid_units::{DAMPING, LENGTH_UM, STEP_NS, TOLERANCE};
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunFile {
-    /// How it is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
+    /// How the scene is solved: `steady`, `dynamic` or `reference`; `steady` when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fidelity: Option<Spanned<String>>,
     /// `cell`, one period, or `sample`, the whole specimen; `cell` when absent.
@@ -28,10 +28,10 @@ pub struct RunFile {
     /// A block under tension leaves the counterface, in place of being pinned; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub liftoff: Option<bool>,
-    /// Standard error of mu relative to mu at which a dynamic run may end; none is sought without it.
+    /// Standard error of mu over mu at which a dynamic run may end; without it no such error is sought.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mu_stderr: Option<Number>,
-    /// Time step; as the fidelity demands without it, 4 for `dynamic` and 1 for `reference`.
+    /// Time step; without it 4 for `dynamic` and 1 for `reference`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub step_ns: Option<Number>,
     /// Damping frequency over sqrt(k/m); 0.01 when absent.
@@ -40,16 +40,16 @@ pub struct RunFile {
     /// Start dynamic runs from the sheared steady equilibrium; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warm_start: Option<bool>,
-    /// `linear`, for small displacements, or `exact`; the fidelity decides without it.
+    /// `linear` springs, for small displacements, or `exact` ones; without it the fidelity decides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub springs: Option<Spanned<String>>,
-    /// 2 or 3; the planform decides when absent.
+    /// 2 solves in the vertical plane, 3 in space; the planform decides when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dimensions: Option<Spanned<u64>>,
     /// Surfaces with coefficients of their own in dynamic runs, 1 to 64; 1 when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub draws: Option<Spanned<u64>>,
-    /// Give ratios of vanishing blocks, as nearly as steady cells tell; false when absent.
+    /// Give ratios for vanishing blocks, as well as steady cells can estimate them; false when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refine: Option<bool>,
 }

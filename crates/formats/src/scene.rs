@@ -64,7 +64,8 @@ pub struct SampleFile {
     /// absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_um: Option<Number>,
-    /// Height of the layer that strips and runs in time hold block by block; alone it is all that is elastic. 200 when absent.
+    /// Height of the layer that strips and runs in time hold block by block; 200 um below the rest of the specimen when absent.
+    /// Given alone, it is all that is elastic.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer_um: Option<Number>,
     /// Thickness of the specimen, all of it elastic; 7 when neither this nor the layer is given.

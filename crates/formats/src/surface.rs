@@ -19,11 +19,11 @@ use slipgrid_units::{LENGTH_UM, SLOPE};
 pub struct SurfaceFile {
     /// Altitude map of a flat sample before the test; the area law comes from it.
     map: Option<Spanned<String>>,
-    /// Altitude map of a flat sample after the test, whose difference from `map` is told.
+    /// Altitude map of a flat sample after the test; its difference from `map` is reported.
     map_after: Option<Spanned<String>>,
-    /// `area` for contact area, or `measured` for flat friction itself as the law of local pressure; `area` when absent.
+    /// `area` takes contact area, `measured` takes flat friction itself as the law of local pressure; `area` when absent.
     local_law: Option<Spanned<String>>,
-    /// How a measured law goes on above the last measured pressure: `constant` or `logarithmic`.
+    /// How a measured law continues above the last measured pressure: `constant` or `logarithmic`.
     extrapolation: Option<Spanned<String>>,
     /// Rms slope for Persson's law, where there is no map.
     persson_rms_slope: Option<Number>,
@@ -41,7 +41,7 @@ pub struct SurfaceFile {
     decimal_comma: Option<bool>,
     /// Part of the map that is wanted: first row, first column, rows, columns.
     crop: Option<Spanned<Vec<usize>>>,
-    /// Every so many points are replaced by one.
+    /// Number N of points along each side that are joined into one: N x N points become one.
     decimate: Option<Spanned<usize>>,
     /// `mean` of the points or `pick` the first; `mean` when absent.
     decimate_by: Option<Spanned<String>>,
@@ -51,11 +51,11 @@ pub struct SurfaceFile {
     despike: Option<bool>,
     /// What is subtracted: `mean`, `plane` or `second-order`; `plane` when absent.
     form: Option<Spanned<String>>,
-    /// Older word for `form`: true is `plane`, false is `mean`.
+    /// Older name of `form`: true is `plane`, false is `mean`.
     level: Option<Spanned<bool>>,
     /// P0, the pressure up to which friction is proportional to load; 0.7 when absent.
     pub threshold_mpa: Option<Number>,
-    /// Windows along each side whose spread gives the law's errors; 0 for none, 2 where the map has room and the key is absent.
+    /// Windows along each side, whose spread gives the errors of the law: 0 for none; without the key 2, where the map has room.
     windows: Option<Spanned<usize>>,
 }
 

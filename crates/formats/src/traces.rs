@@ -32,7 +32,7 @@ pub struct TracesFile {
     static_peak: Option<bool>,
     /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
     reciprocating: Option<bool>,
-    /// Part in the middle of every stroke that counts, with `reciprocating`; 0.5 when absent.
+    /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
     stroke_share: Option<Number>,
     /// One table a condition.
     condition: Spanned<Vec<ConditionFile>>,

@@ -46,7 +46,7 @@ pub struct TrialFile {
     depth_std_um: Option<Number>,
     /// Scatter of ln(ratio) from one such sample to the next; 0.005 when absent.
     sample_std: Option<Number>,
-    /// The disc that the sample is a sector of: trials of one name share what differs from disc to disc.
+    /// The disc of which the sample is a sector: trials with one disc name share what differs from disc to disc.
     disc: Option<Spanned<String>>,
 }
 
@@ -58,26 +58,26 @@ impl TrialFile {
     }
 }
 
-/// `[trial_prior]`: what is believed before anything was measured, where it is not the usual.
+/// `[trial_prior]`: what is believed before anything was measured, where it differs from the defaults.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PriorFile {
     /// Size of the discrepancy at the published squares; 0.2 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     amplitude_std: Option<f64>,
-    /// Along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
+    /// Slope along (P - P0) / P0, with P0 the mean measured pressure; 0.06 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pressure_std: Option<f64>,
-    /// Along P1 / P, with P1 the lowest pressure, as adhesion would be; 0.08 when absent.
+    /// Slope along P1 / P, with P1 the lowest pressure, which adhesion would cause; 0.08 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     inverse_pressure_std: Option<f64>,
-    /// For a speed e times as high; 0.05 when absent.
+    /// Change for a speed e times as high; 0.05 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     speed_std: Option<f64>,
-    /// From one humidity to another; 0.1 when absent.
+    /// Change from one humidity to another; 0.1 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     humidity_std: Option<f64>,
-    /// From one sample of a texture to the next; 0.005 when absent.
+    /// Scatter from one sample of a texture to the next; 0.005 when absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
     /// Least relative standard error of a measurement; 0.005 when absent.
@@ -258,7 +258,7 @@ pub struct LearnedFile {
     reference_pressure_mpa: f64,
     /// P1, the lowest measured pressure.
     lowest_pressure_mpa: f64,
-    /// Speed about which the effect of speed is counted.
+    /// Reference speed, from which the effect of speed is counted.
     reference_speed_mm_s: f64,
     /// Standard deviation of Young's modulus over the modulus.
     modulus_relative_std: f64,
@@ -287,7 +287,7 @@ struct LearnedTrial {
     /// Scatter of ln(ratio) from one such sample to the next.
     #[serde(skip_serializing_if = "Option::is_none")]
     sample_std: Option<f64>,
-    /// The disc that the sample was a sector of: trials of one name share what differs from disc to disc.
+    /// The disc of which the sample was a sector: trials with one disc name share what differs from disc to disc.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     disc: Option<String>,
     /// Nominal pressures of the measurements.
@@ -306,7 +306,7 @@ struct LearnedTrial {
     flat_std: Vec<f64>,
     /// d ln(modelled ratio) / d ln(Young's modulus).
     modulus_sensitivity: Vec<f64>,
-    /// What errors of width, spacing and depth make of ln(modelled ratio), one list each.
+    /// Changes of ln(modelled ratio) by the errors of width, spacing and depth, one list each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     of_dimensions: Vec<Vec<f64>>,
 }

@@ -46,7 +46,7 @@ pub fn picture(name: &str, compared: &Compared, chosen: &Pattern) -> Result<Stri
     let own = found.front.iter().chain(&found.dominated).find(|known| known.design == *chosen);
     let titles: Vec<&str> = input.goals.iter().map(|goal| goal.words()).collect();
     draw(&TradeOffsChart {
-        title: &format!("{name}: what can be had for what"),
+        title: &format!("{name}: trade-offs"),
         titles: &titles,
         front: &points(&found.front),
         others: &points(&found.dominated),

@@ -36,7 +36,7 @@ pub struct TrialsReport {
     pub identified: Option<String>,
     /// What the discrepancy is at the texture measured last, and how it depends on the condition.
     pub effects: Vec<EffectReport>,
-    /// Measured ratios within what was predicted of them.
+    /// Measured ratios within what was predicted for them.
     pub coverage: Vec<CoverageReport>,
 }
 

@@ -29,9 +29,9 @@ pub const NO_SLOPES: &str = "what the material's errors make of friction: its ne
 pub struct ErrorsReport {
     /// What the errors combine, in words.
     pub meaning: String,
-    /// What is in them.
+    /// What they include.
     pub includes: Vec<String>,
-    /// What is not, because the material does not say it.
+    /// What they do not include, because the material does not give it.
     pub unknown: Vec<String>,
     /// One per pressure.
     pub by_pressure: Vec<PressureErrors>,
@@ -154,7 +154,7 @@ impl ErrorsReport {
         if !unknown.is_empty() {
             words += &format!("; not known of this material: {}", unknown.join(", "));
         }
-        words += if corrected { "" } else { "; how far the model itself is off is not in it" };
+        words += if corrected { "" } else { "; it does not include how far the model itself is off" };
         Self { meaning: words, includes, unknown, by_pressure }
     }
 

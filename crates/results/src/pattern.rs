@@ -29,13 +29,13 @@ pub struct PatternReport {
     /// `staggered` or `hexagonal`, where rows are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrangement: Option<String>,
-    /// Grooves turned from lying across the specimen's x axis.
+    /// Angle of grooves from lying across the specimen's x axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub angle_deg: Option<f64>,
-    /// Second family of crossing grooves turned from the first.
+    /// Angle of the second family of crossing grooves from the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crossing_angle_deg: Option<f64>,
-    /// Sliding direction turned from the specimen's x axis.
+    /// Angle of the sliding direction from the specimen's x axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sliding_angle_deg: Option<f64>,
     /// Rims along the cavities' edges, where there are any.

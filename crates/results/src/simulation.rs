@@ -317,7 +317,7 @@ impl SimulationReport {
         let each = self.results.iter().filter_map(|load| load.ratio_discretization_error);
         let largest = each.reduce(f64::max)?;
         Some(format!(
-            "blocks: towards vanishing ones the ratio changes by {largest:.4} at most, as blocks of other sizes say"
+            "blocks: with vanishing ones the ratio would change by {largest:.4} at most, as blocks of other sizes say"
         ))
     }
 
@@ -383,7 +383,10 @@ type Doubt = (fn(&LoadReport) -> bool, &'static str);
 
 /// Where the numbers of a load are out of the model's reach.
 const DOUBTS: [Doubt; 3] = [
-    (|load| load.cavity_closed, "cavities close: their ceiling reaches the counterface, which the model lets through"),
+    (
+        |load| load.cavity_closed,
+        "cavities close: their ceiling reaches the counterface, and the model lets it pass through",
+    ),
     (
         |load| load.area_law_extrapolated,
         "local pressures exceed the area law's last: the area is taken as constant there",

@@ -67,7 +67,7 @@ impl fmt::Display for Spikes {
         };
         write!(
             f,
-            "{} in {} stand{} alone, beyond all around (rows {}, columns {}; worst at row, column: ",
+            "{} in {} stand{} alone, beyond all points around (rows {}, columns {}; worst at row, column: ",
             counted(self.points(), "point"),
             counted(self.list.len(), "place"),
             if self.points() == 1 { "s" } else { "" },

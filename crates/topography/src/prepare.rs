@@ -189,7 +189,7 @@ fn despiked(map: &mut HeightMap) -> String {
     if spikes.points() == 0 {
         return "despiked: no spikes were found".to_owned();
     }
-    format!("despiked: {spikes} and have been replaced by the median of the points about them")
+    format!("despiked: {spikes}; the median of the points about them takes their place")
 }
 
 /// Whether a file says of its map that it is one whole period, as synthetic ones do.

@@ -26,8 +26,10 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
         notes.push(format!("{}: not determined by the data; it has no standard error", parameter.name));
     }
     for parameter in fit.parameters.iter().filter(|parameter| parameter.at_bound) {
-        notes
-            .push(format!("{}: ended at the bound {}; the data would have it beyond", parameter.name, parameter.value));
+        notes.push(format!(
+            "{}: ended at the bound {}; the data ask for a value beyond it",
+            parameter.name, parameter.value
+        ));
     }
     let (chi_square, degrees_of_freedom) = (fit.chi_square, fit.degrees_of_freedom);
     if degrees_of_freedom > 0 {

@@ -20,8 +20,9 @@ use slipgrid_campaign::{Engine, Share};
     values = [40.0, 60.0]\n  \
     [[list]]                         # rows of keys that go together\n  \
     \"load.pressure_mpa\" = [0.65]\n\n\
-    Any number of workers on any machines that see the folder compute what is missing, in any order; each writes\n\
-    only its own results. What is refused or fails is a result, too. The table has the same bytes whoever did what.")]
+    Any number of workers on any machines that see the folder compute what is missing, in any order; each writes \
+    only its own results. A task that is refused or fails is a result, too. The table has the same bytes, whichever \
+    worker did which task.")]
 pub struct CampaignArgs {
     /// What to do.
     #[command(subcommand)]
@@ -31,9 +32,9 @@ pub struct CampaignArgs {
 /// What to do with a campaign.
 #[derive(Debug, Subcommand)]
 pub enum CampaignStep {
-    /// Make a task of every combination of a campaign file, with all that they read
+    /// Make a task of every combination in a campaign file, with all that the task reads
     Plan(PlanArgs),
-    /// Do the tasks of a campaign that nobody has done
+    /// Do the tasks of a campaign that are not done yet
     Work(WorkArgs),
     /// Put all results into one table; exit code 1 where some are missing
     Merge(MergeArgs),
@@ -50,10 +51,10 @@ pub struct PlanArgs {
     /// Write the job script of an engine as well: DIR/slurm.sh for sbatch, DIR/hyperqueue.sh for hq submit
     #[arg(long, value_name = "ENGINE", value_parser = engines())]
     pub emit: Option<Engine>,
-    /// Workers of the script
+    /// Number of workers in the script
     #[arg(long, default_value_t = 10, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "emit")]
     pub workers: u32,
-    /// Cores of each
+    /// Cores of each worker
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "emit")]
     pub cores: u32,
     /// Most workers that Slurm runs at once; all by default. HyperQueue runs as many as its own workers have cores for
@@ -66,7 +67,7 @@ pub struct PlanArgs {
 pub struct WorkArgs {
     /// Folder of the campaign
     pub folder: PathBuf,
-    /// Only the i-th of n equal shares of the tasks
+    /// Do only the i-th of n equal shares of the tasks
     #[arg(long, value_name = "i/n", value_parser = parse_share)]
     pub share: Option<Share>,
     /// Start no task after this time; those under way are finished

@@ -35,11 +35,11 @@ pub struct MapArgs {
     /// What is done about missing points
     #[arg(long, value_enum, default_value_t = MissingName::Fill, value_name = "WHAT")]
     pub missing: MissingName,
-    /// Replace single points, and clusters of up to twelve, that stand far beyond all around them by the median about
-    /// them
+    /// Replace spikes, single points or clusters of up to twelve that stand far beyond all points around them, by the
+    /// median of the points about them
     #[arg(long)]
     pub despike: bool,
-    /// The least-squares form that is subtracted; of a map that is one whole period only the mean is
+    /// Least-squares form to subtract; from a map of exactly one period only the mean is subtracted
     #[arg(long, value_enum, default_value_t = FormName::Plane, value_name = "FORM")]
     pub form: FormName,
 }
@@ -89,17 +89,17 @@ pub enum FormName {
     slipgrid surface textured.sur --cavities -o out/textured\n  \
     slipgrid surface textured.sur --cavities --period-out period.asc\n  \
     slipgrid surface scan.csv --pixel-um 0.5 --height-unit um --decimate 4 --json\n\n\
-    Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content.\n\
-    Writes the page report.html, map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv,\n\
-    spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and\n\
+    Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content. \
+    Writes the page report.html, map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv, \
+    spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and \
     edge-profile.svg. x runs along the file's rows.\n\n\
-    Cavities: connected regions below half depth. Widths and gaps at half depth; depth from the land\n\
-    beside a cavity to the middle third of its width, as ISO 5436-1 has it.\n\n\
-    Rims: the mean height of all points at equal distances from an edge, above the land farther out, fitted\n\
-    by a round, flat, ramp or half-sine profile: its greatest height and its width in um. A rim narrower than\n\
-    four pixels has no height. Walls in degrees from the horizontal, between 20 % and 80 % of the depth.\n\n\
-    Fourier transforms add in another order with AVX than without: spectrum, rms slope, Sal and Str differ by\n\
-    1e-14 of themselves between processors that have it and others.")]
+    Cavities are connected regions below half depth. Widths and gaps are taken at half depth, the depth from the land \
+    beside a cavity to the middle third of its width, as in ISO 5436-1.\n\n\
+    For rims, a round, flat, ramp or half-sine profile is fitted to the mean height of all points at equal distances \
+    from an edge, above the land farther out; its greatest height and its width are given in um. A rim narrower than \
+    four pixels has no height. Walls are given in degrees from the horizontal, between 20 % and 80 % of the depth.\n\n\
+    With AVX, Fourier transforms add in another order than without: between such processors spectrum, rms slope, \
+    Sal and Str differ by 1e-14 of themselves.")]
 pub struct SurfaceArgs {
     /// Altitude map
     pub map: PathBuf,
@@ -130,7 +130,7 @@ pub struct SurfaceArgs {
     slipgrid synthesize -o flat-map.asc\n  \
     slipgrid synthesize --side-mm 2.56 --cavities 130,370,5.2 --wall-um 10 -o textured.asc\n  \
     slipgrid synthesize --pixels 256 --hurst 0.7 --waves 4:32 --sa-um 0.3 --seed 7 -o rough.asc\n\n\
-    The defaults make the map that stands in for the unpublished one of the LDPE calibration.\n\
+    The defaults make the map that stands in for the unpublished one of the LDPE calibration. \
     Waves n:m are the longest and the shortest wave, in waves per side.")]
 pub struct SynthesizeArgs {
     /// Pixels per side

@@ -11,18 +11,19 @@ use clap::Args;
     slipgrid next designs/ldpe-lower-friction.toml --count 3 -o out/next\n  \
     slipgrid next designs/ldpe-lower-friction.toml --count 3 --one-disc -o out/disc\n  \
     slipgrid next designs/ldpe-lower-friction.toml --candidate 100,300,10\n\n\
-    Compares about 20,000 designs within the bounds by the chance that a cut sample is on target: by the steady model\n\
-    and by what the trials of the calibration say that it lacks. Several samples complement each other, and those\n\
-    that are pending. A [[trial]] without measurements is pending.\n\n\
-    --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction\n\
-    resolved by the angle of a turning disc. What presses the whole disc measures a mean of all sectors, of no use here.")]
+    Compares about 20,000 designs within the bounds by the chance that a cut sample is on target: by the steady model \
+    and by what the trials of the calibration say that it lacks. Several samples are chosen to complement each other \
+    and those that are pending. A [[trial]] without measurements is pending.\n\n\
+    --one-disc serves where each sector is measured alone: with a pin or a counter-body that fits on it, or by friction \
+    resolved by the angle of a turning disc. A tribometer that presses the whole disc measures a mean of all sectors, which \
+    is of no use here.")]
 pub struct NextArgs {
     /// Design file
     pub design: PathBuf,
     /// Samples to cut at once
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=20))]
     pub count: u8,
-    /// The samples as sectors of one disc: their files in DIR, and trials.toml to fill in
+    /// Cut the samples as sectors of one disc: write their files into DIR, and trials.toml to fill in
     #[arg(long)]
     pub one_disc: bool,
     /// A candidate of your own, width, spacing and depth in um; may be given several times
@@ -41,9 +42,9 @@ pub struct NextArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid trials calibration/ldpe-cast-iron/calibration.toml\n  \
     slipgrid trials calibration.toml -o out/trials\n\n\
-    Every [[trial]] of the calibration is compared with what the model and the trials before it said of it. The\n\
-    table of forms says how the discrepancy, ln(measured / modelled), grows with the texture as far as trials\n\
-    tell. Nothing is fitted to flat samples but where the area law is.")]
+    Every [[trial]] of the calibration is compared with what the model and the trials before it predicted. The \
+    table of forms says how the discrepancy, ln(measured / modelled), grows with the texture as far as trials \
+    tell. Nothing is fitted to flat samples, unless the area law itself is fitted.")]
 pub struct TrialsArgs {
     /// Calibration file
     pub calibration: PathBuf,

@@ -153,7 +153,7 @@ fn a_line_that_cannot_be_an_answer_is_refused_by_its_number() {
         ("5.0", "-5.0", "answer.peak_pressure_mpa: -5e0 is out of range"),
         ("-0.1", "1e300", "answer.least_pressure: 1e300 is out of range"),
         ("3.0", "1e300", "answer.clearance_um: 1e300 is out of range"),
-        ("\"answer\":", "\"failed\":\"why\",\"answer\":", "neither an answer nor why"),
+        ("\"answer\":", "\"failed\":\"why\",\"answer\":", "neither an answer nor a reason why"),
     ] {
         let refused = read(&line.replacen(from, to, 1)).unwrap_err().to_string();
         assert!(refused.contains("study.jsonl:2: ") && refused.contains(says), "{to}: {refused}");

@@ -80,7 +80,7 @@ fn samples_trade_offs_and_the_robust_choice_are_reported() {
     let time_s = time["work"]["estimated_time_s"].as_float().unwrap();
     assert!((number(&trade_offs["chosen"][1]) / time_s - 1.0).abs() < 1e-6);
     let page = fs::read_to_string(folder.join("report.html")).unwrap();
-    for heading in ["What samples will do", "What a micrometre changes", "What can be had for what"] {
+    for heading in ["What samples will do", "What a micrometre changes", "Trade-offs"] {
         assert!(page.contains(heading), "{heading}");
     }
 

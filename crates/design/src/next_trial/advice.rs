@@ -22,9 +22,9 @@ const RATHER: usize = 4;
 /// that.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AdviceReport {
-    /// "series" where a cut sample is on target more likely than not, "trial" otherwise.
+    /// "series" if a cut sample is more likely on target than not, otherwise "trial".
     pub advice: String,
-    /// That chance.
+    /// The chance of this design.
     pub chance: f64,
     /// Trials that it rests on.
     pub trials: usize,
@@ -32,7 +32,8 @@ pub struct AdviceReport {
     pub words: String,
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
-    /// Samples to cut rather, the likeliest first, where this is a trial; empty in space, where `slipgrid next` looks for them.
+    /// Samples that are more likely on target, the most likely first, where this is a trial; empty in space, where
+    /// `slipgrid next` looks for them.
     #[serde(default)]
     pub rather: Vec<TrialCandidateReport>,
 }

@@ -116,7 +116,7 @@ pub struct TrialCandidateReport {
     pub chance: f64,
     /// Expected exp(-m^2 / 4), m its largest distance from the target in tolerances.
     pub closeness: f64,
-    /// What measuring it would say of the form of the discrepancy, in bits.
+    /// How much its measurement would tell about the form of the discrepancy, in bits.
     pub information_bits: f64,
     /// Time under the laser; null where the laser's speed is not given.
     pub laser_s: Option<f64>,

@@ -50,7 +50,7 @@ pub fn trade_offs(chart: &TradeOffsChart<'_>) -> Result<String, ChartError> {
     let spans =
         all().map(|goals| goals[0]).fold(f64::INFINITY, f64::min)..=all().map(|goals| goals[0]).fold(0.0, f64::max);
     let [blue, vermilion, ..] = PALETTE;
-    let mut legend = vec![(Swatch::Mark(Mark::Square, blue), "beaten by none in every goal")];
+    let mut legend = vec![(Swatch::Mark(Mark::Square, blue), "no other beats it in every goal")];
     if !chart.others.is_empty() {
         legend.push((Swatch::Mark(Mark::Circle, PALE), "other designs"));
     }
@@ -130,7 +130,7 @@ mod tests {
         let front: Vec<&[f64]> = vec![&[0.1, 300.0, 5.0], &[1.0, 30.0, 6.0], &[10.0, 3.0, 4.0]];
         let others: Vec<&[f64]> = vec![&[5.0, 400.0, 9.0]];
         let chart = TradeOffsChart {
-            title: "What for what",
+            title: "Trade-offs",
             titles: &["misfit (tolerances)", "time (s)", "pressure (MPa)"],
             front: &front,
             others: &others,
@@ -141,7 +141,7 @@ mod tests {
         // In each of two panels four dots and a diamond, and the legend's square, circle and diamond.
         assert_eq!(svg.matches("<rect").count(), 1 + 2 * 4);
         for text in [
-            "beaten by none in every goal",
+            "no other beats it in every goal",
             "chosen",
             "misfit (tolerances)",
             "time (s)",

@@ -91,7 +91,7 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
     });
     page.part("Trials", |page| match ledger {
         Some(ledger) => trials::part(page, ledger, outputs),
-        None => page.paragraph("No sample with a pattern was measured: nothing says how far the model is off on one."),
+        None => page.paragraph("No patterned sample was measured: it is not known how far the model is off for one."),
     });
     page.part("What was measured", |page| traces(page, outputs));
     page.part("How every value was obtained", |page| {
@@ -252,7 +252,7 @@ fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
             _ => "anywhere within its bounds".to_owned(),
         };
         let bound =
-            if parameter.at_bound { "; the fit ended at a bound, and the data would have it beyond" } else { "" };
+            if parameter.at_bound { "; the fit ended at a bound, and the data ask for a value beyond it" } else { "" };
         Some(format!("{}: it lies {ends} (95 %){bound}.", parameter.name))
     }));
     if !fit.settled {
@@ -279,7 +279,7 @@ fn next(fitted: &Fitted<'_>) -> Vec<String> {
         all.push("An altitude map of a flat sample: the area law decides what a pattern does, and it rests on no measured surface.".to_owned());
     }
     match task.modulus_relative_std() {
-        None => all.push("Young's modulus with its standard deviation: whatever is predicted has it.".to_owned()),
+        None => all.push("Young's modulus with its standard deviation: every prediction depends on it.".to_owned()),
         Some(std) if std > LOOSE_MODULUS => {
             all.push(format!("Young's modulus: it is known to no better than {} %.", percent(std, 0)));
         }

@@ -113,7 +113,7 @@ fn chance_parts(page: &mut Page, chance: &ChanceReport, advice: Option<&AdviceRe
         page.paragraph(&sentence(&line));
     }
     page.records(
-        "What limits the chance: what it would be in % were one of these known, or made, exactly.",
+        "What limits the chance: the chance in % if one of these were known, or made, exactly.",
         &chance.parts,
         &[
             ("what", |part| part.input.clone()),
@@ -318,13 +318,13 @@ pub(super) fn lengths(design: &PatternReport) -> String {
 /// What a table of designs says of the one found.
 fn table(page: &mut Page, table: &TableReport) {
     let verdict = match (table.by_chance, table.confirms_search) {
-        (true, _) => "Not by its misfit alone was chosen",
-        (false, true) => "None is better than",
-        (false, false) => "One is better than",
+        (true, _) => "The design found was not chosen by its misfit alone",
+        (false, true) => "None is better than the design found",
+        (false, false) => "One is better than the design found",
     };
     page.paragraph(&format!(
-        "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict} \
-         the design found, whose cost is {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
+        "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict}. \
+         The design found has a cost of {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
          tolerances, or the goal in per cent.",
         table.designs,
         table.feasible,

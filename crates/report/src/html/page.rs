@@ -249,7 +249,7 @@ impl Page {
     /// A picture on a white card, in any colour scheme; `alt` says what it shows.
     pub fn picture(&mut self, svg: &str, caption: &str) {
         if svg.len() > LARGEST_PICTURE {
-            self.paragraph(&format!("{caption} The picture is too large for this page: it stands beside it."));
+            self.paragraph(&format!("{caption} The picture is too large for this page: it is a file beside the page."));
             return;
         }
         let card = self.card(svg, caption);

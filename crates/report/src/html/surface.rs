@@ -134,7 +134,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
     let (shortest_um, longest_um) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
     if let Some(slope) = share(2, &|wavelength_um| wavelength_um < 2.0 * shortest_um) {
         let words = if slope > LIMITED_BY_PIXELS {
-            "finer pixels would find a higher one, and an area law from this map is one of these pixels"
+            "finer pixels would find a higher one, and an area law from this map holds for these pixels"
         } else {
             "finer pixels would change it little unless the surface has more below them"
         };
@@ -158,7 +158,7 @@ fn limits(report: &SurfaceReport) -> Vec<String> {
         ));
     }
     if report.parameters.sal_um.is_none() {
-        all.push("Sal and Str: heights are not forgotten within half the map. It is too small for them, or a form was left in it.".to_owned());
+        all.push("Sal and Str: heights are still correlated over half the map. The map is too small for them, or a form was left in it.".to_owned());
     }
     all.push(
         "Sp, Sv and Sz are single points: they grow with the map, and with every spike that is left in it.".to_owned(),

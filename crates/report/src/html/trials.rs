@@ -183,7 +183,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
     page.part("How good the predictions were", |page| {
         page.records(
-            "Measured ratios within the intervals predicted of them. Of intervals that are right about 68 and 95 % hold what is measured.",
+            "How many measured ratios lie within the intervals that were predicted. If the intervals are right, about 68 and 95 % of them do.",
             &report.coverage,
             &[
                 ("predicted by", |of| of.by.clone()),

@@ -201,7 +201,7 @@ fn parts(page: &mut Page, all: &[PressureParts]) {
 
 /// Designs that no other beats in every goal.
 pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Outputs) {
-    page.subheading("What can be had for what");
+    page.subheading("Trade-offs");
     if let Some(reason) = &found.none_because {
         page.paragraph(&format!("Nothing could be compared: {reason}."));
         return;
@@ -209,7 +209,7 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
     page.picture_of(
         outputs,
         "trade-offs.svg",
-        "Designs by the goals they were compared by; those on the front are beaten by none in every goal",
+        "Designs by the goals that were compared; no other design beats one on the front in every goal",
     );
     let chosen = if found.chosen_is_on_front {
         "The chosen design is one of them."
@@ -217,7 +217,7 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         "The chosen design is not one of them: it was not chosen by these goals."
     };
     page.paragraph(&format!(
-        "Of {} designs {} are beaten by none in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
+        "Of {} designs {} are not beaten by another in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
         found.designs, found.front, found.left_out, found.model,
     ));
     let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]

@@ -201,7 +201,7 @@ impl CavityReport {
         };
         let wall = match (self.wall_angle_deg, self.wall_resolved_deg) {
             (Some(angle), Some(resolved)) if angle.value >= resolved => {
-                format!("walls are at least as steep as that: the pixels resolve up to {resolved:.1} deg")
+                format!("walls are at least {resolved:.1} deg steep, which is all that the pixels resolve")
             }
             _ => String::new(),
         };

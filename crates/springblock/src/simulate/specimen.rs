@@ -11,7 +11,7 @@
 //! nearly as their share, so that the ratio to the flat face is taken as 1 - (1 - r) D / D_strips. What strips depart from
 //! that proportion is the error of the sampling.
 //!
-//! In time one strip is run, the longest, on whole blocks. The others follow it in what time adds to steady sliding:
+//! In time one strip is run, the longest, on whole blocks. The others take from it what time adds to steady sliding:
 //!
 //! ```text
 //! r = r_steady + (r_dynamic,1 - r_steady,1) D / D_1
@@ -309,7 +309,7 @@ fn in_time(
     model.push(describe_scheme(scene, &scheme));
     describe_protocol(scene, scheme.step_s, model);
     model.push(format!(
-        "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the others follow it in what time adds to steady sliding",
+        "in time: {part} of the specimen, {:.2} mm with {} cavities on whole blocks of {:.0} um; the other strips take from it what time adds to steady sliding",
         strip.length_m * 1e3,
         strip.cavities_m.len(),
         scene.layer.block_m * 1e6,

@@ -25,7 +25,7 @@ pub fn why_space(scene: &Scene, pattern: &Pattern) -> String {
     if scene.run.dimensions == Some(3) {
         return "as asked for".to_owned();
     }
-    let aslant = if pattern.is_uniform_along_y() { " along or aslant the sliding direction" } else { "" };
+    let aslant = if pattern.is_uniform_along_y() { " along or oblique to the sliding direction" } else { "" };
     format!("as {} cavities{aslant} need", pattern.planform())
 }
 

@@ -9,7 +9,10 @@ use super::text::{QUANTITIES, change, error_text, machine, method_cells, signifi
 
 const TERMS: [(&str, &str); 5] = [
     ("reference", "The published scheme with the smallest step: what every method is compared with."),
-    ("error", "A method's value less the reference's, in per cent of it; ± the standard error of that difference."),
+    (
+        "error",
+        "The value of a method minus that of the reference, in per cent of the latter; ± the standard error of that difference.",
+    ),
     ("n.s.", "Not significant: the difference is no more than chance may make."),
     ("front", "Methods than which no other is both faster and at least as accurate."),
     ("default", "What the program does where nobody chooses; its name ends with a star."),
