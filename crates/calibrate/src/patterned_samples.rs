@@ -117,7 +117,8 @@ fn ratios(
         loads,
         // Steady sliding does not depend on it.
         speed_m_s,
-        run: RunOptions::default(),
+        // As the run that confirms a design has them: what trials say must not have the blocks' error in it.
+        run: RunOptions { refine: true, ..RunOptions::default() },
     };
     Ok(steady_ratios(&scene, monitor)?)
 }

@@ -99,7 +99,7 @@ fn conditions(task: &CalibrationTask) -> Conditions {
 
 /// A sample beside the model, its numbers to the digits that a material file holds.
 ///
-/// A modelled ratio depends on local friction by a thousandth at most, and linearly but for 5e-5: at each force it is solved for
+/// A modelled ratio depends on local friction by a thousandth at most, and linearly but for 1e-4: at each force it is solved for
 /// the least and the greatest, as a load in space takes a tenth of a second.
 fn trial(
     task: &CalibrationTask,
@@ -282,12 +282,12 @@ mod tests {
                 let own = learn_alone(&task(vec![*flat], planform), &Unwatched).unwrap();
                 let own = &own.trials()[0];
                 let (found, exact) = (&all.measured[row], &own.measured[0]);
-                assert!((found.modelled - exact.modelled).abs() < 5e-5, "{planform:?} {row}: {found:?} {exact:?}");
-                assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 2e-4, "{planform:?} {row}");
+                assert!((found.modelled - exact.modelled).abs() < 1e-4, "{planform:?} {row}: {found:?} {exact:?}");
+                assert!((found.modulus_sensitivity - exact.modulus_sensitivity).abs() < 4e-4, "{planform:?} {row}");
                 // A wider cavity lowers the ratio.
                 let change = all.of_dimensions[0][row];
                 assert!(
-                    change < -1e-4 && (change - own.of_dimensions[0][0]).abs() < 5e-5,
+                    change < -1e-4 && (change - own.of_dimensions[0][0]).abs() < 1e-4,
                     "{planform:?} {row}: {change}"
                 );
             }

@@ -117,6 +117,9 @@ pub fn message() -> String {
         text += &format!("; {answers} answers of the search's model are kept in {}", path.display());
         if let Some(command) = &account.goes_on {
             text += &format!(", and\n  {command}\ngoes on with them");
+            if account.stage == "explorer" {
+                text += "; with --no-explorer it leaves this stage, the page's sliders, out";
+            }
         }
     }
     text

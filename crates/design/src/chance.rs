@@ -405,22 +405,20 @@ impl<'a> Chances<'a> {
         Some(per_m.iter().map(|slope| slope.abs() * self.tolerances.rim_height_std_m).collect())
     }
 
-    /// Covariance of ln r of samples by their dimensions and rims alone, r the `ratio` of `design` at each load: row by row.
+    /// Covariance of the logarithms of the values of a sample of a design, row by row, by everything but what trials say that the model lacks,
+    /// which Young's modulus belongs to: to first order.
     ///
     /// # Errors
     /// [`ModelFailure`] where neighbours of the design cannot be computed.
-    pub fn covariance_of_made(&self, design: &Pattern, ratio: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let dimensions = self.tolerances.std_m.into_iter().enumerate().filter(|(_, std_m)| *std_m > 0.0);
-        let along = dimensions.map(|(axis, std_m)| Ok((self.along_axis(design, axis, std_m)?, std_m)));
-        let rim = self.uncertainty.rim().map(|_| Ok((self.along_rim(design)?, self.tolerances.rim_height_std_m)));
-        let mut covariance = vec![0.0; ratio.len() * ratio.len()];
-        for found in along.chain(rim) {
-            let (per_m, std_m): (Vec<f64>, f64) = found?;
-            let log: Vec<f64> = per_m.iter().zip(ratio).map(|(slope, ratio)| slope * std_m / ratio).collect();
-            let products = log.iter().flat_map(|left| log.iter().map(move |right| left * right));
-            covariance.iter_mut().zip(products).for_each(|(sum, product)| *sum += product);
-        }
-        Ok(covariance)
+    pub fn log_covariance(&self, about: &About<'_>) -> Result<Vec<f64>, ModelFailure> {
+        let modulus = self.law_scale.as_ref().filter(|_| !self.scale_is_fitted).map(|along| along.first);
+        let slopes = self.expand(about)?.slopes;
+        let rows = slopes.covariance_of(&self.uncertainty, &|place| Some(place) != modulus);
+        // cov(ln v, ln w) = cov(v, w) / (v w)
+        let row = |(row, own): (Vec<f64>, f64)| {
+            row.into_iter().zip(about.values).map(move |(entry, other)| entry / (own * other)).collect::<Vec<f64>>()
+        };
+        Ok(rows.into_iter().zip(about.values.iter().copied()).flat_map(row).collect())
     }
 
     /// dr/dx of each ratio along one dimension, per metre.

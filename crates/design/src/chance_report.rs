@@ -11,13 +11,15 @@ use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_results::ErrorsReport;
-use slipgrid_units::tidy;
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 /// Draws of the chance that is reported: a half is known to 0.4 %.
 const DRAWS: usize = 20_000;
 /// Draws of the steady model itself, in the vertical plane: a half is known to 1.6 %. And those of each part.
 const SAMPLED: usize = 1000;
 const SAMPLED_PARTS: usize = 300;
+/// Standard errors of the draws by which a chance must be greater to be told.
+const BEYOND_DRAWS: f64 = 2.0;
 /// How the numerical errors are called.
 const NUMERICAL: &str = "numerical error";
 /// What is never known unless a design aims with it.
@@ -36,7 +38,8 @@ pub struct ChanceReport {
     pub included: Vec<String>,
     /// What it does not include, because no error is given.
     pub not_known: Vec<String>,
-    /// The part without which the chance would be greatest; null where it is nearly certain.
+    /// The part without which the chance would be greatest; null where it is nearly certain, or where no part makes a difference
+    /// beyond that of the draws.
     pub limited_by: Option<PartReport>,
     /// The same of every part, the greatest gain first.
     pub parts: Vec<PartReport>,
@@ -107,7 +110,10 @@ impl MultiFidelityLoop<'_> {
                     "chance not known: at {} the design or the flat sample does not slide evenly in the model",
                     at.at.in_words()
                 ),
-                None => "chance not known: the confirming run has no friction at some pressure".to_owned(),
+                None => format!(
+                    "chance not known: at {} MPa the design or the flat sample does not slide evenly in the model",
+                    tidy(PRESSURE_MPA.from_si(design.target.points()[first % count].pressure_pa))
+                ),
             };
             return Ok(Some(nothing(&words, not_known)));
         };
@@ -147,7 +153,13 @@ impl MultiFidelityLoop<'_> {
         } else {
             format!("{NUMERICAL} (time average)")
         });
-        let limited_by = parts.first().filter(|part| all.share < 0.995 && part.chance_without > all.share).cloned();
+        // sqrt(p (1 - p) / n): how far chances of so few draws are known.
+        let by_draws = |part: &PartReport| {
+            let (share, without) = (all.stderr, part.chance_without);
+            share.hypot((without * (1.0 - without) / SAMPLED_PARTS as f64).sqrt())
+        };
+        let is_more = |part: &&PartReport| part.chance_without > all.share + BEYOND_DRAWS * by_draws(part);
+        let limited_by = parts.first().filter(|_| all.share < 0.995).filter(is_more).cloned();
         Ok(Some(ChanceReport {
             words: format!("{} {ON_TARGET}{}", percent(all.share), limits(limited_by.as_ref(), &not_known)),
             value: Some(tidy(all.share)),
@@ -285,7 +297,7 @@ impl ChanceReport {
     pub fn lines(&self, advice: Option<&AdviceReport>) -> Vec<String> {
         let both = self.with_and_without_trials(advice);
         let [includes, leaves_out] = if both.is_some() {
-            ["the latter includes", "neither includes"]
+            ["both include", "neither includes"]
         } else {
             ["the chance includes", "it does not include"]
         };

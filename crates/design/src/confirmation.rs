@@ -46,7 +46,7 @@ impl MultiFidelityLoop<'_> {
         self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
         self.confirming.refine |= self.is_coarse(design, pattern, &predicted);
-        let scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() };
+        let scene = self.confirming_scene(pattern);
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
         self.monitor.heed()?;
@@ -60,6 +60,15 @@ impl MultiFidelityLoop<'_> {
             further.confirmed = None;
         }
         Ok(())
+    }
+
+    /// The scene of the confirming run of `pattern` at the condition designed for.
+    pub(super) fn confirming_scene(&self, pattern: &Pattern) -> Scene {
+        let mut scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() }.slowed();
+        if scene.run.warm_start {
+            scene.run.sliding_m = warm_travel_m(&scene);
+        }
+        scene
     }
 
     /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
@@ -83,7 +92,7 @@ impl MultiFidelityLoop<'_> {
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let run = self.confirming;
-                let mut scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() };
+                let mut scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() }.slowed();
                 if run.warm_start {
                     scene.run.sliding_m = warm_travel_m(&scene);
                 }

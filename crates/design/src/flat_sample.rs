@@ -9,6 +9,7 @@ use crate::time_budget::TimeBudget;
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide, or only in waves.
 pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Option<Vec<f64>>, SpecimenError> {
     let bar = budget.stage("flat sample");
+    let scene = &scene.clone().slowed();
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
     let run = RunOptions {
         warm_start: true,

@@ -158,7 +158,7 @@ fn every_step(
     let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
     let spread = robustness::of_design(design, uncertainty, &about)?;
     let value = &best.response.value;
-    let confirming = Scene { pattern: Some(pattern), run: found.confirming, ..found.scene.clone() };
+    let confirming = found.confirming_scene(&pattern);
     let rim_std = found.chances.as_ref().and_then(|chances| chances.rim_std(&pattern));
     let failed = |failure: ModelFailure| DesignError::Failed(format!("discrepancy: {failure}"));
     let learned = found.model.learned();
@@ -175,7 +175,8 @@ fn every_step(
         Some(chances) => found.chance(design, uncertainty, chances, &errors.report)?,
         None => None,
     };
-    let advice = found.advice(design, uncertainty)?;
+    let aimed = chance.as_ref().and_then(|chance| chance.value).filter(|_| design.discrepancy);
+    let advice = found.advice(design, uncertainty, &errors.report, aimed)?;
     let conditions = found.conditions_report(design, uncertainty, lacking.as_deref(), &errors.report, &outside)?;
     let reachable = reachable_range::of_search(design, uncertainty, &found, &probing)?;
     let mut cut_short = found.cut_short.clone();

@@ -227,14 +227,23 @@ impl<'a> MultiFidelityLoop<'a> {
         self.budget.stage(name)
     }
 
-    /// How designs were searched in space, beside what the confirming run says of itself.
+    /// How designs were searched in space, and at which speed they were run, beside what the confirming run says of itself.
     pub(super) fn statements(&self) -> Vec<String> {
+        let (asked, run) = (self.scene.speed_m_s, self.scene.clone().slowed().speed_m_s);
+        let slowed = (run < asked).then(|| {
+            let [asked, run] = [asked, run].map(|speed_m_s| tidy(SPEED_MM_S.from_si(speed_m_s)));
+            format!(
+                "in time at {run:.3} mm/s in place of {asked} mm/s, faster than which the modelled layer slides in waves, v = 0.01 P / sqrt(E rho): \
+                 the coefficients are those at {asked} mm/s, and the ratio is known to about 0.01"
+            )
+        });
+        let mut statements: Vec<String> = slowed.into_iter().collect();
         if !self.model.is_spatial() {
-            return Vec::new();
+            return statements;
         }
         let um = |length_m: f64| tidy(LENGTH_UM.from_si(length_m));
         let block_um = um(self.scene.layer.block_m);
-        let mut statements = vec![match self.model.guide() {
+        statements.push(match self.model.guide() {
             Some((_, guide_m)) => format!(
                 "searched in space: steady cells in blocks of {block_um} um judged {} designs; cells in blocks of {} um, corrected by these, found them among {}",
                 self.solid_evaluations,
@@ -242,7 +251,7 @@ impl<'a> MultiFidelityLoop<'a> {
                 self.evaluations,
             ),
             None => format!("searched in space: steady cells in blocks of {block_um} um"),
-        }];
+        });
         statements.push(format!(
             "confirmed in time on one cell in space, taken for the specimen in proportion to its cavities: a specimen {} um long and as wide is beyond reach",
             um(self.scene.layer.length_m),

@@ -71,7 +71,7 @@ pub struct DesignReport {
     pub extent: Cow<'static, str>,
     /// What was asked for.
     pub target: TargetReport,
-    /// The steady cell at the target's pressures.
+    /// The steady cell at the target's pressures, in the layer's blocks and not corrected by confirming runs.
     pub predicted: Vec<LoadReport>,
     /// The target's quantity as the search took it, by pressure: the steady cell's ratio, times the flat
     /// sample's dynamic friction where that is wanted, times the discrepancy where designs aim with it, with what an
@@ -245,10 +245,11 @@ impl DesignReport {
             table.row(first.into_iter().chain(cells.map(|cell| fixed(cell, 4))).chain([peak]));
         }
         text += &format!(
-            "  {}{} (predicted: steady cell{}; confirmed: {})\n{table}",
+            "  {}{} (predicted: steady cell{}{}; confirmed: {})\n{table}",
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
+            if self.rounds > 1 { ", corrected by an earlier run" } else { "" },
             self.confirmation()
         );
         text += &format!("  {}\n", self.errors.meaning);

@@ -163,7 +163,7 @@ pub fn of_scene(
     let humidity = condition.map_or_else(|| usual_humidity(learned), |condition| condition.humidity);
     let at = |load: &Load| slipgrid_discrepancy::Load {
         pressure_pa: load.pressure_pa,
-        speed_m_s: scene.speed_m_s,
+        speed_m_s: condition.map_or(scene.speed_m_s, |condition| condition.speed_m_s),
         humidity,
     };
     let places: Vec<slipgrid_discrepancy::Load> = scene.loads.iter().map(at).collect();

@@ -141,7 +141,7 @@ impl<'a> SteadyModel<'a> {
     }
 
     /// Share of the specimen's face that is cavity over that of the endless pattern.
-    fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
+    pub(crate) fn share(&self, design: &Pattern) -> Result<f64, ExportError> {
         let Some(specimen) = &self.specimen else { return Ok(1.0) };
         density_share(specimen, design, self.dimensions())
     }

@@ -263,18 +263,24 @@ impl Linearization {
     /// The same from the inputs of `of` alone.
     #[must_use]
     pub fn std_of(&self, uncertainty: &Uncertainty, of: &dyn Fn(usize) -> bool) -> Vec<f64> {
-        let covariance = uncertainty.covariance();
-        (0..self.values.len())
-            .map(|value| {
-                let mut variance = 0.0;
-                for (i, row) in covariance.iter().enumerate().filter(|(i, _)| of(*i)) {
-                    for (j, entry) in row.iter().enumerate().filter(|(j, _)| of(*j)) {
-                        variance += self.slopes[i][value] * entry * self.slopes[j][value];
-                    }
+        let covariance = self.covariance_of(uncertainty, of);
+        covariance.iter().enumerate().map(|(value, row)| row[value].max(0.0).sqrt()).collect()
+    }
+
+    /// Covariance of the values from the inputs of `of` alone, one row a value: G' C G, G their slopes and C their covariance.
+    #[must_use]
+    pub fn covariance_of(&self, uncertainty: &Uncertainty, of: &dyn Fn(usize) -> bool) -> Vec<Vec<f64>> {
+        let count = self.values.len();
+        let mut covariance = vec![vec![0.0; count]; count];
+        for (i, row) in uncertainty.covariance().iter().enumerate().filter(|(i, _)| of(*i)) {
+            for (j, entry) in row.iter().enumerate().filter(|(j, entry)| of(*j) && **entry != 0.0) {
+                for (value, sums) in covariance.iter_mut().enumerate() {
+                    let left = self.slopes[i][value] * entry;
+                    sums.iter_mut().zip(&self.slopes[j]).for_each(|(sum, right)| *sum += left * right);
                 }
-                variance.max(0.0).sqrt()
-            })
-            .collect()
+            }
+        }
+        covariance
     }
 }
 

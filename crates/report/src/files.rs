@@ -27,7 +27,7 @@ pub fn of_design(found: &DesignOutcome) -> Result<Outputs, ReportError> {
         specimen: &task.specimen,
         layer: &task.layer,
         loads: &found.loads,
-        speed_m_s: task.speed_m_s,
+        speed_m_s: found.scene.speed_m_s,
         run: &found.scene.run,
     };
     outputs.add("design.toml", scene.to_toml()?);

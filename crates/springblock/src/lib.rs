@@ -71,11 +71,14 @@ mod space;
 mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
-pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, shear_modulus_pa, shear_period_s, warm_travel_m};
+pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, even_sliding_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};
 pub use scene::{Extent, Fidelity, Layer, Load, MOST_DRAWS, MOST_ROWS, RunOptions, Scene, Springs};
-pub use simulate::{Expense, bounded, expense, planned_steps, simulate, simulate_specimen, steady_ratios};
+pub use simulate::{
+    BlockRefinement, Expense, block_refinement, bounded, expense, planned_steps, simulate, simulate_specimen,
+    steady_ratios,
+};
 pub use slipgrid_monitor::{Monitor, Unwatched};
 pub use space::{SpaceBond, SpaceLattice, SpaceLoad, SpaceSpring, SpaceSteadyModel};

@@ -30,6 +30,7 @@ use statements::{
     describe_draws, describe_extent, describe_law, describe_protocol, describe_scheme, describe_steady, why_space,
 };
 
+pub use blocks::{BlockRefinement, block_refinement};
 pub use expense::{Expense, bounded, expense};
 
 /// Most columns of a flat surface that a dynamic `cell` takes: without a pattern there is no period,
@@ -67,7 +68,8 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
 }
 
 /// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
-/// takes several cells more. `None` where a load did not converge.
+/// takes several cells more. In the vertical plane they are taken to smaller blocks where [`RunOptions::refine`] asks for it and cells of
+/// half a second can. `None` where a load did not converge.
 ///
 /// # Errors
 /// [`SceneError`] if the scene means nothing.
@@ -84,7 +86,10 @@ pub fn steady_ratios(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Option<
         steady(solved, monitor)?.loads
     };
     rim_difference::add_yielding(scene, pattern, &mut loads, &mut Vec::new());
-    Ok(loads.into_iter().map(|load| load.ratio.filter(|_| load.surface.status == Status::Converged)).collect())
+    let refined = if scene.run.refine { block_refinement(scene, blocks::MOST_PRODUCTS) } else { None };
+    let shifts = refined.map_or_else(|| vec![0.0; loads.len()], |refined| refined.shifts);
+    let converged = |load: LoadOutcome| load.ratio.filter(|_| load.surface.status == Status::Converged);
+    Ok(loads.into_iter().zip(shifts).map(|(load, shift)| Some(converged(load)? + shift)).collect())
 }
 
 /// The same as [`simulate`] without what is behind the layer where blocks stand for the layer alone.

@@ -1,6 +1,7 @@
 //! What a fit says in words: how values were found, what the data leave open, and what would settle it.
 
 use super::{Fit, MOST_ROUNDS, Model, SETTLED};
+use crate::flat_sample::run_speed_m_s;
 
 /// An interval of the area law's scale wider than this factor leaves the law open.
 const OPEN_SCALE: f64 = 3.0;
@@ -14,6 +15,7 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
         (least - 1.0) * 100.0,
         (most - 1.0) * 100.0
     )];
+    notes.extend(slowed(model));
     if layout.fixed_static.iter().any(Option::is_none) {
         notes.push(format!(
             "static_mean: not determined by the data where no static peak was measured; static_mean / dynamic_mean = {:.4} is assumed. A measured peak of friction at the onset of sliding would settle it",
@@ -46,6 +48,22 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
         notes.push(format!("the coefficients still changed by more than {SETTLED} after {MOST_ROUNDS} rounds"));
     }
     notes
+}
+
+/// Measurements whose runs are slower than they are.
+fn slowed(Model { problem, .. }: &Model<'_>) -> Option<String> {
+    let speeds = problem.measurements.iter().map(|measured| (measured.speed_m_s, run_speed_m_s(problem, measured)));
+    let slowed: Vec<(f64, f64)> = speeds.filter(|(measured, run)| run < measured).collect();
+    let slowest = slowed.iter().map(|(_, run)| *run).fold(f64::INFINITY, f64::min);
+    (!slowed.is_empty()).then(|| {
+        format!(
+            "speed: {} of {} measurements are faster than the modelled layer slides evenly, 0.01 P / sqrt(E rho); their runs in time are at that \
+             speed, {:.3} mm/s at the least, and what time adds to steady sliding is known to about 1 %",
+            slowed.len(),
+            problem.measurements.len(),
+            slowest * 1e3
+        )
+    })
 }
 
 /// Repeats bound the scatter from above: N independent blocks spread the mean by s / sqrt N.

@@ -215,8 +215,8 @@ fn conditions_that_were_not_measured() {
             "error: scene.toml:2: condition: no coefficients for 2 mm/s at 40 % humidity, which is not between measured ones: the material has 2 mm/s at 15 %",
         ),
         (
-            "material = \"m.toml\"\ncondition = { speed_mm_s = 4.0, humidity_pct = 15.0 }\n",
-            "error: scene.toml:14: load.speed_mm_s: 2.0 mm/s is not the speed of the condition",
+            "material = \"m.toml\"\ncondition = { speed_mm_s = 1.0, humidity_pct = 15.0 }\n",
+            "error: scene.toml:14: load.speed_mm_s: 2.0 mm/s is more than the speed of the condition",
         ),
     ] {
         let scene = format!("{head}{rest}");

@@ -7,10 +7,11 @@ use slipgrid_optimize::ModelFailure;
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::{Asked, Design, PredictedRatio, SERIES, Scope, Search, TrialCandidateReport, asked};
 use crate::DesignError;
-use crate::chance_report::percent;
+use crate::chance::{About, Chances};
+use crate::chance_report::{numerical, percent};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
-use slipgrid_results::Table;
+use slipgrid_results::{ErrorsReport, Table};
 use slipgrid_units::tidy;
 
 /// By how much the chance of another texture must be greater to be worth a word.
@@ -66,7 +67,7 @@ impl AdviceReport {
 }
 
 impl MultiFidelityLoop<'_> {
-    /// The advice for the design that was found; `None` where nothing is demanded, or where it cannot be computed.
+    /// The advice for the design that was found, whose chance is `aimed` where it counts what the model lacks already; `None` where nothing is demanded, or where it cannot be computed.
     ///
     /// # Errors
     /// [`DesignError`] for trials that mean nothing, and where the monitor cancels.
@@ -74,6 +75,8 @@ impl MultiFidelityLoop<'_> {
         &self,
         task: &DesignTask,
         material: &MaterialUncertainty,
+        errors: &ErrorsReport,
+        aimed: Option<f64>,
     ) -> Result<Option<AdviceReport>, DesignError> {
         let (Some(best), Some(confirmed), Some(chances)) = (&self.best, &self.confirmed, &self.chances) else {
             return Ok(None);
@@ -84,8 +87,13 @@ impl MultiFidelityLoop<'_> {
         let asked = asked(task, material, &self.further, &self.model)?;
         let models = Models::new(&self.model, material)?;
         let found = models.at(&best.design).and_then(|modelled| {
-            let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
-            Ok((modelled, chances.covariance_of_made(&best.design, &ratio)?))
+            let still = chances.still(&best.design)?;
+            let (scales, values) = (self.model.scales(&best.design), self.confirmed_values());
+            let (numerical, _) = numerical(task, &scales, confirmed, errors);
+            let values =
+                values.unwrap_or_else(|| still.iter().zip(&scales).map(|(ratio, scale)| ratio * scale).collect());
+            let about = About { design: &best.design, still: &still, values: &values, numerical: &numerical };
+            Ok((modelled, chances.log_covariance(&about)?))
         });
         let (modelled, covariance) = match found {
             Ok(found) => found,
@@ -102,12 +110,13 @@ impl MultiFidelityLoop<'_> {
         let log_ratio = log_ratio.map(|(load, log)| log + off(load % count).unwrap_or(0.0)).collect();
         let design = Design::new(best.design, Modelled { log_ratio, ..modelled }, covariance);
         let judged = design.judged(&asked.learned.at(&asked.loads), &asked.wanted);
-        let chance = judged.score.chance;
+        // A design that aims with the discrepancy has it in its chance.
+        let chance = aimed.unwrap_or(judged.score.chance);
         let (advice, trials) = (if chance > SERIES { "series" } else { "trial" }, asked.learned.trials().len());
         let side = if chance > SERIES { "above" } else { "below" };
         let words = format!("cut it as a {advice}: its chance, {}, is {side} one half", percent(chance));
         let predicted = PredictedRatio::of(&asked, &judged);
-        let rather = if chance > SERIES { None } else { self.rather(task, &asked, &models, chance) };
+        let rather = if chance > SERIES { None } else { self.rather(task, &asked, (&models, chances), chance) };
         let words = match &rather {
             Some(rather) if rather.is_empty() => format!("{words}; no other texture within the bounds has more"),
             Some(_) => format!("{words}; others are likelier on target"),
@@ -123,7 +132,7 @@ impl MultiFidelityLoop<'_> {
         &self,
         task: &DesignTask,
         asked: &Asked,
-        models: &Models<'_>,
+        (models, chances): (&Models<'_>, &Chances<'_>),
         chance: f64,
     ) -> Option<Vec<TrialCandidateReport>> {
         if self.model.is_spatial() {
@@ -135,7 +144,8 @@ impl MultiFidelityLoop<'_> {
         let found = interpolation.map(|nodes| {
             // Half of what counts is left for what the interpolation is off.
             let least = chance + 0.5 * CLEARLY;
-            let (mut best, _) = Search::new(task, asked, models, (&nodes, &scope)).best(&|_, _| true, least);
+            let (mut best, _) =
+                Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, least, RATHER);
             best.retain(|of| of.score.chance > chance + CLEARLY);
             best
         });

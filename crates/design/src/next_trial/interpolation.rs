@@ -5,11 +5,15 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
+use slipgrid_springblock::{Scene, block_refinement};
 
 use crate::DesignError;
 use crate::learned::ModulusSlopes;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
+
+/// Most multiplications of a cell by which a candidate is refined: some hundredths of a second.
+const MOST_REFINED: f64 = 2e8;
 
 /// Modelled ratio and its slope along the logarithm of Young's modulus, at every load.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,6 +48,18 @@ impl<'a> Models<'a> {
             log_ratio: self.own.ratios_made(design, design)?.iter().map(|ratio| ratio.ln()).collect(),
             sensitivity: self.slopes.at(design)?,
         })
+    }
+
+    /// What smaller blocks change of each ratio of `design`, and how far these are from vanishing blocks, as a standard deviation; `None`
+    /// in space, in several directions, and where smaller blocks are dear.
+    pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, f64)> {
+        if self.own.has_directions() {
+            return None;
+        }
+        let scene = Scene { pattern: Some(*design), ..self.own.asked().clone() };
+        let (refined, share) = (block_refinement(&scene, MOST_REFINED)?, self.own.share(design).ok()?);
+        // What errors hardly exceed, as two standard deviations.
+        Some((refined.shifts.iter().map(|shift| share * shift).collect(), 0.5 * share * refined.error))
     }
 }
 

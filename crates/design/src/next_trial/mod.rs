@@ -18,6 +18,7 @@ use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
 use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
+use crate::chance::{About, Chances};
 use crate::lattice_table::lattice;
 use crate::learned::loads_of;
 use crate::operating_conditions::{Further, further};
@@ -38,14 +39,16 @@ struct Scope {
     designs: usize,
     /// Of these the best by it, which the model itself judges.
     judged: usize,
+    /// Of these the best by that, of which everything counts.
+    completed: usize,
 }
 
 impl Scope {
     /// In the plane, where a node takes some milliseconds.
-    const PLANE: Self = Self { nodes: [13, 13, 9], designs: 20_000, judged: 48 };
+    const PLANE: Self = Self { nodes: [13, 13, 9], designs: 20_000, judged: 48, completed: 16 };
     const SPACE: Self = Self { nodes: [6, 6, 4], ..Self::PLANE };
     /// Beside a design that was searched.
-    const BESIDE: Self = Self { nodes: [9, 9, 5], designs: 5000, judged: 16 };
+    const BESIDE: Self = Self { nodes: [9, 9, 5], designs: 5000, judged: 16, completed: 6 };
 }
 
 /// Designs that a report lists.
@@ -159,6 +162,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
         SteadyModel::new(&scene, &elsewhere, directions_deg, &task.space, None).watched_by(monitor).on(task.specimen);
     let asked = asked(&task, &known.uncertainty, &further, &model)?;
     let models = Models::new(&model, &known.uncertainty)?;
+    let chances = Chances::new(&task, &known.uncertainty, &model, &further)?;
 
     let stage = Stage::new(monitor, "model", None);
     let scope = if model.is_spatial() { Scope::SPACE } else { Scope::PLANE };
@@ -167,7 +171,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
-    let search = Search::new(&task, &asked, &models, (&interpolation, &scope));
+    let search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope));
     let found = choose(&search, options, division.as_ref());
     stage.finish();
     monitor.heed()?;
@@ -248,6 +252,8 @@ struct Search<'a> {
     predictor: Predictor,
     models: &'a Models<'a>,
     interpolation: &'a Interpolation,
+    /// What is not known exactly beside what trials tell of.
+    chances: &'a Chances<'a>,
     scope: &'a Scope,
 }
 
@@ -256,9 +262,10 @@ impl<'a> Search<'a> {
         task: &'a DesignTask,
         asked: &'a Asked,
         models: &'a Models<'a>,
+        chances: &'a Chances<'a>,
         (interpolation, scope): (&'a Interpolation, &'a Scope),
     ) -> Self {
-        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, scope }
+        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope }
     }
 
     /// Covariance of the ratios of samples of `pattern` by their dimensions.
@@ -267,16 +274,44 @@ impl<'a> Search<'a> {
         self.interpolation.covariance([pattern.width_m(), pattern.spacing_m(), pattern.depth_m()], std_m)
     }
 
-    /// `pattern` by the model itself.
-    fn exactly(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
+    /// `pattern` by the model itself in the layer's blocks, with the scatter of its dimensions.
+    fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
         let covariance = self.covariance(pattern).unwrap_or_default();
         let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
-    /// The designs of the greatest scores among those that were not cut and are `open`, the greatest first, and how many were
-    /// compared; those whose chance is below `least_chance` by the interpolated model are passed by.
-    fn best(&self, open: &dyn Fn(&Pattern, &Features) -> bool, least_chance: f64) -> (Vec<Judged>, usize) {
+    /// `pattern` in blocks as small as the model can have, with everything that is not known exactly.
+    fn exactly(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
+        self.completed(self.drafted(pattern)?)
+    }
+
+    /// The same of a draft.
+    fn completed(&self, draft: Judged) -> Result<Judged, ModelFailure> {
+        let Judged { design: Design { pattern, mut ratio, sensitivity, .. }, .. } = draft;
+        let still = self.chances.still(&pattern)?;
+        let open = match self.models.refined(&pattern) {
+            Some((shifts, open)) => {
+                ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
+                vec![open; ratio.len()]
+            }
+            None => self.chances.numerical_of(&pattern, &still, &vec![0.0; ratio.len()])?,
+        };
+        let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
+        let covariance = self.chances.log_covariance(&about)?;
+        let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
+        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance);
+        Ok(design.judged(&self.predictor, &self.asked.wanted))
+    }
+
+    /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
+    /// first, and how many were compared; those whose chance is below `least_chance` by the interpolated model are passed by.
+    fn best(
+        &self,
+        open: &dyn Fn(&Pattern, &Features) -> bool,
+        least_chance: f64,
+        count: usize,
+    ) -> (Vec<Judged>, usize) {
         let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
         let is_open = |pattern: &Pattern| {
             let own = Features::from(pattern);
@@ -294,10 +329,16 @@ impl<'a> Search<'a> {
         let ranked = slipgrid_discrepancy::rank(&self.predictor, &self.asked.wanted, wanted, left.len(), &candidate);
         let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();
         // The model itself at what looks best by the interpolated one.
-        let judged: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(|pattern| self.exactly(pattern)).collect();
-        let mut pool: Vec<Judged> = judged.into_iter().flatten().collect();
+        let drafts: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(|pattern| self.drafted(pattern)).collect();
+        let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
         // Stable: of equal scores the earlier first.
-        pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+        let sort = |pool: &mut Vec<Judged>| pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+        sort(&mut pool);
+        pool.truncate(self.scope.completed.max(2 * count));
+        let whole: Vec<Result<Judged, ModelFailure>> =
+            pool.into_par_iter().map(|draft| self.completed(draft)).collect();
+        let mut pool: Vec<Judged> = whole.into_iter().flatten().collect();
+        sort(&mut pool);
         (pool, left.len())
     }
 }
@@ -313,7 +354,7 @@ fn choose(
     let is_open = |pattern: &Pattern, own: &Features| {
         !pending.iter().any(|cut| is_same(cut, own)) && division.is_none_or(|division| division.holds(pattern))
     };
-    let (pool, compared) = search.best(&is_open, 0.0);
+    let (pool, compared) = search.best(&is_open, 0.0, options.count);
     if pool.is_empty() {
         let reason = match division {
             Some(division) => coarse(division),

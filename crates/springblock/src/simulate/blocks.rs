@@ -33,6 +33,25 @@ pub const MOST_PRODUCTS: f64 = 2e9;
 /// The same of one that ratios are refined by: some seconds.
 const MOST_REFINED: f64 = 2e10;
 
+/// What smaller blocks change of a steady cell in the vertical plane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlockRefinement {
+    /// The finest blocks over the layer's.
+    pub factor: f64,
+    /// Ratios in the finest blocks less those in the layer's, by load.
+    pub shifts: Vec<f64>,
+    /// How far ratios in the finest blocks are from those of vanishing blocks at most: not exceeded in 95 % of cases.
+    pub error: f64,
+}
+
+/// What smaller blocks change of the ratios of `scene`, by cells of at most `most` multiplications; `None` in space, without a pattern,
+/// and where fewer than two finer sizes can be had.
+#[must_use]
+pub fn block_refinement(scene: &Scene, most: f64) -> Option<BlockRefinement> {
+    let pattern = scene.pattern.as_ref().filter(|_| scene.dimensions() == 2)?;
+    refined(scene, pattern, most)
+}
+
 /// Ratios by load in blocks of each size; `None` in blocks that cannot be had.
 pub type Ratios = Option<Vec<Option<f64>>>;
 
@@ -88,7 +107,7 @@ pub fn refine(scene: &Scene, pattern: &Pattern, share: f64, loads: &mut [LoadOut
     if !scene.run.refine || scene.dimensions() == 3 {
         return;
     }
-    let Some((factor, shifts, error)) = refined(scene, pattern) else { return };
+    let Some(BlockRefinement { factor, shifts, error }) = refined(scene, pattern, MOST_REFINED) else { return };
     let stated = loads.iter().filter_map(|load| load.ratio_discretization_error).fold(0.0, f64::max);
     if error * share >= stated {
         return;
@@ -111,10 +130,9 @@ fn micrometres(length_m: f64) -> f64 {
     (length_m * 1e9).round() / 1e3
 }
 
-/// The finest blocks that can be had over the own ones, what they change of each ratio, and how far theirs are from those of
-/// vanishing blocks at most.
-fn refined(scene: &Scene, pattern: &Pattern) -> Option<(f64, Vec<f64>, f64)> {
-    let at = |factor: f64| plane_ratios(&sized(scene, factor)?, pattern, MOST_REFINED)?.into_iter().collect();
+/// What the finest blocks that can be had change.
+fn refined(scene: &Scene, pattern: &Pattern, most: f64) -> Option<BlockRefinement> {
+    let at = |factor: f64| plane_ratios(&sized(scene, factor)?, pattern, most)?.into_iter().collect();
     let levels: Vec<Vec<f64>> = [1.0, 0.5, 0.25, 0.125].into_iter().map_while(at).collect();
     let [.., coarse, middle, fine] = &levels[..] else { return None };
     let left = |load: usize| {
@@ -126,7 +144,7 @@ fn refined(scene: &Scene, pattern: &Pattern) -> Option<(f64, Vec<f64>, f64)> {
     if pattern.depth_m() < LEAST_DEPTH_BLOCKS * factor * scene.layer.block_m {
         return None;
     }
-    Some((factor, shifts, (0..fine.len()).map(left).fold(0.0, f64::max)))
+    Some(BlockRefinement { factor, shifts, error: (0..fine.len()).map(left).fold(0.0, f64::max) })
 }
 
 /// `scene` in blocks `factor` times as large; `None` where they do not divide the layer or the specimen behind it.
