@@ -351,6 +351,18 @@ pub enum ReadError {
     Map(#[from] MapError),
 }
 
+impl ReadError {
+    /// A refused decimal comma with what is `missing` beside; any other error as it is.
+    pub(crate) fn with_missing(self, missing: Vec<NotGiven>) -> Self {
+        match self {
+            Self::NotANumber { line, column, value, expected } if value.contains(',') && !missing.is_empty() => {
+                Self::DecimalComma { line, column, value, expected, missing }
+            }
+            other => other,
+        }
+    }
+}
+
 /// A number as people write it: with an exponent where it would take many digits.
 fn plain(value: f64) -> String {
     let size = value.abs();

@@ -254,16 +254,10 @@ impl Text<'_> {
 
     /// A refused decimal comma with what would be refused next.
     fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
-        let missing = match &self.data {
-            Some(Data::Matrix(_)) => MatrixReader::missing(&self.header, self.options),
-            Some(Data::Xyz(_)) => XyzReader::missing(&self.header, self.options),
-            None => Vec::new(),
-        };
-        match error {
-            ReadError::NotANumber { line, column, value, expected } if value.contains(',') && !missing.is_empty() => {
-                ReadError::DecimalComma { line, column, value, expected, missing }
-            }
-            error => error,
+        match &self.data {
+            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
+            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, self.options)),
+            None => error,
         }
     }
 
