@@ -169,9 +169,11 @@ pub(crate) fn note(learned: &Discrepancy) -> Option<String> {
     let found = learned.at(&[at.load]).predict(&trial.features, &[at.modulus_sensitivity]);
     let Load { pressure_pa, speed_m_s, humidity } = at.load;
     Some(format!(
-        "trials: {ratios} measured ratios of {} samples. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
+        "trials: {ratios} measured ratio{} of {} sample{}. At the texture of \"{}\", {:.3} MPa, {} mm/s and {} % a sample's true ratio is \
          {:.3} times the modelled one (95 % of samples: {:.3} to {:.3}); this is kept apart from the physics, in [learned]",
+        if ratios == 1 { "" } else { "s" },
         learned.trials().len(),
+        if learned.trials().len() == 1 { "" } else { "s" },
         trial.name,
         PRESSURE_MPA.from_si(pressure_pa),
         tidy(SPEED_MM_S.from_si(speed_m_s)),

@@ -79,14 +79,28 @@ pub fn open(source: &Source, path: &Path, options: &ReadOptions) -> Result<ReadM
         let found = text.and_then(Result::ok).and_then(|text| FileKind::of(&text));
         match (found, error) {
             (Some(kind), _) => Diagnostic::file(path, kind.seems()).expected(EXPECTED),
-            (None, ReadError::NotGiven { what, expected, option }) => {
-                Diagnostic::file(path, format!("the {what} is not known"))
-                    .expected(format!("{expected} ({})", how_to_give(option)))
-            }
+            (None, error @ ReadError::NotGiven { .. }) => ways(path, &error),
+            (None, error @ (ReadError::DecimalComma { .. } | ReadError::Oblong { .. })) => ways(path, &error),
             (None, error) => Diagnostic::file(path, error.to_string()),
         }
     })
 }
+
+/// What is wrong with the map at `path`, with the options that would help.
+fn ways(path: &Path, error: &ReadError) -> Diagnostic {
+    let ways: Vec<&str> = match error {
+        ReadError::NotGiven { missing } | ReadError::DecimalComma { missing, .. } => {
+            missing.iter().map(|missing| how_to_give(missing.option)).collect()
+        }
+        _ => vec![OBLONG],
+    };
+    let text = error.to_string();
+    let (reason, expected) = text.split_once(": expected ").unwrap_or((&text, ""));
+    Diagnostic::file(path, reason).expected(format!("{expected} ({})", ways.join("; ")))
+}
+
+/// What gives the pixels of a map on which they are oblong.
+const OBLONG: &str = "--pixel-um 5 --pixel-y-um 2; in a calibration's [surface]: pixel_um = 5, pixel_y_um = 2";
 
 /// What gives an option on the command line and in a calibration file.
 const fn how_to_give(option: MapOption) -> &'static str {
@@ -106,11 +120,56 @@ pub fn refuse_law(path: &Path, error: &AreaLawError) -> Option<Diagnostic> {
         AreaLawError::FactorsAboveOne { warnings, .. } => {
             refused.reason += &listed(warnings);
             refused = refused.expected(format!(
-                "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: a few high points carry the load of \
-                 the surface (--despike, despike = true in [surface])"
+                "contact area that grows no faster than pressure, f at most {MOST_FACTOR}: {}",
+                cure(warnings)
             ));
         }
         AreaLawError::Contact(_) | AreaLawError::Windows(_) => {}
     }
     Some(refused)
+}
+
+/// The one cure for a map on which f exceeds 1, by what is wrong with it.
+fn cure(warnings: &[MapWarning]) -> &'static str {
+    let is_any = |wanted: fn(&MapWarning) -> bool| warnings.iter().any(wanted);
+    if is_any(|warning| matches!(warning, MapWarning::Lowered { .. } | MapWarning::Missing { .. })) {
+        "crop the map to what was measured of the surface itself (--crop ROW,COL,ROWS,COLS; crop in [surface])"
+    } else if is_any(|warning| matches!(warning, MapWarning::Spikes { .. })) {
+        "the spikes carry the load of the surface (--despike; despike = true in [surface])"
+    } else if is_any(|warning| matches!(warning, MapWarning::Raised { .. })) {
+        "the debris carries the load of the surface: crop the map beside it (--crop ROW,COL,ROWS,COLS; crop in [surface]), or clean the \
+         specimen and measure again"
+    } else {
+        "a few high points carry the load of the surface, which neither spikes, debris nor holes explain: a larger or another part of \
+         it (--crop ROW,COL,ROWS,COLS; crop in [surface])"
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipgrid_topography::Spikes;
+
+    #[test]
+    fn one_cure_is_named_for_a_map_whose_law_means_nothing() {
+        let spikes = MapWarning::Spikes {
+            spikes: Spikes::default(),
+            points: 100,
+            rms_slope: 0.2,
+            rms_slope_without: 0.1,
+            highest_m: 1e-6,
+            highest_without_m: 1e-6,
+        };
+        let hole = MapWarning::Lowered { share: 0.1, depth_m: 25e-6, extent: [[0, 9], [0, 9]] };
+        let missing = MapWarning::Missing { missing: 20, points: 100 };
+        for (warnings, crop, despike) in [
+            (vec![spikes.clone()], false, true),
+            (vec![spikes.clone(), hole], true, false),
+            (vec![missing, spikes], true, false),
+            (vec![], true, false),
+        ] {
+            let cure = cure(&warnings);
+            assert_eq!([cure.contains("--crop"), cure.contains("--despike")], [crop, despike], "{warnings:?}");
+        }
+    }
 }

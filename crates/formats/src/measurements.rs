@@ -1,11 +1,12 @@
-//! Tables of measured friction: CSV with a header line.
+//! Tables of measured friction: CSV with a header line, as spreadsheets of any country write it.
 
 use std::path::Path;
 
 use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::{Diagnostic, nearest};
-use crate::source::{Source, read_text};
+use crate::source::{Source, read_letters};
+use slipgrid_traces::cells::{cut, number_in, separator, unquoted};
 use slipgrid_units::{FORCE_N, FRICTION, FRICTION_STD, HUMIDITY_PCT, Quantity, SPEED_MM_S, tidy};
 
 /// Columns: name, range, whether every table must have it.
@@ -24,11 +25,12 @@ const COLUMNS: [(&str, Quantity, bool); 7] = [
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
 pub fn read(source: &Source, path: &Path) -> Result<Vec<(u32, Measurement)>, Diagnostic> {
-    let text = read_text(source, path, "a table of measurements")?;
+    let text = read_letters(source, path, "a table of measurements")?;
     rows(path, &text)
 }
 
-/// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments.
+/// Reads a table from text; `path` names it in messages. Lines that start with `#` are comments. Tabs, semicolons or commas part
+/// the cells; decimals may have commas where these do not.
 ///
 /// # Errors
 /// [`Diagnostic`] that names line and column of what was refused.
@@ -47,14 +49,25 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
         .trim_start_matches('\u{feff}')
         .lines()
         .zip(1..)
-        .map(|(line, number)| (number, line.trim()))
-        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        .map(|(line, number)| (number, line))
+        // Spreadsheets write empty rows as separators, and quote what holds one.
+        .filter(|(_, line)| {
+            !line.trim_matches([' ', '\t', ';', ',', '"']).is_empty()
+                && !line.trim_start_matches([' ', '"']).starts_with('#')
+        });
     let names = || COLUMNS.map(|(name, _, _)| name);
     let Some((header_line, header)) = lines.next() else {
         return Err(Diagnostic::file(path, "has no header line").expected(names().join(",")));
     };
+    let separator = separator(header).unwrap_or(',');
+    let filled = |line| {
+        let mut cells: Vec<&str> = cut(line, separator);
+        cells.truncate(cells.iter().rposition(|cell| !unquoted(cell).is_empty()).map_or(0, |last| last + 1));
+        cells
+    };
+    let width = cut(header, separator).len();
     let mut order = Vec::new();
-    for name in header.split(',').map(str::trim) {
+    for name in filled(header).into_iter().map(unquoted) {
         let Some(column) = COLUMNS.iter().position(|column| column.0 == name) else {
             let mut refused = refuse(header_line, Some(name), None, "is not a known column".into())
                 .expected(format!("one of {}", names().join(", ")));
@@ -75,27 +88,34 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
 
     let mut rows = Vec::new();
     for (line, content) in lines {
-        let cells: Vec<&str> = content.split(',').map(str::trim).collect();
+        let mut cells = cut(content, separator);
+        // As many empty cells behind the last column as the header has, no more: a decimal comma would shift the others.
+        if cells.len() == width && filled(content).len() <= order.len() {
+            cells.truncate(order.len());
+        }
         if cells.len() != order.len() {
+            let commas = if separator == ',' { "; decimal commas need semicolons between the values" } else { "" };
+            let commas = if cells.len() > order.len() { commas } else { "" };
             return Err(refuse(line, None, None, format!("has {} values", cells.len()))
-                .expected(format!("{}, as the header line", order.len())));
+                .expected(format!("{}, as the header line{commas}", order.len())));
         }
         let mut values = [None; COLUMNS.len()];
         for (&column, cell) in order.iter().zip(&cells) {
             let (name, quantity, required) = COLUMNS[column];
-            if cell.is_empty() && !required {
+            let bare = unquoted(cell);
+            if bare.is_empty() && !required {
                 continue;
             }
-            match cell.parse::<f64>() {
-                Ok(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
-                Ok(_) => {
+            match bare.parse::<f64>().ok().or_else(|| number_in(cell, separator)) {
+                Some(value) if quantity.accepts(value) => values[column] = Some(quantity.to_si(value)),
+                Some(_) => {
                     return Err(
-                        refuse(line, Some(name), Some(cell), "is out of range".into()).expected(quantity.to_string())
+                        refuse(line, Some(name), Some(bare), "is out of range".into()).expected(quantity.to_string())
                     );
                 }
-                Err(_) => {
+                None => {
                     return Err(
-                        refuse(line, Some(name), Some(cell), "is no number".into()).expected(quantity.to_string())
+                        refuse(line, Some(name), Some(bare), "is no number".into()).expected(quantity.to_string())
                     );
                 }
             }
@@ -167,6 +187,30 @@ mod tests {
                 static_peak: None,
             }]
         );
+    }
+
+    #[test]
+    fn tables_of_spreadsheets_read_as_plain_ones() {
+        let plain = "# three repeats\nforce_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std,mu_static,mu_static_std\n\
+                     12.5,2,15,0.278,0.001,,\n25,0.4,15,0.3,0.002,0.32,0.01\n";
+        let expected = parse(Path::new("a.csv"), plain).unwrap();
+        assert_eq!((expected.len(), expected[0].force_n, expected[1].speed_m_s), (2, 12.5, 0.4e-3));
+        let comma = |mark: &str| plain.replace(',', mark).replace('.', ",");
+        for text in [
+            plain.replace(',', ";"),
+            comma(";"),
+            comma("\t"),
+            format!("\u{feff}{}", comma(";").replace('\n', "\r\n")),
+            // Columns and rows of a sheet that hold nothing, and cells in quotes.
+            comma(";").replace('\n', ";;\n") + ";;;;;;;;\n",
+            plain.replace("12.5", "\"12,5\"").replace("force_n", "\"force_n\""),
+        ] {
+            assert_eq!(parse(Path::new("a.csv"), &text), Ok(expected.clone()), "{text}");
+        }
+        let refused = parse(Path::new("a.csv"), &plain.replace("0.278", "0,278")).unwrap_err().to_string();
+        assert!(refused.contains("has 8 values") && refused.contains("semicolons"), "{refused}");
+        let refused = parse(Path::new("a.csv"), &comma(";").replace("12,5", "1.012,5")).unwrap_err().to_string();
+        assert!(refused.contains("force_n: \"1.012,5\" is no number"), "{refused}");
     }
 
     #[test]

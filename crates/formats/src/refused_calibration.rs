@@ -9,6 +9,7 @@ use crate::Diagnostic;
 use crate::altitude_map::refuse_law;
 use crate::calibration::Calibration;
 use crate::surface::Surface;
+use slipgrid_units::tidy;
 
 /// What is wrong with the calibration at `path`; nothing where its numbers are not what ended it.
 #[must_use]
@@ -48,7 +49,8 @@ fn refuse_fit(
         FitError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         FitError::BeyondLaw { .. } => "another [surface], or a smaller load",
         FitError::NotQuasiStatic { .. } => {
-            "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily"
+            "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily; is its \
+             unit right, that of a friction force in traces among them?"
         }
         FitError::TooManySteps { .. } => "a larger speed_mm_s, or a row less",
         FitError::TooManyCoefficients { .. } => "fewer conditions, or coefficients = \"single\" in [fit]",
@@ -61,6 +63,12 @@ fn refuse_fit(
     let Some(row) = row else { return Some(Diagnostic::file(path, reason).expected(change)) };
     // The row is named by its condition instead of by its number.
     let reason = reason.split_once(": ").map_or(reason, |(_, reason)| reason);
-    let reason = format!("({}): {reason}", row.condition());
+    let measured = match error {
+        FitError::NotQuasiStatic { .. } | FitError::NoSliding { .. } => {
+            format!(", mu_dynamic {}", tidy(row.measurement.mu_dynamic))
+        }
+        _ => String::new(),
+    };
+    let reason = format!("({}{measured}): {reason}", row.condition());
     Some(Diagnostic { line: Some(row.line), ..Diagnostic::file(&row.path, reason) }.expected(change))
 }

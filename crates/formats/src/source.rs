@@ -102,6 +102,16 @@ pub fn read_text(source: &Source, path: &Path, expected: &str) -> Result<String,
     })
 }
 
+/// The text of a table at `path` of `source`; where it is not UTF-8, as instruments and spreadsheets write it in Latin-1, whose letters have
+/// the same numbers in Unicode.
+///
+/// # Errors
+/// As [`read_bytes`].
+pub fn read_letters(source: &Source, path: &Path, expected: &str) -> Result<String, Diagnostic> {
+    let bytes = read_bytes(source, path, expected)?;
+    Ok(String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect()))
+}
+
 fn unreadable(path: &Path, error: &io::Error) -> Diagnostic {
     Diagnostic::file(path, format!("cannot be read: {error}"))
 }

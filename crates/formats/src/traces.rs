@@ -15,7 +15,7 @@ use super::document::Document;
 use super::values::{Number, NumberList};
 use crate::diagnostic::Diagnostic;
 use crate::plausible::FRICTION;
-use crate::source::{Entry, Source, read_bytes};
+use crate::source::{Entry, Source, read_letters};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, STROKE_SHARE, TIME_S};
 
 /// `[traces]` as a file writes it.
@@ -209,7 +209,9 @@ fn read_condition(
     for name in file.files.get_ref() {
         let found = matching(document.source(), &document.resolve(name.get_ref()));
         if found.is_empty() {
-            return Err(document.refuse(name.span(), "names no file").expected("an export, or a name with * in it"));
+            let entry = document.source().entry(&document.resolve(name.get_ref()));
+            let what = if entry.is_ok_and(|entry| entry == Entry::Folder) { "is a folder" } else { "names no file" };
+            return Err(document.refuse(name.span(), what).expected("an export, or a name with * in it"));
         }
         for path in &found {
             let own = document.source().canonical(path);
@@ -351,7 +353,8 @@ fn analyse_among(
     let others = refused.len().saturating_sub(1);
     if let Some(mut first) = refused.into_iter().next() {
         if others > 0 {
-            first.reason += &format!(" ({others} more traces of this condition cannot be used)");
+            let plural = if others == 1 { "" } else { "s" };
+            first.reason += &format!(" ({others} more trace{plural} of this condition cannot be used)");
         }
         return Err(first);
     }
@@ -364,11 +367,7 @@ fn analyse_among(
 
 /// Reads the export at `path` of `source`; `effective_radius_m` turns revolutions into speed.
 fn read_export(source: &Source, path: &Path, effective_radius_m: Option<f64>) -> Result<TraceFile, Diagnostic> {
-    let bytes = read_bytes(source, path, "a table of traces")?;
-    // Instruments write Latin-1, whose letters have the same numbers in Unicode.
-    let text =
-        String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
-    parse_export(path, &text, effective_radius_m)
+    parse_export(path, &read_letters(source, path, "a table of traces")?, effective_radius_m)
 }
 
 /// Reads an export from its text; `path` names it in messages.
@@ -440,7 +439,8 @@ pub fn notes(conditions: &[ConditionTraces]) -> Vec<String> {
         if traces.mean.stick_slips > 0 {
             let (found, of) = (traces.mean.stick_slips, traces.mean.count);
             notes.push(format!(
-                "{place}: stick-slip in {found} of {of} repeats; the model has no stick-slip of the whole sample"
+                "{place}: stick-slip in {found} of {of} repeat{}; the model has no stick-slip of the whole sample",
+                if of == 1 { "" } else { "s" }
             ));
         }
         if (1..traces.mean.count).contains(&traces.mean.peaks) {

@@ -116,13 +116,24 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
     let mut text = String::new();
     for traces in conditions {
         text += &format!("{}\n", title(&traces.condition));
-        let mut table = Table::new(["trace", "mu", "+-", "drift %", "static peak", "at s", "slip", "period s"]);
+        let mut table = Table::new([
+            "trace",
+            "mu",
+            "error of mu",
+            "std of repeats",
+            "drift %",
+            "static peak",
+            "at s",
+            "slip",
+            "period s",
+        ]);
         for trace in &traces.traces {
             let found = &trace.findings;
             table.row([
                 trace.label.clone(),
                 fixed(Some(found.window.mu), 4),
                 fixed(Some(found.window.stderr), 4),
+                String::new(),
                 fixed(Some(100.0 * found.window.drift / found.window.mu), 1),
                 fixed(found.static_peak.map(|peak| peak.mu), 4),
                 fixed(found.static_peak.map(|peak| peak.time_s), 2),
@@ -134,6 +145,7 @@ pub fn summary(conditions: &[ConditionTraces]) -> String {
         table.row([
             format!("mean of {}", mean.count),
             fixed(Some(mean.mu_dynamic.mean), 4),
+            String::new(),
             fixed(Some(mean.mu_dynamic.std), 4),
             String::new(),
             fixed(mean.mu_static.map(|peak| peak.mean), 4),

@@ -214,10 +214,11 @@ impl TrialsReport {
     pub fn text(&self) -> String {
         let measured: usize = self.trials.iter().map(|trial| trial.measured.len()).sum();
         let mut text = format!(
-            "{}: {} trial{} with {measured} measured ratios{}\n",
+            "{}: {} trial{} with {measured} measured ratio{}{}\n",
             self.name,
             self.trials.len(),
             if self.trials.len() == 1 { "" } else { "s" },
+            if measured == 1 { "" } else { "s" },
             if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
         );
         if self.trials.is_empty() {

@@ -1,3 +1,5 @@
+use crate::cavities::Crossing;
+
 /// Why an altitude map, or an operation on one, was refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MapError {
@@ -65,6 +67,9 @@ pub enum MapError {
         /// Why.
         reason: &'static str,
     },
+    /// No mean period of cavities that are one.
+    #[error("the cavities have no mean period: {0}")]
+    Crossing(Crossing),
     /// No mean period of a pattern.
     #[error("the {whole} whole cavities have no mean period: {reason}")]
     NoPeriod {
@@ -90,6 +95,25 @@ pub enum MapOption {
     LateralUnit,
     /// Pixel size.
     Pixel,
+}
+
+/// Something that neither a file nor the caller says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotGiven {
+    /// What is needed.
+    pub what: &'static str,
+    /// How to give it.
+    pub expected: &'static str,
+    /// The option that gives it.
+    pub option: MapOption,
+}
+
+/// Everything that is `missing` at once: a file is read again for each refusal.
+fn not_given(missing: &[NotGiven]) -> String {
+    let whats: Vec<String> = missing.iter().map(|missing| format!("the {}", missing.what)).collect();
+    let ways: Vec<&str> = missing.iter().map(|missing| missing.expected).collect();
+    let verb = if missing.len() == 1 { "is" } else { "are" };
+    format!("{} {verb} not known: expected {}", whats.join(" and "), ways.join("; and "))
 }
 
 /// Why a file was refused as an altitude map. Lines count from 1.
@@ -146,14 +170,38 @@ pub enum ReadError {
         expected: &'static str,
     },
     /// Neither the header nor the caller gave what is needed.
-    #[error("the {what} is not known: expected {expected}")]
+    #[error("{}", not_given(missing))]
     NotGiven {
-        /// What is needed.
-        what: &'static str,
-        /// How to give it.
+        /// All of it.
+        missing: Vec<NotGiven>,
+    },
+    /// A number with a decimal comma, in a file that does not say all that is needed either.
+    #[error("line {line}, column {column}: \"{value}\": expected {expected}; then, too, {}", not_given(missing))]
+    DecimalComma {
+        /// The line.
+        line: usize,
+        /// The field within the line, from 1.
+        column: usize,
+        /// The field's text.
+        value: String,
+        /// What would be accepted.
         expected: &'static str,
-        /// The option that gives it.
-        option: MapOption,
+        /// What is needed beside.
+        missing: Vec<NotGiven>,
+    },
+    /// Sides and counts of a matrix whose pixels are oblong: rows are missing, mostly.
+    #[error(
+        "{rows} rows and {cols} columns on the header's height of {} um and width of {} um make pixels of {} x {} um, as of a file that \
+         was cut short: expected all rows, or, where pixels are oblong, `# Rows: {rows}` in the header or the sides of a pixel by option",
+        um(sides_m[0]), um(sides_m[1]), um(sides_m[0] / *rows as f64), um(sides_m[1] / *cols as f64)
+    )]
+    Oblong {
+        /// The header's sides across rows and columns, in metres.
+        sides_m: [f64; 2],
+        /// Rows of the file.
+        rows: usize,
+        /// Columns of the file.
+        cols: usize,
     },
     /// The text holds no data.
     #[error("no data after {lines} lines: expected rows of heights, or points x y z")]
@@ -303,6 +351,18 @@ pub enum ReadError {
     Map(#[from] MapError),
 }
 
+impl ReadError {
+    /// A refused decimal comma with what is `missing` beside; any other error as it is.
+    pub(crate) fn with_missing(self, missing: Vec<NotGiven>) -> Self {
+        match self {
+            Self::NotANumber { line, column, value, expected } if value.contains(',') && !missing.is_empty() => {
+                Self::DecimalComma { line, column, value, expected, missing }
+            }
+            other => other,
+        }
+    }
+}
+
 /// A number as people write it: with an exponent where it would take many digits.
 fn plain(value: f64) -> String {
     let size = value.abs();
@@ -311,6 +371,12 @@ fn plain(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
+}
+
+/// A length in micrometres, to six digits.
+fn um(length_m: f64) -> String {
+    let digits = format!("{:.5e}", length_m * 1e6);
+    digits.parse().map_or(digits, plain)
 }
 
 #[cfg(test)]

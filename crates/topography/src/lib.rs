@@ -55,11 +55,11 @@ mod unit;
 mod write;
 
 pub use cavities::{
-    Arrangement, Cavity, CavityMetrology, CutCavity, CutPattern, CutRim, CutShape, EdgeHeight, Estimate, MeanPeriod,
-    RimMetrology, RimProfile, Spread,
+    Arrangement, Cavity, CavityMetrology, Crossing, CutCavity, CutPattern, CutRim, CutShape, EdgeHeight, Estimate,
+    MeanPeriod, RimMetrology, RimProfile, Spread,
 };
 pub use despike::{Spike, Spikes};
-pub use error::{MapError, MapOption, ReadError};
+pub use error::{MapError, MapOption, NotGiven, ReadError};
 pub use fill::Filling;
 pub use form::Form;
 pub use level::Plane;

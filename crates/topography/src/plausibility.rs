@@ -24,6 +24,14 @@ pub mod limits {
     pub const RAISED_DEVIATIONS: f64 = 12.0;
     /// Largest share of the map that is debris: more is what was measured (the land between wide cavities).
     pub const MOST_RAISED_SHARE: f64 = 0.05;
+    /// A hole lies below the median height by more than this many standard deviations, as debris stands above it ...
+    pub const LOWERED_DEVIATIONS: f64 = 12.0;
+    /// ... on this share of the map: less are scratches and pits of the surface, more is what was measured.
+    pub const LOWERED_SHARE: [f64; 2] = [0.005, 0.5];
+    /// Part by which spikes must change the rms slope to be warned of, that of its error among windows of a map at best ...
+    pub const SPIKE_SLOPE: f64 = 0.03;
+    /// ... or by which the highest point stands higher above the median with them: it carries load first.
+    pub const SPIKE_PEAK: f64 = 0.1;
     /// Share of missing points from which the filled ones matter: they are smooth, and lower the slope by up to half
     /// their share. Instruments advise to measure again from 5 to 10 %.
     pub const WARNED_MISSING_SHARE: f64 = 0.1;
@@ -47,10 +55,14 @@ pub enum MapWarning {
         spikes: Spikes,
         /// Points of the map.
         points: usize,
-        /// Finite-difference rms slope of the map as it is.
+        /// Finite-difference rms slope of the levelled map as it is.
         rms_slope: f64,
         /// The same without them.
         rms_slope_without: f64,
+        /// Height of its highest point above the median, in metres.
+        highest_m: f64,
+        /// The same without them.
+        highest_without_m: f64,
     },
     /// Patches far above the rest, wider than spikes: dust, debris, a step of the instrument.
     Raised {
@@ -60,6 +72,15 @@ pub enum MapWarning {
         highest_m: f64,
         /// Standard deviation by the median absolute deviation, in metres.
         deviation_m: f64,
+    },
+    /// A part of the map lies far below the rest: a hole, a cavity, the edge of the specimen.
+    Lowered {
+        /// Share of the points present that lie so low.
+        share: f64,
+        /// How far their mean lies below the median, in metres.
+        depth_m: f64,
+        /// First and last row, first and last column that hold such points.
+        extent: [[usize; 2]; 2],
     },
     /// Many points are missing.
     Missing {
@@ -87,6 +108,7 @@ impl MapWarning {
         match self {
             Self::Spikes { .. } => "spikes",
             Self::Raised { .. } => "debris",
+            Self::Lowered { .. } => "hole",
             Self::Missing { .. } => "missing points",
             Self::Slope { .. } => "slope",
             Self::Heights { .. } => "unit of heights",
@@ -98,10 +120,12 @@ impl fmt::Display for MapWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.name())?;
         match self {
-            Self::Spikes { spikes, points, rms_slope, rms_slope_without } => write!(
+            Self::Spikes { spikes, points, rms_slope, rms_slope_without, highest_m, highest_without_m } => write!(
                 f,
                 "{spikes} (of {points} points); the rms slope between neighbours is {rms_slope:.2e} with and \
-                 {rms_slope_without:.2e} without them"
+                 {rms_slope_without:.2e} without them, the highest point {:.3} and {:.3} um above the median",
+                highest_m * 1e6,
+                highest_without_m * 1e6
             ),
             Self::Raised { points, highest_m, deviation_m } => write!(
                 f,
@@ -109,6 +133,13 @@ impl fmt::Display for MapWarning {
                  fault of the measurement carries the load in their place",
                 highest_m * 1e6,
                 highest_m / deviation_m
+            ),
+            Self::Lowered { share, depth_m, extent: [[row, last_row], [col, last_col]] } => write!(
+                f,
+                "{:.1} % of the map lies {:.3} um below the rest on average (within rows {row} to {last_row}, columns {col} to \
+                 {last_col}), as a hole, a cavity or the edge of a specimen does: crop the map to the surface itself",
+                100.0 * share,
+                depth_m * 1e6
             ),
             Self::Missing { missing, points } => write!(
                 f,
@@ -119,9 +150,10 @@ impl fmt::Display for MapWarning {
             Self::Slope { rms_slope } => write!(
                 f,
                 "the rms slope is {rms_slope:.2e}; surfaces that slide have {:e} to {:e}: see the units of heights and \
-                 pixels, and the map for faults",
+                 pixels, and the map for faults{}",
                 limits::WARNED_SLOPE[0],
-                limits::WARNED_SLOPE[1]
+                limits::WARNED_SLOPE[1],
+                other_unit(*rms_slope)
             ),
             Self::Heights { sq_m } => write!(
                 f,
@@ -131,6 +163,29 @@ impl fmt::Display for MapWarning {
                 limits::WARNED_SQ_M[1] * 1e6
             ),
         }
+    }
+}
+
+/// The unit that heights or pixels may have been meant in, by the slope that surfaces mostly have.
+fn other_unit(rms_slope: f64) -> String {
+    const USUAL: [f64; 2] = [3e-3, 0.6];
+    let factors = [(1e3, "1000 times"), (1e6, "a million times"), (1e-3, "a thousandth"), (1e-6, "a millionth")];
+    let fits = |(factor, _): &(f64, &str)| (USUAL[0]..=USUAL[1]).contains(&(factor * rms_slope));
+    factors.into_iter().find(fits).map_or_else(String::new, |(factor, words)| {
+        format!(
+            " (with heights {words} as large, in another unit than was taken, it would be {:.2e})",
+            factor * rms_slope
+        )
+    })
+}
+
+impl MapWarning {
+    /// Whether spikes change what is computed from the map; other warnings always tell.
+    #[must_use]
+    pub fn matters(&self) -> bool {
+        let Self::Spikes { rms_slope, rms_slope_without, highest_m, highest_without_m, .. } = self else { return true };
+        (rms_slope / rms_slope_without - 1.0).abs() > limits::SPIKE_SLOPE
+            || *highest_m > (1.0 + limits::SPIKE_PEAK) * highest_without_m
     }
 }
 
@@ -144,12 +199,57 @@ impl HeightMap {
         }
         let mut without = self.clone();
         let spikes = without.despike();
+        let [[rms_slope, highest_m], [rms_slope_without, highest_without_m]] =
+            [self.clone(), without].map(|mut map| {
+                // What does not determine a plane stays as it is.
+                let _ = map.subtract_plane();
+                let highest_m = map.heights_m().iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                [map.rms_slope_finite_difference(), highest_m - map.median_m()]
+            });
         Some(MapWarning::Spikes {
             spikes,
             points: self.heights_m().len() - self.missing(),
-            rms_slope: self.rms_slope_finite_difference(),
-            rms_slope_without: without.rms_slope_finite_difference(),
+            rms_slope,
+            rms_slope_without,
+            highest_m,
+            highest_without_m,
         })
+    }
+
+    /// Median of the heights present, in metres.
+    fn median_m(&self) -> f64 {
+        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        upper_median(&mut sample).unwrap_or(f64::NAN)
+    }
+
+    /// The warning on a part that lies far below the rest of a map whose form is removed, if it is one of some size.
+    #[must_use]
+    pub fn hole_warning(&self) -> Option<MapWarning> {
+        let (median_m, deviation_m) = self.robust()?;
+        let most_m = median_m - limits::LOWERED_DEVIATIONS * deviation_m;
+        let (mut points, mut sum_m, mut extent) = (0_usize, 0.0, [[usize::MAX, 0]; 2]);
+        for (n, &height_m) in self.heights_m().iter().enumerate().filter(|(_, height_m)| **height_m < most_m) {
+            points += 1;
+            sum_m += median_m - height_m;
+            for (extent, at) in extent.iter_mut().zip([n / self.cols(), n % self.cols()]) {
+                *extent = [extent[0].min(at), extent[1].max(at)];
+            }
+        }
+        let share = points as f64 / (self.heights_m().len() - self.missing()) as f64;
+        let [least, most] = limits::LOWERED_SHARE;
+        (points > 0 && (least..=most).contains(&share)).then(|| {
+            let depth_m = sum_m / points as f64;
+            MapWarning::Lowered { share, depth_m, extent }
+        })
+    }
+
+    /// Median height and standard deviation by the median absolute deviation, in metres; `None` where half of all heights are one.
+    fn robust(&self) -> Option<(f64, f64)> {
+        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
+        let median_m = upper_median(&mut sample)?;
+        sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
+        let deviation_m = ROBUST_DEVIATION * upper_median(&mut sample)?;
+        (deviation_m > 0.0).then_some((median_m, deviation_m))
     }
 
     /// The warning on missing points, if they are many.
@@ -172,14 +272,8 @@ impl HeightMap {
 
     /// Patches that stand far above the rest, where they are few.
     fn raised(&self) -> Option<MapWarning> {
-        let mut sample: Vec<f64> = self.sampled().map(|node| self.heights_m()[node]).filter(|h| !h.is_nan()).collect();
-        let median_m = upper_median(&mut sample)?;
-        sample.iter_mut().for_each(|height| *height = (*height - median_m).abs());
-        let deviation_m = ROBUST_DEVIATION * upper_median(&mut sample)?;
+        let (median_m, deviation_m) = self.robust()?;
         let least_m = limits::RAISED_DEVIATIONS * deviation_m;
-        if deviation_m <= 0.0 {
-            return None;
-        }
         let above = self.heights_m().iter().map(|height| height - median_m).filter(|&above_m| above_m > least_m);
         let (points, highest_m) = above.fold((0, 0.0_f64), |(n, most), above_m| (n + 1, most.max(above_m)));
         let present = self.heights_m().len() - self.missing();
@@ -245,6 +339,51 @@ mod tests {
             assert_eq!(cut.height_warnings(0.01), [], "{side}");
             assert_eq!(cut.spike_warning(), None, "{side}");
         }
+    }
+
+    #[test]
+    fn a_part_far_below_the_rest_is_a_hole() {
+        let map = rough(0.8);
+        let inside = |n: usize| (40..60).contains(&(n / 128)) && (10..50).contains(&(n % 128));
+        let holed = changed(&map, |n, h| if inside(n) { h - 40.0 * map.sq_m() } else { h });
+        let warning = holed.hole_warning().unwrap();
+        let MapWarning::Lowered { share, extent, .. } = warning else { panic!("{warning}") };
+        assert!((share - 800.0 / 16384.0).abs() < 1e-12 && extent == [[40, 59], [10, 49]]);
+        assert!(warning.to_string().starts_with("hole: 4.9 % of the map lies"), "{warning}");
+        assert_eq!(map.hole_warning(), None);
+        // A few pits are what the surface has.
+        let pitted = changed(&map, |n, h| if n % 400 == 0 { h - 40.0 * map.sq_m() } else { h });
+        assert_eq!(pitted.hole_warning(), None);
+    }
+
+    #[test]
+    fn spikes_matter_where_they_change_the_slope_or_the_highest_point() {
+        let map = rough(0.8);
+        let tilted = changed(&map, |n, h| h + 20.0 * map.sq_m() * (n / 128) as f64);
+        let spiked =
+            |by: f64| changed(&tilted, |n, h| if n == 3000 { h + by * map.sq_m() } else { h }).spike_warning().unwrap();
+        for by in [30.0, -300.0] {
+            assert!(spiked(by).matters(), "{}", spiked(by));
+        }
+        let warning = |rms_slope, highest_m| MapWarning::Spikes {
+            spikes: Spikes::default(),
+            points: 16384,
+            rms_slope,
+            rms_slope_without: 0.1,
+            highest_m,
+            highest_without_m: 1e-6,
+        };
+        for (rms_slope, highest_m, matters) in [(0.102, 1.05e-6, false), (0.104, 1e-6, true), (0.1, 1.2e-6, true)] {
+            assert_eq!(warning(rms_slope, highest_m).matters(), matters, "{rms_slope} {highest_m}");
+        }
+    }
+
+    #[test]
+    fn slopes_of_another_unit_are_named() {
+        let said = |rms_slope| MapWarning::Slope { rms_slope }.to_string();
+        assert!(said(1.3e-5).contains("with heights 1000 times as large"), "{}", said(1.3e-5));
+        assert!(said(51.0).contains("heights a thousandth as large"), "{}", said(51.0));
+        assert!(!said(1.2).contains("as large"));
     }
 
     #[test]

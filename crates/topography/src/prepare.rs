@@ -118,7 +118,14 @@ impl PreparedMap {
             Some(MapWarning::Spikes { spikes, .. }) => spikes.points(),
             _ => 0,
         };
-        let mut warnings: Vec<MapWarning> = spiked.into_iter().collect();
+        let mut warnings: Vec<MapWarning> = spiked.iter().filter(|warning| warning.matters()).cloned().collect();
+        if let Some(MapWarning::Spikes { spikes, .. }) = spiked.filter(|warning| !warning.matters()) {
+            notes.push(format!(
+                "{spikes}; they change neither the rms slope by {:.0} % nor the highest point by {:.0} %, and do not matter",
+                100.0 * limits::SPIKE_SLOPE,
+                100.0 * limits::SPIKE_PEAK
+            ));
+        }
         warnings.extend(map.missing_warning());
         let filled = match map.missing() {
             0 => Vec::new(),
@@ -172,6 +179,7 @@ impl PreparedMap {
         // High points that are spikes are no debris beside.
         let is_new =
             |warning: &MapWarning| !matches!(warning, MapWarning::Raised { points, .. } if *points <= spike_points);
+        warnings.extend(map.hole_warning());
         warnings.extend(map.height_warnings(rms_slope).into_iter().filter(is_new));
         Ok(Self { sa_m: map.sa_m(), rms_slope, format: read.format, map, synthetic, period, filled, notes, warnings })
     }

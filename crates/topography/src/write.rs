@@ -1,5 +1,6 @@
 use std::fmt::Write as _;
 
+use crate::read::square;
 use crate::{HeightMap, LengthUnit};
 
 /// What stands in the header of a written map, and how its values are written.
@@ -30,6 +31,10 @@ impl HeightMap {
             [("Width", self.dy_m() * self.cols() as f64), ("Height", self.dx_m() * self.rows() as f64)]
         {
             text.push_str(&format!("# {key}: {}\n", length(extent_m)));
+        }
+        // On oblong pixels the sides do not say whether rows are missing.
+        if !square(self.dx_m(), self.dy_m()) {
+            text.push_str(&format!("# Rows: {}\n", self.rows()));
         }
         text.push_str(&format!("# Value units: {}\n", style.unit));
         for comment in &style.comments {
@@ -110,7 +115,10 @@ mod tests {
             decimals: 4,
         };
         let text = map.to_matrix_text(&style);
-        assert!(text.ends_with("0.0000\t0.0000\tNaN\n0.0010\t-0.0020\t0.0000\n"), "{text}");
+        assert!(
+            text.contains("\n# Rows: 2\n") && text.ends_with("0.0000\t0.0000\tNaN\n0.0010\t-0.0020\t0.0000\n"),
+            "{text}"
+        );
         let read = read_map(text.as_bytes(), &ReadOptions::default()).unwrap().map;
         assert_eq!((read.missing(), read.dx_m(), read.dy_m()), (1, map.dx_m(), map.dy_m()));
     }

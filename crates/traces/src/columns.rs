@@ -97,12 +97,12 @@ impl Channel {
     #[must_use]
     pub const fn unit_words(self) -> &'static str {
         match self {
-            Self::Time => "s, ms, min or h",
-            Self::Torque => "N m, mN m, N cm or N mm",
-            Self::FrictionForce | Self::NormalForce => "N, mN, kN, gf or kgf",
-            Self::Speed => "mm/s, m/s, cm/s, um/s, m/min or rpm",
-            Self::Revolutions => "rpm, 1/min, rev/min or 1/s",
-            Self::Humidity => "%, %RH or pct",
+            Self::Time => "s, ms, us, min or h",
+            Self::Torque => "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
+            Self::FrictionForce | Self::NormalForce => "N, mN, uN, kN, daN, gf, kgf, kp or lbf",
+            Self::Speed => "mm/s, m/s, cm/s, um/s, mm/min, cm/min, m/min, um/min, km/h or those of revolutions",
+            Self::Revolutions => "rpm, 1/min, r/min, rev/min, U/min, 1/s, rps, rev/s, Hz or rad/s",
+            Self::Humidity => "%, %RH, %rF, pct or percent",
             Self::Coefficient | Self::Repeat => "a column without a unit",
         }
     }
@@ -355,6 +355,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_units_that_are_listed_are_known_and_none_is_left_out() {
+        for channel in Channel::ALL.into_iter().filter(|channel| channel.unit_words().contains(" or ")) {
+            let words = channel.unit_words().replace(" or those of revolutions", "").replace(" or ", ", ");
+            let listed: Vec<f64> = words
+                .split(", ")
+                .map(|word| {
+                    let mut column = Column { channel, name: String::new(), factor: f64::NAN };
+                    column.set_unit(word).unwrap_or_else(|unknown| panic!("{unknown:?}"));
+                    column.factor
+                })
+                .collect();
+            // The first is what is meant without a unit, and none of another size is left out.
+            assert_eq!(listed[0], channel.units()[0].1, "{words}");
+            for (name, factor) in channel.units() {
+                assert!(listed.contains(factor), "{name} is not in {words}");
+            }
+        }
+    }
+
+    #[test]
     fn names_and_units_of_several_houses() {
         for (written, channel, factor) in [
             ("time_s", Channel::Time, 1.0),
@@ -397,9 +417,17 @@ mod tests {
             assert_eq!(column(other), Ok(None), "{other}");
         }
         for (written, reason, expected) in [
-            ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, kN, gf or kgf"),
-            ("Tz (N)", "has the unit \"N\", which is none of torque", "N m, mN m, N cm or N mm"),
-            ("Fz [N m]", "has the unit \"N m\", which is none of normal force", "N, mN, kN, gf or kgf"),
+            ("Fz [psi]", "has the unit \"psi\", which is not known", "N, mN, uN, kN, daN, gf, kgf, kp or lbf"),
+            (
+                "Tz (N)",
+                "has the unit \"N\", which is none of torque",
+                "N m, mN m, uN m, kN m, N cm, N mm, kgf m, kgf cm, gf cm, lbf in or lbf ft",
+            ),
+            (
+                "Fz [N m]",
+                "has the unit \"N m\", which is none of normal force",
+                "N, mN, uN, kN, daN, gf, kgf, kp or lbf",
+            ),
         ] {
             let unknown = column(written).unwrap_err();
             assert_eq!((unknown.name.as_str(), unknown.words()), (written, [reason, expected].map(String::from)));

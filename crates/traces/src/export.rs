@@ -1,5 +1,6 @@
 //! Tribometer exports: tables with the instrument's own names, units, separators and decimal sign.
 
+use crate::cells::{cut, number_in, separator, unquoted};
 use crate::columns::{Channel, Column, UnknownUnit, columns, needed_columns};
 use crate::{Tangential, TraceChannels};
 
@@ -29,8 +30,6 @@ pub struct TraceFile {
     pub unused: Vec<String>,
 }
 
-/// Separators that a table may use; the first that occurs in its header.
-const SEPARATORS: [char; 3] = ['\t', ';', ','];
 /// Marks at the beginning of a comment.
 const COMMENTS: [&str; 4] = ["#", "%", "//", "\"#"];
 
@@ -78,15 +77,17 @@ struct Line<'a> {
 pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, ExportError> {
     let text = text.trim_start_matches('\u{feff}');
     let lines = || {
-        let numbered = text.lines().zip(1..).map(|(line, number)| (number, line.trim_end()));
-        numbered.filter(|(_, line)| {
+        // A tab at the end of a line stands before an empty cell.
+        text.lines().zip(1..).map(|(line, number)| (number, line)).filter(|(_, line)| {
             let start = line.trim_start();
             !start.is_empty() && !COMMENTS.iter().any(|mark| start.starts_with(mark))
         })
     };
     let Some((separator, header)) = lines().find_map(|(number, line)| {
-        let separator = SEPARATORS.into_iter().find(|&separator| line.contains(separator))?;
-        let cells = cut(line, separator);
+        let separator = separator(line)?;
+        let mut cells = cut(line, separator);
+        // A separator behind the last title closes it, and opens no column.
+        cells.truncate(cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1));
         // A table has at least two of its columns named; one may be what is missing, one may have an unknown unit.
         (needed_columns(&cells) >= 2).then_some((separator, Line { number, cells }))
     }) else {
@@ -120,14 +121,14 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
     let mut label: Option<f64> = None;
     for (number, line) in rows {
         let cells = cut(line, separator);
-        if cells == header.cells {
+        if cells.starts_with(&header.cells) && cells[header.cells.len()..].iter().all(|cell| cell.is_empty()) {
             // The same header again: the next repeat.
             if repeats.last().is_some_and(|table| !table.is_empty()) {
                 repeats.push(Table::default());
             }
             continue;
         }
-        if cells.len() < layout.len() && cells.len() != header.cells.len() {
+        if cells.len() < header.cells.len() {
             let expected = format!("{}, as the header line", header.cells.len());
             return Err(ExportError::at(Some(number), format!("has {} values", cells.len()), expected));
         }
@@ -155,7 +156,7 @@ pub fn parse(text: &str, effective_radius_m: Option<f64>) -> Result<TraceFile, E
     if repeats.is_empty() {
         return Err(ExportError::at(None, "has no rows", "samples below the header"));
     }
-    let unused = header.cells.iter().zip(&layout).filter(|(_, column)| column.is_none());
+    let unused = header.cells.iter().zip(&layout).filter(|(cell, column)| column.is_none() && !cell.is_empty());
     Ok(TraceFile { repeats, unused: unused.map(|(cell, _)| unquoted(cell).to_owned()).collect() })
 }
 
@@ -187,39 +188,6 @@ fn check_layout(layout: &[Option<Column>], line: u32, effective_radius_m: Option
         (1, _) => Ok(()),
         _ => refuse("has both a torque and a friction force, or two of one", "one of them; rename or remove the other"),
     }
-}
-
-/// The cells of a line; separators in quotes do not cut.
-fn cut(line: &str, separator: char) -> Vec<&str> {
-    let (mut cells, mut start, mut quoted) = (Vec::new(), 0, false);
-    for (at, letter) in line.char_indices() {
-        if letter == '"' {
-            quoted = !quoted;
-        } else if letter == separator && !quoted {
-            cells.push(line[start..at].trim());
-            start = at + letter.len_utf8();
-        }
-    }
-    cells.push(line[start..].trim());
-    cells
-}
-
-fn unquoted(cell: &str) -> &str {
-    cell.trim_matches('"').trim()
-}
-
-/// The number in a cell, with a decimal point, or a decimal comma where commas do not separate or the
-/// cell is quoted.
-fn number_in(cell: &str, separator: char) -> Option<f64> {
-    let bare = unquoted(cell);
-    if let Ok(value) = bare.parse::<f64>() {
-        // "inf" and "nan" are words, not measurements.
-        return value.is_finite().then_some(value).filter(|_| bare.ends_with(|c: char| c.is_ascii_digit() || c == '.'));
-    }
-    let may_be_comma = separator != ',' || cell.starts_with('"');
-    (may_be_comma && bare.matches(',').count() == 1 && !bare.contains('.'))
-        .then(|| bare.replace(',', ".").parse::<f64>().ok())
-        .flatten()
 }
 
 /// A cell that says that nothing was measured.

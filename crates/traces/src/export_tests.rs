@@ -52,6 +52,27 @@ fn what_was_not_measured_is_left_out_and_counted() {
 }
 
 #[test]
+fn empty_cells_at_the_end_of_a_line_are_cells_whatever_separates_them() {
+    for mark in ["\t", ";", ","] {
+        let table = "Time,Fx,Fz,Kommentar\n0,1.5,50,\n1,1.6,50,gut\n\n2,1.7,50,\n";
+        let found = parsed(&table.replace(',', mark)).unwrap();
+        let (channels, unused) = (&found.repeats[0].channels, &found.unused);
+        assert_eq!(
+            (channels.time_s.as_slice(), unused.as_slice()),
+            (&[0.0, 1.0, 2.0][..], &["Kommentar".to_owned()][..])
+        );
+        // Every line closed by a separator, or those of the header alone, which comes twice.
+        for table in ["Time,Fx,Fz,\n0,1.5,50,\n1,1.6,50,\n", "Time,Fx,Fz,,\n0,1.5,50\nTime,Fx,Fz,,\n0,1.6,50\n"] {
+            let found = parsed(&table.replace(',', mark)).unwrap();
+            let samples: usize = found.repeats.iter().map(|repeat| repeat.channels.time_s.len()).sum();
+            assert_eq!((samples, found.unused.len()), (2, 0), "{table}");
+        }
+        let short = parsed(&"Time,Fx,Fz,Kommentar\n0,1.5,50\n".replace(',', mark)).unwrap_err();
+        assert_eq!((short.line, short.reason.as_str()), (Some(2), "has 3 values"));
+    }
+}
+
+#[test]
 fn refusals_name_line_and_column() {
     for (text, line, column, reason) in [
         ("", None, None, "has no line that names its columns"),

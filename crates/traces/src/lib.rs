@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`export::parse`], [`export::TraceFile`] | the text of an instrument's export, and the repeats in it |
 //! | [`columns`] | names and units of columns |
+//! | [`cells`] | cells of a table, with any separator and decimal sign |
 //! | [`TraceChannels`], [`TraceOptions`] | what was recorded, and how it is read |
 //! | [`analyse`], [`TraceFindings`] | friction against time, its mean, static peak, stick-slip, flags |
 //! | [`TraceError`], [`TraceFlag`] | why a trace was refused, what is odd about one that was not |
@@ -47,6 +48,7 @@
 //! ```
 
 mod averaging_window;
+pub mod cells;
 pub mod columns;
 pub mod export;
 mod repeats;
@@ -89,6 +91,9 @@ const UNSETTLED: f64 = 0.6;
 const SATURATED_RUN: usize = 5;
 /// ... unless rounding leaves so few different values that this happens by chance.
 const COARSE_LEVELS: usize = 10;
+/// Longest way, in metres, that a drive goes from one slip to the next: what an arm and a specimen yield until they slip. Tribometers
+/// yield by 1 um to 1 mm, sleds on a cord by some millimetres.
+const LONGEST_SLIP_M: f64 = 0.01;
 /// Drift over the window that is flagged, relative to the mean, if it also exceeds this many of its standard
 /// errors (the 99 % point of Student's t for eight degrees of freedom).
 const DRIFT: (f64, f64) = (0.02, 3.36);
@@ -252,8 +257,20 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     }
     let in_window = between(&time_s, options.window_s);
     let swing = stick_slip::oscillation(&time_s[in_window.clone()], &mu[in_window], window.mu).filter(|_| one_way);
-    if let Some(swing) = swing.filter(|swing| !swing.is_relaxation()) {
-        flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
+    let way_m = |swing: &StickSlip| swing.period_s * options.speed_m_s;
+    let can_be = |swing: &StickSlip| way_m(swing) <= LONGEST_SLIP_M;
+    let slips = swing.filter(StickSlip::is_relaxation);
+    match swing {
+        Some(swing) if slips.is_some() && !can_be(&swing) => flags.push(TraceFlag::SlipTooLong {
+            amplitude: swing.amplitude,
+            period_s: swing.period_s,
+            way_m: way_m(&swing),
+            longest_m: LONGEST_SLIP_M,
+        }),
+        Some(swing) if slips.is_none() && swing.is_regular() => {
+            flags.push(TraceFlag::Oscillation { amplitude: swing.amplitude, period_s: swing.period_s });
+        }
+        _ => {}
     }
     Ok(TraceFindings {
         time_s,
@@ -261,7 +278,7 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
         window_s: options.window_s,
         window,
         static_peak,
-        stick_slip: swing.filter(StickSlip::is_relaxation),
+        stick_slip: slips.filter(can_be),
         normal_force_n: usual_n,
         samples: inside.len(),
         flags,
@@ -283,7 +300,11 @@ fn check_channels(channels: &TraceChannels, options: &TraceOptions) -> Result<()
         }
     }
     if time_s.len() < FEWEST_SAMPLES {
-        return Err(TraceError::TooFewSamples { found: time_s.len(), expected: FEWEST_SAMPLES });
+        return Err(TraceError::TooFewSamples {
+            found: time_s.len(),
+            expected: FEWEST_SAMPLES,
+            pause_s: usual_pause(time_s),
+        });
     }
     if let Some(i) = time_s.windows(2).position(|pair| pair[1] < pair[0]) {
         return Err(TraceError::ClockBack { sample: i + 2, from_s: time_s[i], to_s: time_s[i + 1] });
@@ -311,11 +332,15 @@ fn window_samples(time_s: &[f64], window_s: [f64; 2]) -> Result<std::ops::Range<
     let end_s = time_s[time_s.len() - 1];
     // One usual pause short of the window's end is still at its end.
     if end_s + usual_pause(time_s) < window_s[1] {
-        return Err(TraceError::TooShort { end_s, window_end_s: window_s[1] });
+        return Err(TraceError::TooShort { end_s, window_end_s: window_s[1], pause_s: usual_pause(time_s) });
     }
     let inside = between(time_s, window_s);
     if inside.len() < FEWEST_SAMPLES {
-        return Err(TraceError::TooFewSamples { found: inside.len(), expected: FEWEST_SAMPLES });
+        return Err(TraceError::TooFewSamples {
+            found: inside.len(),
+            expected: FEWEST_SAMPLES,
+            pause_s: usual_pause(time_s),
+        });
     }
     Ok(inside)
 }

@@ -176,6 +176,37 @@ fn stick_slip_in_a_trace_is_reported() {
 }
 
 #[test]
+fn slips_farther_apart_than_anything_yields_are_no_stick_slip() {
+    let mut channels = good();
+    let (forces, times) = (channels.normal_force_n.clone(), channels.time_s.clone());
+    for ((t, force), clock) in torque(&mut channels).iter_mut().zip(forces).zip(times) {
+        *t = (0.25 + 0.05 * ((clock - 100.0) / 1.9).fract()) * force * RADIUS_M;
+    }
+    let at = |speed_m_s: f64| analyse(&channels, &TraceOptions { speed_m_s, static_peak: false, ..OPTIONS }).unwrap();
+    // 9.5 mm from slip to slip, and 38 mm.
+    let slow = at(5e-3);
+    assert!(slow.stick_slip.is_some() && slow.flags.is_empty(), "{:?}", slow.flags);
+    let fast = at(20e-3);
+    assert_eq!(fast.stick_slip, None);
+    let [TraceFlag::SlipTooLong { way_m, .. }] = fast.flags[..] else { panic!("{:?}", fast.flags) };
+    assert!((way_m - 38e-3).abs() < 1e-3);
+    let said = fast.flags[0].to_string();
+    assert!(said.contains("no stick-slip") && said.contains("10 mm at most"), "{said}");
+}
+
+#[test]
+fn times_in_another_unit_are_asked_about() {
+    for (factor, says) in [(60.0, "a sample every"), (1e-3, "with a sample every 0.00005 s")] {
+        let mut channels = good();
+        channels.time_s.iter_mut().for_each(|t| *t *= factor);
+        let window_s = if factor > 1.0 { [10.0, 60.0] } else { DEFAULT_WINDOW_S };
+        let refused = analyse(&channels, &TraceOptions { window_s, ..OPTIONS }).unwrap_err().to_string();
+        assert!(refused.contains("time is in another unit than its title says"), "{refused}");
+        assert!(refused.contains(says) || refused.contains("17 samples, one every 3 s"), "{refused}");
+    }
+}
+
+#[test]
 fn repeats_have_their_mean_and_deviation() {
     let one = analyse(&good(), &OPTIONS).unwrap();
     let with = |mu: f64| {

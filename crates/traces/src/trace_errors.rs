@@ -46,20 +46,31 @@ pub enum TraceError {
         to_s: f64,
     },
     /// The trace ends before the averaging window does.
-    #[error("the trace ends at {end_s:.2} s: expected one that covers the window up to {window_end_s} s")]
+    #[error(
+        "the trace ends at {end_s:.4} s, with a sample every {} s: expected one that covers the window up to {window_end_s} s; \
+         if it was longer, time is in another unit than its title says, as `Time [s]`", short(*pause_s)
+    )]
     TooShort {
         /// Time of the last sample.
         end_s: f64,
         /// End of the window.
         window_end_s: f64,
+        /// Usual time between samples.
+        pause_s: f64,
     },
     /// Too few samples in the window for a mean with an error.
-    #[error("the window holds {found} samples: expected at least {expected}")]
+    #[error(
+        "the window holds {found} samples, one every {} s: expected at least {expected}; if they were recorded faster, time \
+         is in another unit than its title says, as `Time [s]`",
+        short(*pause_s)
+    )]
     TooFewSamples {
         /// Samples there are.
         found: usize,
         /// Samples needed.
         expected: usize,
+        /// Usual time between samples.
+        pause_s: f64,
     },
     /// Samples are missing inside the window.
     #[error("no samples from {from_s:.2} to {to_s:.2} s, inside the averaging window")]
@@ -166,6 +177,11 @@ pub enum TraceError {
     },
 }
 
+/// A number with three digits.
+fn short(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
 /// What is odd about a trace from which something was read all the same.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TraceFlag {
@@ -245,6 +261,17 @@ pub enum TraceFlag {
         /// Period.
         period_s: f64,
     },
+    /// Falls and rises as of stick-slip, farther apart than anything yields: not taken for stick-slip.
+    SlipTooLong {
+        /// Median drop of mu.
+        amplitude: f64,
+        /// Period.
+        period_s: f64,
+        /// Way of the drive in it, in metres.
+        way_m: f64,
+        /// Longest way from slip to slip.
+        longest_m: f64,
+    },
 }
 
 impl fmt::Display for TraceFlag {
@@ -299,6 +326,13 @@ impl fmt::Display for TraceFlag {
             Self::Oscillation { amplitude, period_s } => write!(
                 f,
                 "an oscillation of {amplitude:.4} with a period of {period_s:.2} s that rises as fast as it falls: no stick-slip"
+            ),
+            Self::SlipTooLong { amplitude, period_s, way_m, longest_m } => write!(
+                f,
+                "friction falls by {amplitude:.4} every {period_s:.2} s, on a way of {:.1} mm: no stick-slip, between slips of which a drive goes \
+                 {} mm at most, as far as arm and specimen yield",
+                1e3 * way_m,
+                1e3 * longest_m
             ),
         }
     }

@@ -1,6 +1,8 @@
 //! `surface`: parameters, pictures and cavities of an altitude map.
 
-use slipgrid_topography::{CORRELATION_THRESHOLD, MapError, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow};
+use slipgrid_topography::{
+    CORRELATION_THRESHOLD, MapError, MapWarning, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow,
+};
 
 use super::area_law::{checked, map_options};
 use crate::args::SurfaceArgs;
@@ -37,7 +39,11 @@ pub fn run(args: &SurfaceArgs, console: &mut Console<'_>) -> Result<u8, CliError
         .map(|(file, map)| map.mean_cavity_period(options.form).map(|period| (file, period)))
         .transpose()
         .map_err(refuse)?;
-    let surface = PreparedMap::new(read, options.preparation()).map_err(|error| refuse_map(&args.map, &error))?;
+    let mut surface = PreparedMap::new(read, options.preparation()).map_err(|error| refuse_map(&args.map, &error))?;
+    if args.cavities {
+        // They are what was asked for.
+        surface.warnings.retain(|warning| !matches!(warning, MapWarning::Lowered { .. }));
+    }
     let map = &surface.map;
     let column = match section_m {
         None => map.cols() / 2,

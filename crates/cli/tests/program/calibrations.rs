@@ -157,6 +157,10 @@ fn one_export_named_twice_in_a_calibration_is_refused() {
     assert!(message.contains("c.toml:17: traces.condition.files") && message.contains("as line 17 does"), "{message}");
     fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", ", "")).unwrap();
     place.succeed(&["traces", "c.toml"]);
+    fs::create_dir(place.path("exports")).unwrap();
+    fs::write(place.path("c.toml"), text.replace("\"a-1.csv\", \"a-*.csv\"", "\"exports\"")).unwrap();
+    let message = place.refuse(&["traces", "c.toml"]);
+    assert!(message.contains("traces.condition.files: \"exports\" is a folder"), "{message}");
     let off = text.replace("\"a-1.csv\", ", "").replace("[traces]\n", "[traces]\nstatic_peak = false\n");
     fs::write(place.path("c.toml"), off).unwrap();
     place.succeed(&["traces", "c.toml"]);

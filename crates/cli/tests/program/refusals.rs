@@ -369,6 +369,11 @@ fn flags() {
         (vec!["area-law", "map.txt"], "error: map.txt: "),
         (
             vec!["area-law", "map.txt"],
+            "error: map.txt: the unit of the heights and the pixel size are not known; expected a header line such as \"# Value units: um\", \
+             or a unit by option: m, cm, mm, um, nm, pm; and header lines such as",
+        ),
+        (
+            vec!["area-law", "map.txt", "--pixel-um", "1"],
             "error: map.txt: the unit of the heights is not known; expected a header line such as \"# Value units: um\", \
              or a unit by option: m, cm, mm, um, nm, pm (--height-unit um; in a calibration's [surface]: height_unit",
         ),

@@ -30,6 +30,8 @@ pub(crate) struct CavityReport {
     /// The slope from which on a wall is steeper than the pixels show.
     wall_resolved_deg: Option<f64>,
     floor_sq_um: Option<EstimateReport>,
+    /// That grooves cross, and what can be measured of them.
+    crossing: Option<String>,
 }
 
 /// The rims; everything but the height is null where none stands out from the roughness.
@@ -99,6 +101,7 @@ impl From<&CavityMetrology> for CavityReport {
             wall_angle_deg: found.wall_angle_deg.map(EstimateReport::plain),
             wall_resolved_deg: found.wall_resolved_deg.map(tidy),
             floor_sq_um: found.floor_sq_m.map(EstimateReport::um),
+            crossing: found.crossing.map(|crossing| crossing.to_string()),
         }
     }
 }
@@ -119,8 +122,10 @@ impl CavityReport {
         }
         let [rim, wall] = self.edge_words();
         let wall = if wall.is_empty() { wall } else { format!("; {wall}") };
+        let crossing = self.crossing.as_ref().map_or_else(String::new, |crossing| format!("\n! {crossing}\n"));
+        let (noun, verb) = if self.count == 1 { ("cavity", "takes") } else { ("cavities", "take") };
         format!(
-            "\n{table}\n{} cavities take {:.1} % of the map; land Sq {} um\n\n{edges}\n{rim}{wall}\n",
+            "\n{table}\n{} {noun} {verb} {:.1} % of the map; land Sq {} um\n{crossing}\n{edges}\n{rim}{wall}\n",
             self.count,
             100.0 * self.area_fraction,
             fixed(Some(self.land_sq_um), 3),
@@ -154,7 +159,8 @@ impl CavityReport {
     pub(crate) fn words(&self) -> Vec<String> {
         let land = format!("The land between them has Sq {} um.", fixed(Some(self.land_sq_um), 3));
         let edges = self.edge_words().into_iter().filter(|words| !words.is_empty());
-        std::iter::once(land).chain(edges.map(|words| sentence(&words))).collect()
+        let crossing = self.crossing.iter().map(|crossing| sentence(crossing));
+        std::iter::once(land).chain(crossing).chain(edges.map(|words| sentence(&words))).collect()
     }
 
     /// How many there are and what they take.

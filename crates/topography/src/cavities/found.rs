@@ -162,6 +162,11 @@ impl Along {
         self.lengths.len() as f64 >= Self::WITHIN * self.lines as f64
     }
 
+    /// It reaches from one side of the map to the other.
+    pub(super) fn reaches_across(&self) -> bool {
+        self.cut.iter().all(|&cut| cut > 0)
+    }
+
     /// It runs through the whole map.
     pub(super) fn runs_through(&self) -> bool {
         self.cut.iter().all(|&cut| cut as f64 >= Self::WITHIN * self.lines as f64)

@@ -15,6 +15,7 @@
 //! the missing part of the wall.
 
 mod components;
+mod crossing;
 mod cut;
 mod edge;
 mod found;
@@ -34,6 +35,7 @@ use rims::Scene;
 use slipgrid_statistics::median;
 use walls::Walls;
 
+pub use crossing::Crossing;
 pub use cut::{CutCavity, CutPattern, CutRim, CutShape};
 pub use period::{Arrangement, MeanPeriod};
 pub use rims::{EdgeHeight, RimMetrology};
@@ -133,6 +135,8 @@ pub struct CavityMetrology {
     pub floor_sq_m: Option<Estimate>,
     /// Every cavity.
     pub cavities: Vec<Cavity>,
+    /// The cavities are one, grooves that cross.
+    pub crossing: Option<Crossing>,
 }
 
 impl HeightMap {
@@ -249,6 +253,7 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
         wall_resolved_deg: depth.map(|depth| walls::resolved_deg(depth.mean_m, pixel_m)),
         floor_sq_m: Estimate::mean(cavities.iter().filter_map(|cavity| cavity.floor_sq_m)),
         cavities,
+        crossing: Crossing::of(found),
     }
 }
 

@@ -4,9 +4,9 @@ use std::fmt;
 
 use slipgrid_statistics::median;
 
-use super::Sought;
 use super::edge::Edges;
 use super::found::Found;
+use super::{Crossing, Sought};
 use crate::form::Form;
 use crate::{HeightMap, MapError};
 
@@ -97,6 +97,9 @@ impl HeightMap {
         let whole: Vec<usize> = along[0].iter().copied().filter(|region| along[1].contains(region)).collect();
         let grooves = [0, 1].map(|axis| along[axis].len() - whole.len());
         if whole.len().max(grooves[0]).max(grooves[1]) < LEAST {
+            if let Some(crossing) = Crossing::of(&found) {
+                return Err(MapError::Crossing(crossing));
+            }
             let whole = whole.len().max(grooves[0]).max(grooves[1]);
             return Err(MapError::NoPeriod {
                 whole,

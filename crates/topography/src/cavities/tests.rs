@@ -180,3 +180,34 @@ fn surfaces_without_cavities_are_refused() {
     let ramp = HeightMap::new(50, 50, 1e-6, 1e-6, (0..2500).map(|n| f64::from(n / 50) * 1e-7).collect()).unwrap();
     assert!(ramp.measure_cavities(Form::Mean).is_err());
 }
+
+#[test]
+fn grooves_that_cross_are_named_and_a_strip_between_two_shows_one_family() {
+    // Grooves of 10 of 50 pixels along both axes; none are cut by the sides of the map.
+    let map = rough();
+    let in_groove = |k: usize| (20..30).contains(&(k % 50));
+    let cols = map.cols();
+    let crossed =
+        changed(&map, |n, height| height - if in_groove(n / cols) || in_groove(n % cols) { 8e-6 } else { 0.0 });
+    let found = crossed.measure_cavities(Form::Plane).unwrap();
+    let crossing = found.crossing.unwrap();
+    let [Some([first, last]), Some(columns)] = crossing.strips else { panic!("{crossing}") };
+    assert!(first >= 30 && last - first > 20 && columns == [first, last], "{crossing}");
+    let refused = crossed.mean_cavity_period(Form::Plane).unwrap_err().to_string();
+    assert!(
+        refused.contains("grooves that cross") && refused.contains(&format!("rows {first} to {last}")),
+        "{refused}"
+    );
+    let heights = crossed.heights_m()[first * cols..(last + 1) * cols].to_vec();
+    let strip = HeightMap::new(last + 1 - first, cols, map.dx_m(), map.dy_m(), heights).unwrap();
+    let found = strip.measure_cavities(Form::Plane).unwrap();
+    let width = found.width[1].unwrap();
+    assert!((width.mean_m - 10.0 * map.dy_m()).abs() < 0.5 * map.dy_m() && found.crossing.is_none(), "{width:?}");
+    assert!(strip.mean_cavity_period(Form::Plane).is_ok());
+    // Grooves of one family, and squares, do not cross.
+    for shape in [CutShape::Groove, CutShape::Square] {
+        let mut map = rough();
+        map.cut_cavities(&CutPattern { shape, ..PUBLISHED }).unwrap();
+        assert_eq!(map.measure_cavities(Form::Plane).unwrap().crossing, None);
+    }
+}

@@ -8,7 +8,7 @@ use super::bytes::{Number, at_end, exact, numbers};
 use super::lines::{excerpt, number};
 use super::window::Window;
 use super::{MapFormat, ReadMap, ReadOptions, keep_comment};
-use crate::{LengthUnit, MapOption, ReadError};
+use crate::{LengthUnit, MapOption, NotGiven, ReadError};
 
 /// The first line.
 pub(super) const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -58,22 +58,25 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     let rows = header.pixels[0].ok_or_else(|| missing("YRes"))?;
     let cols = header.pixels[1].ok_or_else(|| missing("XRes"))?;
-    let height_unit = options.height_unit.or(header.height_unit).ok_or(ReadError::NotGiven {
-        what: "unit of the heights",
-        expected: "ZUnits in the header, or a unit by option: m, cm, mm, um, nm, pm",
-        option: MapOption::HeightUnit,
-    })?;
-    let pixel_m = match options.pixel_m {
-        Some(pixel_m) => pixel_m,
-        None => {
-            let unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
-                what: "unit of the sides",
-                expected: "XYUnits in the header, or a unit or a pixel size by option",
-                option: MapOption::LateralUnit,
-            })?;
-            let pixel = |axis: usize, pixels: u64| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64);
-            [pixel(0, rows), pixel(1, cols)]
-        }
+    let height_unit = options.height_unit.or(header.height_unit);
+    let lateral_unit = options.lateral_unit.or(header.lateral_unit);
+    let pixel = |unit: LengthUnit| {
+        [(0, rows), (1, cols)].map(|(axis, pixels)| unit.to_metres(header.side[axis].unwrap_or(1.0) / pixels as f64))
+    };
+    let pixel_m = options.pixel_m.or(lateral_unit.map(pixel));
+    let (Some(height_unit), Some(pixel_m)) = (height_unit, pixel_m) else {
+        let no_height = NotGiven {
+            what: "unit of the heights",
+            expected: "ZUnits in the header, or a unit by option: m, cm, mm, um, nm, pm",
+            option: MapOption::HeightUnit,
+        };
+        let no_side = NotGiven {
+            what: "unit of the sides",
+            expected: "XYUnits in the header, or a unit or a pixel size by option",
+            option: MapOption::LateralUnit,
+        };
+        let missing = [height_unit.is_none().then_some(no_height), pixel_m.is_none().then_some(no_side)];
+        return Err(ReadError::NotGiven { missing: missing.into_iter().flatten().collect() });
     };
     let mut window = Window::new(Some(rows), cols, options.crop, options.decimation)?;
     // Both counts passed the window's check: the product fits.

@@ -12,6 +12,8 @@ pub(crate) struct Header {
     pub(crate) width_m: Option<f64>,
     /// Extent across the rows, in metres.
     pub(crate) height_m: Option<f64>,
+    /// Largest part of each of them that their rounding leaves open.
+    pub(crate) rounding: [f64; 2],
     pub(crate) value_unit: Option<LengthUnit>,
     /// Nanometres of a height of 1, where a header says that instead of a unit.
     pub(crate) value_nm: Option<f64>,
@@ -41,8 +43,16 @@ impl Header {
         let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
         let value = value.trim();
         match key.trim().to_ascii_lowercase().as_str() {
-            "width" => self.width_m = Some(length(line, "Width", value)?),
-            "height" => self.height_m = Some(length(line, "Height", value)?),
+            "width" => {
+                self.width_m = Some(length(line, "Width", value)?);
+                self.rounding[1] = rounding(value);
+            }
+            "height" => {
+                self.height_m = Some(length(line, "Height", value)?);
+                self.rounding[0] = rounding(value);
+            }
+            // Of other programs' words whatever counts lines.
+            "rows" => self.pixels[0] = value.parse().ok().filter(|count| *count > 0).or(self.pixels[0]),
             "value units" | "z units" => self.value_unit = Some(unit(line, "Value units", value)?),
             "xy units" | "lateral units" => self.lateral_unit = Some(unit(line, "XY units", value)?),
             "file format" => self.spip = value.eq_ignore_ascii_case("ascii"),
@@ -134,6 +144,15 @@ fn length(line: usize, key: &'static str, value: &str) -> Result<f64, ReadError>
     let amount = number(amount.trim()).filter(|amount| *amount > 0.0).ok_or_else(refused)?;
     let unit: LengthUnit = name.parse().map_err(|_| refused())?;
     Ok(unit.to_metres(amount))
+}
+
+/// Half a unit of the last digit of a length that was accepted, over the length.
+fn rounding(value: &str) -> f64 {
+    let digits = value.split(|c: char| c.is_alphabetic() || c.is_whitespace()).next().unwrap_or_default();
+    let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+    // The cast saturates: nothing is rounded to so many digits.
+    let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(i32::MAX));
+    number(digits).map_or(0.0, |amount| 0.5 * unit / amount)
 }
 
 /// A length in nanometres, in metres.

@@ -116,6 +116,15 @@ pub(crate) fn expected_height(field: &str) -> &'static str {
     }
 }
 
+/// What a message says of `field`, which is no coordinate.
+pub(crate) fn expected_coordinate(field: &str) -> &'static str {
+    if field.contains(',') {
+        "a coordinate with a decimal point; for decimal commas decimal_comma = true in a file, or --decimal-comma"
+    } else {
+        "a coordinate with a decimal point"
+    }
+}
+
 /// A height: a number, or `None` where the file says that the point is missing.
 pub(crate) fn height(field: &str) -> Option<Option<f64>> {
     const MISSING: [&str; 4] = ["", "nan", "bad", "---"];

@@ -6,7 +6,13 @@ use super::header::Header;
 use super::lines::{Delimiter, Lines, excerpt, expected_height, height};
 use super::window::Window;
 use super::{MapFormat, ReadOptions};
-use crate::{HeightMap, LengthUnit, MapOption, ReadError};
+use crate::{HeightMap, LengthUnit, MapOption, NotGiven, ReadError};
+
+/// Part by which the sides of a pixel may differ, beside what the header's sides are rounded by: some programs count the
+/// distances between pixels instead of pixels ...
+const NOT_SQUARE: f64 = 0.01;
+/// ... and at most, however coarsely the sides are rounded.
+const MOST_NOT_SQUARE: f64 = 0.06;
 
 /// Rows read so far, in the text's unit, NaN where missing.
 #[derive(Debug)]
@@ -80,37 +86,120 @@ impl MatrixReader {
         }
     }
 
+    /// What neither the header nor the caller says.
+    pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+        let unit = options.height_unit.or(header.value_unit).is_none() && header.value_nm.is_none();
+        let pixel = options.pixel_m.is_none() && header.height_m.zip(header.width_m).is_none();
+        let way = NotGiven { what: "pixel size", expected: HOW_TO_GIVE_PIXEL, option: MapOption::Pixel };
+        unit.then_some(NO_HEIGHT_UNIT).into_iter().chain(pixel.then_some(way)).collect()
+    }
+
+    /// The pixel that shares the header's sides among `rows` rows, unless rows seem to be missing.
+    fn pixel_m(&self, sides_m: [f64; 2], rows: usize, header: &Header) -> Result<[f64; 2], ReadError> {
+        let pixel_m = [sides_m[0] / rows as f64, sides_m[1] / self.cols as f64];
+        // Where the header tells the counts, they have been compared.
+        let told = header.pixels[0].is_some();
+        let allowed = (NOT_SQUARE + header.rounding.iter().sum::<f64>()).min(MOST_NOT_SQUARE);
+        if !told && off_square(pixel_m) > allowed {
+            return Err(ReadError::Oblong { sides_m, rows, cols: self.cols });
+        }
+        Ok(pixel_m)
+    }
+
     /// The map, on pixels that share the header's sides among `rows` rows.
     pub(super) fn finish(self, rows: usize, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
-        let (unit, factor) = match (options.height_unit.or(header.value_unit), header.value_nm) {
-            (Some(unit), _) => (unit, 1.0),
-            (None, Some(value_nm)) => (LengthUnit::Nanometre, value_nm),
-            (None, None) => {
-                return Err(ReadError::NotGiven {
-                    what: "unit of the heights",
-                    expected: HOW_TO_GIVE_HEIGHT_UNIT,
-                    option: MapOption::HeightUnit,
-                });
-            }
+        let unit = match (options.height_unit.or(header.value_unit), header.value_nm) {
+            (Some(unit), _) => Some((unit, 1.0)),
+            (None, value_nm) => value_nm.map(|value_nm| (LengthUnit::Nanometre, value_nm)),
         };
-        let pixel_m = match (options.pixel_m, header.height_m, header.width_m) {
-            (Some(pixel_m), _, _) => pixel_m,
-            (None, Some(height_m), Some(width_m)) => [height_m / rows as f64, width_m / self.cols as f64],
-            (None, _, _) => {
-                return Err(ReadError::NotGiven {
-                    what: "pixel size",
-                    expected: HOW_TO_GIVE_PIXEL,
-                    option: MapOption::Pixel,
-                });
-            }
+        let pixel_m = match (options.pixel_m, header.height_m.zip(header.width_m)) {
+            (None, Some((height_m, width_m))) => Some(self.pixel_m([height_m, width_m], rows, header)?),
+            (pixel_m, _) => pixel_m,
+        };
+        let (Some((unit, factor)), Some(pixel_m)) = (unit, pixel_m) else {
+            return Err(ReadError::NotGiven { missing: Self::missing(header, options) });
         };
         self.window.finish(pixel_m, |value| unit.to_metres(factor * value))
     }
 }
 
-/// How a text without a unit of its heights can be read.
-pub(super) const HOW_TO_GIVE_HEIGHT_UNIT: &str =
-    "a header line such as \"# Value units: um\", or a unit by option: m, cm, mm, um, nm, pm";
+/// The logarithm by which the sides of a pixel differ.
+fn off_square([dx_m, dy_m]: [f64; 2]) -> f64 {
+    (dx_m / dy_m).ln().abs()
+}
+
+/// Whether pixels with these sides are square to readers of a header that tells the sides of a whole map.
+pub(crate) fn square(dx_m: f64, dy_m: f64) -> bool {
+    off_square([dx_m, dy_m]) <= NOT_SQUARE
+}
+
+/// A text without a unit of its heights.
+pub(super) const NO_HEIGHT_UNIT: NotGiven = NotGiven {
+    what: "unit of the heights",
+    expected: "a header line such as \"# Value units: um\", or a unit by option: m, cm, mm, um, nm, pm",
+    option: MapOption::HeightUnit,
+};
 /// How a text without a pixel size can be read.
-pub(super) const HOW_TO_GIVE_PIXEL: &str =
+const HOW_TO_GIVE_PIXEL: &str =
     "header lines such as \"# Width: 1 mm\" and \"# Height: 1 mm\", or a pixel size by option";
+
+#[cfg(test)]
+mod tests {
+    use crate::{ReadOptions, read_map};
+
+    /// Rows of 64 heights under a header that tells the sides.
+    fn text(width: &str, height: &str, rows: usize) -> String {
+        let row = |i: usize| (0..64).map(|j| format!("{}\t", (i * j) % 7)).collect::<String>() + "\n";
+        let rows: String = (0..rows).map(row).collect();
+        format!("# Channel: Topography\n# Width: {width}\n# Height: {height}\n# Value units: um\n{rows}")
+    }
+
+    fn refused(text: &str, options: &ReadOptions) -> Option<String> {
+        read_map(text.as_bytes(), options).err().map(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_map_that_was_cut_between_two_lines_is_refused_by_its_oblong_pixels() {
+        let plain = ReadOptions::NONE;
+        for rows in [3, 24, 60] {
+            let said = refused(&text("128.0 um", "128.0 um", rows), &plain).unwrap();
+            assert!(said.contains(&format!("{rows} rows and 64 columns")) && said.contains("cut short"), "{said}");
+        }
+        assert!(refused(&text("128.0 um", "128.0 um", 24), &plain).unwrap().contains("pixels of 5.33333 x 2 um"));
+        // A crop changes nothing in that.
+        let crop = crate::Crop { first_row: 0, first_col: 0, rows: 8, cols: 8 };
+        assert!(refused(&text("128.0 um", "128.0 um", 24), &ReadOptions { crop: Some(crop), ..plain }).is_some());
+        // Whole ones, with sides rounded or counted from pixel to pixel, pass; so do sides that the caller gives.
+        for (width, height) in
+            [("128.0 um", "128.0 um"), ("0.128 mm", "1.28e-1 mm"), ("0.13 mm", "0.128 mm"), ("127 um", "128 um")]
+        {
+            assert_eq!(refused(&text(width, height, 64), &plain), None, "{width} {height}");
+        }
+        let given = ReadOptions { pixel_m: Some([5.3e-6, 2e-6]), ..plain };
+        assert_eq!(refused(&text("128.0 um", "128.0 um", 24), &given), None);
+        // Of oblong pixels a header may tell the rows.
+        let told = text("128.0 um", "128.0 um", 24).replacen("# Width", "# Rows: 24\n# Width", 1);
+        assert_eq!(refused(&told, &plain), None);
+        let cut = told.rsplit_once("\n").unwrap().0.rsplit_once("\n").unwrap().0;
+        assert_eq!(refused(cut, &plain).unwrap(), "matrix: the rows end after 23 of 24");
+    }
+
+    #[test]
+    fn all_that_is_missing_is_asked_for_at_once() {
+        let said = refused("1 2 3 4\n5 6 7 8\n", &ReadOptions::NONE).unwrap();
+        assert!(
+            said.starts_with("the unit of the heights and the pixel size are not known: expected a header"),
+            "{said}"
+        );
+        let said = refused("0,0;0,0;1,5\n0,0;1,0;1,5\n", &ReadOptions::NONE).unwrap();
+        for part in [
+            "line 1, column 3: \"1,5\"",
+            "--decimal-comma",
+            "the unit of the heights and the unit of x and y are not known",
+        ] {
+            assert!(said.contains(part), "{part}: {said}");
+        }
+        let given = ReadOptions { decimal_comma: true, ..ReadOptions::NONE };
+        assert!(refused("0,0;0,0;1,5\n", &given).unwrap().starts_with("the unit of the heights and the unit of x"));
+    }
+}

@@ -41,6 +41,7 @@ use lines::{Delimiter, Lines, height};
 use matrix::MatrixReader;
 use xyz::XyzReader;
 
+pub(crate) use matrix::square;
 use window::window_of;
 pub use window::{Crop, Decimation, DecimationMethod};
 
@@ -251,6 +252,15 @@ impl Text<'_> {
         self.push(text, line)
     }
 
+    /// A refused decimal comma with what would be refused next.
+    fn with_all_that_is_missing(&self, error: ReadError) -> ReadError {
+        match &self.data {
+            Some(Data::Matrix(_)) => error.with_missing(MatrixReader::missing(&self.header, self.options)),
+            Some(Data::Xyz(_)) => error.with_missing(XyzReader::missing(&self.header, self.options)),
+            None => error,
+        }
+    }
+
     fn push(&mut self, text: &str, line: usize) -> Result<bool, ReadError> {
         let target = match &mut self.data {
             Some(target) => target,
@@ -281,8 +291,8 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
     loop {
         let line = lines.line() + 1;
         let Some(own) = lines.next()? else { break };
-        let more = if options.decimal_comma { text.take(&own.replace(',', "."), line)? } else { text.take(own, line)? };
-        if !more {
+        let more = if options.decimal_comma { text.take(&own.replace(',', "."), line) } else { text.take(own, line) };
+        if !more.map_err(|error| text.with_all_that_is_missing(error))? {
             break;
         }
     }
@@ -342,7 +352,8 @@ mod tests {
 
     #[test]
     fn a_matrix_with_units_in_its_header() {
-        let text = "# Channel: Z\n# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\n1\t2\tNaN\n4\tBAD\t---\n";
+        let text =
+            "# Channel: Z\n# Rows: 2\n# Width: 3 \u{b5}m\n# Height: 4 um\n# Value units: nm\n1\t2\tNaN\n4\tBAD\t---\n";
         let read = read(text).unwrap();
         assert_eq!(read.format, MapFormat::Matrix);
         let map = &read.map;

@@ -5,11 +5,12 @@
 use std::io::Read;
 
 use super::bytes::{Number, at_end, exact, numbers, unreadable};
+use super::header::Header;
 use super::lines::excerpt;
-use super::matrix::{HOW_TO_GIVE_HEIGHT_UNIT, HOW_TO_GIVE_PIXEL};
+use super::matrix::MatrixReader;
 use super::window::{Crop, Window};
 use super::{MapFormat, ReadMap, ReadOptions};
-use crate::{HeightMap, MapOption, ReadError};
+use crate::{HeightMap, ReadError};
 
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 const FORMAT: &str = MapFormat::Npy.name();
@@ -44,16 +45,10 @@ pub(super) fn read(mut source: impl Read, options: &ReadOptions) -> Result<ReadM
     };
     let [rows, cols] = shape(&header)?;
 
-    let height_unit = options.height_unit.ok_or(ReadError::NotGiven {
-        what: "unit of the heights",
-        expected: HOW_TO_GIVE_HEIGHT_UNIT,
-        option: MapOption::HeightUnit,
-    })?;
-    let pixel_m = options.pixel_m.ok_or(ReadError::NotGiven {
-        what: "pixel size",
-        expected: HOW_TO_GIVE_PIXEL,
-        option: MapOption::Pixel,
-    })?;
+    let (Some(height_unit), Some(pixel_m)) = (options.height_unit, options.pixel_m) else {
+        let missing = MatrixReader::missing(&Header::default(), options);
+        return Err(ReadError::NotGiven { missing });
+    };
     // Column after column is the transposed array row after row.
     let (file, crop, pixel) = if fortran_order {
         let turned = |crop: Crop| Crop {

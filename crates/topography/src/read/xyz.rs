@@ -2,11 +2,11 @@
 
 use super::ReadOptions;
 use super::header::Header;
-use super::lines::{Delimiter, excerpt, expected_height, height, number};
-use super::matrix::HOW_TO_GIVE_HEIGHT_UNIT;
+use super::lines::{Delimiter, excerpt, expected_coordinate, expected_height, height, number};
+use super::matrix::NO_HEIGHT_UNIT;
 use super::scan::Scan;
 use crate::map::MOST_POINTS;
-use crate::{HeightMap, LengthUnit, MapError, MapOption, ReadError};
+use crate::{HeightMap, LengthUnit, MapError, MapOption, NotGiven, ReadError};
 
 /// Coordinates closer than this share of their range count as equal: well below the pixel of the largest
 /// map, well above rounding.
@@ -67,7 +67,7 @@ impl XyzReader {
         };
         let refused = |column, field, expected| ReadError::NotANumber { line, column, value: excerpt(field), expected };
         let coordinate =
-            |column, field| number(field).ok_or_else(|| refused(column, field, "a coordinate with a decimal point"));
+            |column, field| number(field).ok_or_else(|| refused(column, field, expected_coordinate(field)));
         let z = height(z).ok_or_else(|| refused(3, z, expected_height(z)))?;
         if self.points.len() == MOST_POINTS {
             let points = self.points.len() as f64 + 1.0;
@@ -85,17 +85,23 @@ impl XyzReader {
         Ok(())
     }
 
-    pub(super) fn finish(self, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
-        let height_unit = options.height_unit.or(header.value_unit).ok_or(ReadError::NotGiven {
-            what: "unit of the heights",
-            expected: HOW_TO_GIVE_HEIGHT_UNIT,
-            option: MapOption::HeightUnit,
-        })?;
-        let lateral_unit = options.lateral_unit.or(header.lateral_unit).ok_or(ReadError::NotGiven {
+    /// What neither the header nor the caller says.
+    pub(super) fn missing(header: &Header, options: &ReadOptions) -> Vec<NotGiven> {
+        let height = options.height_unit.or(header.value_unit).is_none();
+        let lateral = options.lateral_unit.or(header.lateral_unit).is_none();
+        let way = NotGiven {
             what: "unit of x and y",
             expected: "a header line such as \"# XY units: um\", titles such as x_um,y_um,z_um, or a unit by option",
             option: MapOption::LateralUnit,
-        })?;
+        };
+        height.then_some(NO_HEIGHT_UNIT).into_iter().chain(lateral.then_some(way)).collect()
+    }
+
+    pub(super) fn finish(self, header: &Header, options: &ReadOptions) -> Result<HeightMap, ReadError> {
+        let units = options.height_unit.or(header.value_unit).zip(options.lateral_unit.or(header.lateral_unit));
+        let Some((height_unit, lateral_unit)) = units else {
+            return Err(ReadError::NotGiven { missing: Self::missing(header, options) });
+        };
         let map = |[along_x, along_y]: [GridLines; 2], height_m| {
             let [dx_m, dy_m] = [along_x.step, along_y.step].map(|step| lateral_unit.to_metres(step));
             Ok(HeightMap::new(along_x.count as usize, along_y.count as usize, dx_m, dy_m, height_m)?)

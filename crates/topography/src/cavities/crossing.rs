@@ -1,0 +1,92 @@
+//! Cavities that are one region: grooves that cross have no width, spacing and depth of their own.
+
+use std::fmt;
+
+use super::SPECK;
+use super::components::Regions;
+use super::found::Found;
+
+/// Patches of land from which on a region that reaches all sides of the map is grooves that cross: one crossing leaves four.
+const LEAST_PATCHES: usize = 4;
+/// Share of a line in a groove along it that the region takes at least.
+const IN_GROOVE: f64 = 0.9;
+/// Part of a strip that is left out on either side of it, for walls.
+const WALL: f64 = 0.1;
+/// Fewest lines of a strip that is worth naming.
+const LEAST_LINES: usize = 8;
+
+/// Grooves that cross on a map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crossing {
+    /// Patches of land between them.
+    pub patches: usize,
+    /// First and last row, and first and last column, of the widest strip between two grooves along it; `None` where no groove runs
+    /// along the rows, or along the columns.
+    pub strips: [Option<[usize; 2]>; 2],
+}
+
+impl fmt::Display for Crossing {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "grooves that cross are one connected region, here around {} patches of land, and have no width, spacing and depth as a \
+             whole: crop the map to a strip between two neighbours of one family",
+            self.patches
+        )?;
+        let named: Vec<String> = ["rows", "columns"]
+            .into_iter()
+            .zip(self.strips)
+            .filter_map(|(name, strip)| strip.map(|[first, last]| format!("{name} {first} to {last}")))
+            .collect();
+        if !named.is_empty() {
+            write!(f, " ({} of this map)", named.join(", or "))?;
+        }
+        f.write_str(", on which the other family is measured alone")
+    }
+}
+
+impl Crossing {
+    /// The crossing grooves among the regions that were `found`.
+    pub(super) fn of(found: &Found) -> Option<Self> {
+        let crosses = |region: &usize| [0, 1].iter().all(|&axis| found.along[axis][*region].reaches_across());
+        let region = (1..=found.regions.count()).filter(crosses).max_by_key(|&region| found.regions.points[region])?;
+        let (label, cols) = (&found.regions.label, found.cols());
+        let rows = label.len() / cols;
+        let inside = |n: usize| label[n] as usize == region;
+        let land: Vec<f64> = (0..label.len()).map(|n| f64::from(u8::from(inside(n)))).collect();
+        let patches = Regions::find(&land, cols, 0.5, SPECK).count();
+        let share = |points: &mut dyn Iterator<Item = usize>, count: usize| {
+            points.filter(|&n| inside(n)).count() as f64 / count as f64
+        };
+        let of_rows: Vec<f64> = (0..rows).map(|i| share(&mut (i * cols..(i + 1) * cols), cols)).collect();
+        let of_cols: Vec<f64> = (0..cols).map(|j| share(&mut (j..label.len()).step_by(cols), rows)).collect();
+        (patches >= LEAST_PATCHES).then(|| Self { patches, strips: [strip(&of_rows), strip(&of_cols)] })
+    }
+}
+
+/// The widest strip between lines that lie in a groove, of lines that the region takes a `share` of.
+fn strip(share: &[f64]) -> Option<[usize; 2]> {
+    let in_groove: Vec<usize> = (0..share.len()).filter(|&line| share[line] >= IN_GROOVE).collect();
+    // Between grooves on both sides.
+    let [before, behind] =
+        in_groove.windows(2).map(|pair| [pair[0], pair[1]]).max_by_key(|[before, behind]| behind - before)?;
+    let margin = (WALL * (behind - before) as f64).ceil() as usize;
+    let (first, last) = (before + margin, behind - margin);
+    (last >= first + LEAST_LINES).then_some([first, last])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_widest_strip_lies_between_two_grooves() {
+        let mut share = vec![0.3; 100];
+        for line in [10, 11, 12, 40, 41, 90] {
+            share[line] = 1.0;
+        }
+        assert_eq!(strip(&share), Some([46, 85]));
+        assert_eq!(strip(&share[..40]), None);
+        assert_eq!(strip(&[0.3; 50]), None);
+    }
+}
