@@ -130,6 +130,8 @@ pub fn report() -> DesignReport {
             ],
             misfit: 2.5,
             relaxed: 2,
+            tried: vec!["depth".into(), "width".into()],
+            kept: Some("the laser's spot, 25 um".into()),
             together: Some(nearest),
             evaluations: 30,
         }),
