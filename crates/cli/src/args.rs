@@ -284,12 +284,16 @@ pub struct AreaLawArgs {
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
     slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
-    slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n\n\
+    slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n  \
+    slipgrid export out/next --sample 2 --format gcode -o out/next/next-2\n\n\
     gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the\n\
     laser's limits is refused.")]
 pub struct ExportArgs {
-    /// result.json of `optimize`, or the folder that holds it
+    /// result.json of `optimize` or `next`, or the folder that holds it
     pub result: PathBuf,
+    /// Which sample of a result of `next`, by its place in the table; the first by default
+    #[arg(long, value_name = "N")]
+    pub sample: Option<usize>,
     /// Formats, separated by commas
     #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
     pub format: Vec<LaserFile>,

@@ -145,28 +145,6 @@ pub struct DesignReport {
     pub seed: u64,
 }
 
-/// The part of result.json that `export` needs.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct StoredDesign {
-    /// Name of the design.
-    pub name: String,
-    /// Version that made it.
-    pub version: String,
-    /// Schema of the file.
-    #[serde(default = "slipgrid_results::first_schema")]
-    pub schema: u32,
-    /// The design.
-    pub design: PatternReport,
-    /// The material.
-    pub material: MaterialReport,
-    /// The specimen.
-    pub specimen: SpecimenReport,
-    /// The laser.
-    pub laser: Laser,
-    /// Seed.
-    pub seed: u64,
-}
-
 /// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MisfitReport {
