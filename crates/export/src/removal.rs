@@ -37,15 +37,15 @@ pub struct Removal {
     /// Passes over every line: those that come nearest to the depth of the design in the middle third of a cavity's width,
     /// which is where depth is measured.
     pub passes: u32,
-    /// Depth that one pass removes there, in um.
+    /// Depth that one pass removes there.
     pub depth_per_pass_um: f64,
-    /// Depth that all passes make there, in um.
+    /// Depth that all passes make there.
     pub depth_um: f64,
-    /// Mean depth over the cavities that they make, edges included: volume over area, in um.
+    /// Mean depth over the cavities that they make, edges included: volume over area.
     pub mean_depth_um: f64,
-    /// Over this distance from a cavity's edge depth grows from nothing to that in the middle: one spot, in um.
+    /// Over this distance from a cavity's edge depth grows from nothing to that in the middle: one spot.
     pub edge_ramp_um: f64,
-    /// Speed at which as many passes make the design's depth, in mm/s; left out where pulses would lie farther apart than the
+    /// Speed at which as many passes make the design's depth; left out where pulses would lie farther apart than the
     /// spot is wide.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed_for_depth_mm_s: Option<f64>,
