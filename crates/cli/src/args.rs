@@ -1,6 +1,7 @@
 //! The command line.
 
 mod campaign;
+mod export;
 mod maps;
 mod resuming;
 mod trials;
@@ -8,11 +9,10 @@ mod trials;
 use std::num::{NonZeroU64, NonZeroUsize};
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use slipgrid_report::LaserFile;
 
 pub use campaign::{CampaignArgs, CampaignStep, MergeArgs, PlanArgs, WorkArgs};
+pub use export::ExportArgs;
 pub use maps::{CutName, DecimateName, FormName, MapArgs, MissingName, RimName, SurfaceArgs, SynthesizeArgs};
 pub use trials::{NextArgs, TrialsArgs};
 
@@ -280,27 +280,6 @@ pub struct AreaLawArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `export`
-#[derive(Args, Debug)]
-#[command(after_help = "Examples:\n  \
-    slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
-    slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n\n\
-    gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the \
-    laser's limits is refused.")]
-pub struct ExportArgs {
-    /// result.json of `optimize`, or the folder that holds it
-    pub result: PathBuf,
-    /// Formats, separated by commas
-    #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
-    pub format: Vec<LaserFile>,
-    /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
-    #[arg(long, value_name = "UM")]
-    pub pixel_um: Option<f64>,
-    /// Folder for the files; the result's own by default
-    #[arg(long, short, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-}
-
 /// `validate`
 #[derive(Args, Debug)]
 #[command(after_help = "Examples:\n  \
@@ -466,16 +445,6 @@ impl From<ExtentName> for slipgrid_springblock::Extent {
             ExtentName::Sample => Self::Sample,
         }
     }
-}
-
-/// The formats of `export` by their names.
-fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
-    let names = LaserFile::EACH.map(|file| {
-        let [name, help] = file.described();
-        PossibleValue::new(name).help(help)
-    });
-    let named = |name: String| LaserFile::EACH.into_iter().find(|file| file.described()[0] == name);
-    PossibleValuesParser::new(names).try_map(move |name| named(name).ok_or("a format that nothing writes"))
 }
 
 /// Most draws behind a row.

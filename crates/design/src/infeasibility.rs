@@ -16,7 +16,7 @@ use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::timings::Timings;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_results::PatternReport;
+use slipgrid_results::{PatternReport, length_in_words};
 use slipgrid_units::{LENGTH_UM, tidy};
 
 /// Bisections of a limit whose relaxing suffices: it is then known to a thirtieth of its change.
@@ -25,6 +25,8 @@ const HALVINGS: usize = 5;
 const MOST_EVALUATIONS: usize = 1500;
 /// Bounds are relaxed by this factor.
 const BOUND_FACTOR: f64 = 2.0;
+/// A cavity wider than the spot by less, relative to it, rests on it.
+const AT_SPOT: f64 = 0.01;
 /// Least depth tried where no burst says it, in metres.
 const LEAST_DEPTH_M: f64 = 1e-6;
 /// Digits of limits that suffice, rounded to the loose side.
@@ -40,6 +42,12 @@ pub struct ExplanationReport {
     pub misfit: f64,
     /// Limits, and bounds on which the nearest design rests, that were relaxed one by one.
     pub relaxed: usize,
+    /// Their names, and how far bounds were relaxed.
+    #[serde(default)]
+    pub tried: Vec<String>,
+    /// The limit of the laser that the nearest design rests on and that is not relaxed, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub kept: Option<String>,
     /// The nearest design with all of them relaxed, where none suffices alone.
     pub together: Option<NearestReport>,
     /// Designs asked for.
@@ -156,7 +164,9 @@ pub fn explanation(
     Ok(Some(ExplanationReport {
         binding: reliefs.iter().map(|relief| relief_report(relief, quantities)).collect(),
         misfit: best.misfit.max,
-        relaxed: tried,
+        relaxed: tried.len(),
+        tried: tried.iter().map(|(restriction, loosest)| tried_words(*restriction, *loosest, quantities)).collect(),
+        kept: design.constraints.limits.spot_m.filter(|spot_m| is_as_narrow(best, *spot_m)).map(spot_words),
         together: together.as_ref().map(NearestReport::from),
         evaluations: evaluations.get(),
     }))
@@ -164,16 +174,10 @@ pub fn explanation(
 
 /// `relief` in the units of a design file.
 fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
-    let length = |name: &str, is_least: bool| (name.to_owned(), "um", LENGTH_UM.from_si(1.0).recip(), is_least);
-    let (what, unit, unit_si, is_least) = match relief.restriction {
-        Restriction::Quantity(place) => {
-            let limit = &quantities[place];
-            (limit.name.to_owned(), limit.unit, limit.unit_si, matches!(limit.bound, Bound::AtLeast(_)))
-        }
-        Restriction::SmallestLand => length("land between cavities", true),
-        Restriction::Spot => length("spot of the laser", true),
-        Restriction::LowerBound(dimension) => length(&format!("lower bound of the {}", name(dimension)), true),
-        Restriction::UpperBound(dimension) => length(&format!("upper bound of the {}", name(dimension)), false),
+    let (what, is_least) = (words(relief.restriction, quantities), is_least(relief.restriction, quantities));
+    let (unit, unit_si) = match relief.restriction {
+        Restriction::Quantity(place) => (quantities[place].unit, quantities[place].unit_si),
+        _ => ("um", LENGTH_UM.from_si(1.0).recip()),
     };
     let relaxed = relief.relaxed / unit_si;
     ReliefReport {
@@ -184,6 +188,44 @@ fn relief_report(relief: &Relief, quantities: &[Limit]) -> ReliefReport {
         suffices: relief.suffices,
         nearest: (&relief.best).into(),
     }
+}
+
+/// The name of a restriction.
+fn words(restriction: Restriction, quantities: &[Limit]) -> String {
+    match restriction {
+        Restriction::Quantity(place) => quantities[place].name.to_owned(),
+        Restriction::SmallestLand => "land between cavities".to_owned(),
+        Restriction::LowerBound(dimension) => format!("lower bound of the {}", name(dimension)),
+        Restriction::UpperBound(dimension) => format!("upper bound of the {}", name(dimension)),
+    }
+}
+
+/// Whether it says what a design has at least.
+fn is_least(restriction: Restriction, quantities: &[Limit]) -> bool {
+    match restriction {
+        Restriction::Quantity(place) => matches!(quantities[place].bound, Bound::AtLeast(_)),
+        Restriction::UpperBound(_) => false,
+        Restriction::SmallestLand | Restriction::LowerBound(_) => true,
+    }
+}
+
+/// The name with how far it was relaxed, where that is a length.
+fn tried_words(restriction: Restriction, loosest: f64, quantities: &[Limit]) -> String {
+    let what = words(restriction, quantities);
+    let way = if is_least(restriction, quantities) { "down" } else { "up" };
+    match restriction {
+        Restriction::Quantity(_) => what,
+        _ => format!("{what} ({way} to {} um)", length_in_words(LENGTH_UM.from_si(loosest))),
+    }
+}
+
+/// Whether the smallest extent of `candidate` is the spot.
+fn is_as_narrow(candidate: &Candidate, spot_m: f64) -> bool {
+    candidate.design.least_extent_m() <= spot_m * (1.0 + AT_SPOT)
+}
+
+fn spot_words(spot_m: f64) -> String {
+    format!("the laser's spot, {} um", length_in_words(LENGTH_UM.from_si(spot_m)))
 }
 
 const fn name(dimension: Dimension) -> &'static str {
@@ -220,22 +262,36 @@ impl ExplanationReport {
         if self.binding.is_empty() {
             lines.push(match self.relaxed {
                 0 => "no limit or bound is the reason: the nearest design rests on none".to_owned(),
-                1 => "no limit or bound is the reason: relaxing the one that the nearest design rests on brings none nearer".to_owned(),
-                relaxed => format!("no single limit or bound is the reason: relaxing each of {relaxed} alone brings no design nearer"),
+                1 => format!(
+                    "no limit or bound is the reason: relaxing the {} brings no design nearer",
+                    self.tried.join("")
+                ),
+                _ => format!(
+                    "no single limit or bound is the reason: relaxing each alone brings no design nearer: {}",
+                    self.tried.join(", ")
+                ),
             });
         }
         if let Some(together) = &self.together {
             lines.push(if together.misfit <= 1.0 {
-                format!("with all {} relaxed together the target is met: {}", self.relaxed, lengths(&together.design))
+                format!(
+                    "with {} relaxed together the target is met: {}",
+                    self.tried.join(", "),
+                    lengths(&together.design)
+                )
             } else {
                 format!(
-                    "even with {} the nearest design, {}, misses by {:.2} tolerances",
-                    if self.relaxed == 1 { "it relaxed".to_owned() } else { format!("all {} relaxed", self.relaxed) },
+                    "even with {} relaxed{} the nearest design, {}, misses by {:.2} tolerances",
+                    self.tried.join(", "),
+                    if self.relaxed == 1 { "" } else { " together" },
                     lengths(&together.design),
                     together.misfit
                 )
             });
         }
+        lines.extend(
+            self.kept.iter().map(|kept| format!("the nearest design is as narrow as {kept}, which is not relaxed")),
+        );
         lines
     }
 }
@@ -268,6 +324,32 @@ fn lengths(design: &PatternReport) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_relaxed_is_named_with_how_far() {
+        let bounds = [
+            (Restriction::LowerBound(Dimension::Width), 30e-6, "lower bound of the width (down to 30 um)"),
+            (Restriction::UpperBound(Dimension::Depth), 70.6858e-6, "upper bound of the depth (up to 70.69 um)"),
+            (Restriction::SmallestLand, 10e-6, "land between cavities (down to 10 um)"),
+        ];
+        let tried: Vec<String> = bounds.iter().map(|(of, loosest, _)| tried_words(*of, *loosest, &[])).collect();
+        assert_eq!(tried, bounds.map(|(_, _, words)| words));
+        let report = ExplanationReport {
+            binding: Vec::new(),
+            misfit: 3.0,
+            relaxed: tried.len(),
+            tried,
+            kept: Some(spot_words(30e-6)),
+            together: Some(NearestReport { design: PatternReport::default(), misfit: 2.0 }),
+            evaluations: 0,
+        };
+        let lines = report.lines();
+        assert!(
+            lines[1].starts_with("even with lower bound of the width (down to 30 um), upper bound of the depth"),
+            "{lines:?}"
+        );
+        assert_eq!(lines[2], "the nearest design is as narrow as the laser's spot, 30 um, which is not relaxed");
+    }
 
     #[test]
     fn what_suffices_is_rounded_to_the_loose_side() {

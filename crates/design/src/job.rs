@@ -1,5 +1,6 @@
 //! The job, from a task to a design: search, confirm, explain.
 
+use slipgrid_export::Removal;
 use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
@@ -206,6 +207,7 @@ fn every_step(
     let flat = found.flat_is_best(design);
     let suffices = flat.as_ref().is_some_and(|flat| flat.suffices);
     let laid = design.specimen.layout(pattern).map_err(|error| DesignError::refused(error.to_string()))?;
+    let removal = Removal::new(&laid, &design.laser);
     // What the vertical plane leaves out needs saying, and only of patterns that have it.
     let is_spatial = found.model.is_spatial();
     let sectioned = Some(&pattern).filter(|_| !is_spatial);
@@ -228,7 +230,8 @@ fn every_step(
         design: PatternReport::from(&pattern),
         specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
-        passes: design.laser.passes(pattern.depth_m()),
+        passes: removal.as_ref().map(|removal| removal.passes),
+        removal,
         dimensions: if is_spatial { 3 } else { 2 },
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
         fidelity: found.confirming.fidelity.name().into(),

@@ -93,6 +93,7 @@ mod selection;
 mod sensitivity;
 mod specimen;
 mod steady_model;
+mod stored;
 mod target_report;
 mod task;
 mod time_budget;
@@ -120,9 +121,10 @@ pub use next_trial::{
     AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, SectorReport,
     TrialCandidateReport, next_trials,
 };
-pub use outcome::{DesignReport, MisfitReport, StoredDesign};
+pub use outcome::{DesignReport, MisfitReport};
 pub use scene_errors::{Solved, of_scene};
 pub use specimen::{SpecimenError, simulate_on, solved_as};
+pub use stored::{StoredDesign, StoredError};
 pub use task::{
     DEFAULT_MAX_EVALUATIONS, DEFAULT_SPEED_M_S, DesignTask, FurtherDirections, KnownMaterial, SampleScatter,
     TradeOffGoal, TradeOffsWanted, check_pressures, loads,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
-use slipgrid_export::Laser;
+use slipgrid_export::{Laser, Removal};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity};
@@ -25,7 +25,7 @@ use crate::trade_offs::TradeOffsReport;
 use slipgrid_results::SpecimenReport;
 use slipgrid_results::Table;
 use slipgrid_results::{ErrorReport, ErrorsReport, PressureErrors};
-use slipgrid_results::{LoadReport, MaterialReport, PatternReport};
+use slipgrid_results::{LoadReport, MaterialReport, PatternReport, length_in_words};
 use slipgrid_results::{fixed, with_error};
 
 /// result.json of `optimize`.
@@ -61,6 +61,9 @@ pub struct DesignReport {
     pub bursts: Option<u32>,
     /// Passes over the lines of a hatch; null where the laser's settings do not give them.
     pub passes: Option<u32>,
+    /// What these remove from the cavities as they are laid out; null as above.
+    #[serde(default)]
+    pub removal: Option<Removal>,
     /// Dimensions of the model.
     pub dimensions: u8,
     /// The vertical plane took a section of a planform that needs three dimensions.
@@ -142,28 +145,6 @@ pub struct DesignReport {
     pub seed: u64,
 }
 
-/// The part of result.json that `export` needs.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-pub struct StoredDesign {
-    /// Name of the design.
-    pub name: String,
-    /// Version that made it.
-    pub version: String,
-    /// Schema of the file.
-    #[serde(default = "slipgrid_results::first_schema")]
-    pub schema: u32,
-    /// The design.
-    pub design: PatternReport,
-    /// The material.
-    pub material: MaterialReport,
-    /// The specimen.
-    pub specimen: SpecimenReport,
-    /// The laser.
-    pub laser: Laser,
-    /// Seed.
-    pub seed: u64,
-}
-
 /// Largest distances from the target over pressures and conditions, in tolerances: up to 1 where it is met.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MisfitReport {
@@ -201,14 +182,17 @@ impl DesignReport {
         text += &format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n\n",
             design.planform,
-            design.width_um,
-            design.spacing_um,
-            (design.depth_um * 1e4).round() / 1e4,
+            length_in_words(design.width_um),
+            length_in_words(design.spacing_um),
+            length_in_words(design.depth_um),
             design.texture_words(),
             self.exposure_words(),
             100.0 * self.specimen_areal_density,
             100.0 * design.areal_density,
         );
+        if let Some(removal) = &self.removal {
+            text.insert_str(text.len() - 1, &format!("  {}\n", removal.words()));
+        }
         if let Some(selection) = &self.selection {
             text.insert_str(text.len() - 1, &format!("  {}\n", selection.words));
         }
@@ -305,6 +289,9 @@ impl DesignReport {
         }
         for broken in &self.violations {
             text += &format!("! {broken}\n");
+        }
+        for warning in self.removal.iter().flat_map(|removal| &removal.warnings) {
+            text += &format!("! laser: {warning}\n");
         }
         for warning in slipgrid_results::warnings(&self.confirmed) {
             text += &format!("! {warning}\n");

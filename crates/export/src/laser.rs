@@ -133,7 +133,7 @@ impl Laser {
         Ok(())
     }
 
-    /// Bursts that reach a point in one pass over the lines of a hatch, on average; `None` for a mask, and where spot, speed
+    /// Bursts that reach a point in one pass over the lines of an endless hatch, on average; `None` for a mask, and where spot, speed
     /// or repetition rate are not given: cavities are then made spot by spot.
     #[must_use]
     pub fn bursts_per_pass(&self) -> Option<f64> {
@@ -142,8 +142,9 @@ impl Laser {
         Some(std::f64::consts::FRAC_PI_4 * spot_um * spot_um / (self.pulse_distance_um()? * self.line_distance_um()?))
     }
 
-    /// Depth that the least exposure gives, in um: one pass over the lines where they are hatched, otherwise one burst. Every
-    /// depth that can be cut is a whole number of these. `None` without a depth per burst.
+    /// Depth that the least exposure gives, in um: one pass over the lines of an endless hatch where they are hatched, otherwise
+    /// one burst. Depths of designs are whole numbers of these; passes over the lines within a cavity are planned by
+    /// [`crate::Removal`]. `None` without a depth per burst.
     #[must_use]
     pub fn depth_step_um(&self) -> Option<f64> {
         Some(self.depth_per_burst_um? * self.bursts_per_pass().unwrap_or(1.0))
@@ -172,15 +173,6 @@ impl Laser {
         }
         let depth_per_burst_m = self.depth_per_burst_um.map(|depth_um| depth_um * 1e-6);
         ManufacturingLimits { depth_per_burst_m, ..Default::default() }.bursts(depth_m)
-    }
-
-    /// Passes over every line for a depth of `depth_m`, at least one; `None` where spot, speed, repetition rate or depth per
-    /// burst are not given.
-    #[must_use]
-    pub fn passes(&self, depth_m: f64) -> Option<u32> {
-        let step_um = self.depth_step_um().filter(|_| self.bursts_per_pass().is_some())?;
-        // At most a billion: the cast cannot overflow.
-        Some((depth_m * 1e6 / step_um).round().clamp(1.0, 1e9) as u32)
     }
 
     /// Distance of pulses along a line, in um.

@@ -19,6 +19,7 @@
 //! | [`Heading`] | name, version and notes that drawings carry |
 //! | [`Laser`], [`Ablation`], [`Exposure`] | the laser, its depth per burst against fluence, hatch or mask |
 //! | [`Marking`], [`Line`] | the lines that the spot follows |
+//! | [`Removal`] | what passes over them remove, and how many a depth needs |
 //! | [`dxf`], [`dxf_of_sectors`] | drawing for the laser, AutoCAD R12 |
 //! | [`svg`], [`svg_of_sectors`] | drawing for people, at scale |
 //! | [`hpgl`] | plot for marking software, HP-GL/2 |
@@ -65,6 +66,7 @@ mod marking;
 mod number;
 mod outline;
 mod process;
+mod removal;
 mod sector_sheet;
 mod sectors;
 mod specimen;
@@ -94,6 +96,7 @@ pub use marking::{Line, Marking};
 pub use number::COORDINATE_DECIMALS;
 pub use outline::Outline;
 pub use process::{MaterialNote, PatternSheet, ProcessInput, ProcessSheet, SpecimenSheet, Tolerances, not_modelled};
+pub use removal::Removal;
 pub use sector_sheet::{DividedSheet, MEASURE_EACH_ALONE, SectorSheet, SectorsSheet};
 pub use sectors::{Division, LEAST_PERIODS, MOST_SECTORS, Sector};
 pub use specimen::{AT_THE_RIM, Specimen};

@@ -326,7 +326,7 @@ fn arrangement(layout: &Layout) -> String {
 }
 
 /// Volume of all cavities with leaning walls, in cubic metres.
-fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
+pub(crate) fn removed_volume_m3(layout: &Layout, laser: &Laser) -> f64 {
     let depth_m = layout.pattern().depth_m();
     let inset_m = laser.floor_inset_m(depth_m);
     if inset_m == 0.0 {

@@ -6,7 +6,9 @@ use crate::dxf::sector_layer;
 use crate::number::{DERIVED_DIGITS, millimetres, round_decimals, round_digits};
 use crate::sectors::Sector;
 use crate::words::ANGLE_DECIMALS;
-use crate::{Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, laser_time_s, not_modelled};
+use crate::{
+    Division, ExportError, Laser, MaterialNote, PatternSheet, ProcessInput, Removal, laser_time_s, not_modelled,
+};
 
 /// What sectors are good for, and what not.
 pub const MEASURE_EACH_ALONE: &str = "measure each sector alone: with a counter-body or a pin that fits on one sector, or by friction resolved by the \
@@ -82,14 +84,14 @@ pub struct SectorSheet {
     /// Bursts per cavity (on each of its spots).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_cavity: Option<u32>,
-    /// Passes over every line.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub passes: Option<u32>,
     /// Time under the laser, in s: that of the pattern on the whole specimen times the sector's share of its cavities' area.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_time_s: Option<f64>,
     /// Its pattern.
     pub pattern: PatternSheet,
+    /// Passes over its lines, and what they remove.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub removal: Option<Removal>,
 }
 
 impl SectorsSheet {
@@ -171,9 +173,9 @@ impl SectorSheet {
             cavities: sector.cavities(),
             areal_density: rounded(sector.areal_density()),
             bursts_per_cavity: laser.bursts(pattern.depth_m()),
-            passes: laser.passes(pattern.depth_m()),
             estimated_time_s: laser_time_s(sector.whole(), laser).map(|time_s| rounded(share * time_s)),
             pattern: PatternSheet::from(pattern),
+            removal: Removal::new(sector.whole(), laser),
         }
     }
 }

@@ -3,9 +3,9 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_pattern::Planform;
 
-use crate::marking::length_m;
 use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, micrometres, round_decimals, round_digits};
-use crate::{Exposure, Laser, Layout, Marking};
+use crate::removal::Hatched;
+use crate::{Exposure, Laser, Layout, Marking, Removal};
 
 const SPOTS_FORMULA: &str = "ceil(cavity width / spot) * ceil(cavity length / spot): spots edge to edge, the spot taken as a square of that side; \
      overlap, which a round spot needs for an even floor, adds to it";
@@ -15,8 +15,10 @@ const SPOT_TIME_ASSUMPTIONS: &str =
 const LINE_TIME_FORMULA: &str = "passes * marked_length_mm / speed_mm_s";
 const LINE_TIME_ASSUMPTIONS: &str =
     "the spot moves at its speed along lines; jumps between lines and cavities, and acceleration, not counted";
-const BURSTS_FORMULA: &str =
-    "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass, on average";
+const BURSTS_FORMULA: &str = "(pi / 4) spot^2 / (pulse distance * line distance): bursts that reach a point in one pass over an endless hatch, on average";
+const REMOVAL_FORMULA: &str = "z(x) = passes * (depth per burst / pulse distance) * length of lines within half a spot of x; removed volume = passes * \
+     (depth per burst / pulse distance) * (pi / 4) spot^2 * marked length; depth in the middle is the mean of z over the middle \
+     third of a cavity's width, mean depth the removed volume over the area of all cavities";
 
 /// Bursts, lines and time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -75,12 +77,16 @@ pub struct WorkSheet {
     /// How those are counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bursts_per_pass_formula: Option<String>,
-    /// Passes over every line: bursts over bursts per pass, to the nearest whole.
+    /// Volume that the passes over all lines remove, in mm^3.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub passes: Option<u32>,
-    /// Depth that those passes give, in um.
+    pub removed_volume_mm3: Option<f64>,
+    /// Depths that they make between the edge of a cavity and its middle: distances from the edge, and the mean depth from the one
+    /// before up to each, in um.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth_of_passes_um: Option<f64>,
+    pub depths_across_um: Option<Vec<[f64; 2]>>,
+    /// How depths follow from the lines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub removal_formula: Option<String>,
     /// Time under the laser, in s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimated_time_s: Option<f64>,
@@ -91,6 +97,9 @@ pub struct WorkSheet {
     pub estimated_time_formula: String,
     /// What the estimate takes for granted.
     pub estimated_time_assumptions: String,
+    /// Passes over the lines, and what they remove.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub removal: Option<Removal>,
 }
 
 /// Time under the laser for all cavities of `layout`, in seconds, as the process sheet estimates it; `None` where the
@@ -142,14 +151,8 @@ impl WorkSheet {
     fn mark(&mut self, layout: &Layout, laser: &Laser) {
         let Ok(marking) = Marking::new(laser) else { return };
         let rounded = |value: f64| round_digits(value, DERIVED_DIGITS);
-        let (mut lines, mut marked_m) = (0, 0.0);
-        for cavity in layout.iter() {
-            for line in marking.lines(&cavity) {
-                lines += 1;
-                marked_m += length_m(&line);
-            }
-        }
-        (self.lines_on_specimen, self.marked_length_mm) = (Some(lines), Some(rounded(marked_m * 1e3)));
+        let hatched = Hatched::new(layout, &marking);
+        (self.lines_on_specimen, self.marked_length_mm) = (Some(hatched.lines), Some(rounded(hatched.length_m * 1e3)));
         self.spot_compensation_um = Some(micrometres(marking.spot_compensation_m()));
         self.marking_direction = Some(
             match marking.exposure() {
@@ -175,15 +178,17 @@ impl WorkSheet {
         self.pulse_overlap = overlap(laser.pulse_distance_um());
         self.bursts_per_pass = laser.bursts_per_pass().map(rounded);
         self.bursts_per_pass_formula = self.bursts_per_pass.map(|_| BURSTS_FORMULA.to_owned());
-        self.passes = laser.passes(layout.pattern().depth_m());
-        self.depth_of_passes_um = self
-            .passes
-            .zip(laser.depth_step_um())
-            .map(|(passes, each_um)| round_decimals(f64::from(passes) * each_um, MICROMETRE_DECIMALS));
+        self.removal = hatched.removal(layout, laser);
+        if let Some(passes) = self.removal.as_ref().map(|removal| removal.passes) {
+            self.removed_volume_mm3 = hatched.volume_m3(laser, passes).map(|volume_m3| rounded(volume_m3 * 1e9));
+            self.depths_across_um = hatched.across_um(laser, passes);
+            self.removal_formula = Some(REMOVAL_FORMULA.to_owned());
+        }
     }
 
     fn estimate(&mut self, laser: &Laser) {
-        let lines = self.passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
+        let passes = self.removal.as_ref().map(|removal| removal.passes);
+        let lines = passes.zip(self.marked_length_mm).zip(laser.speed_mm_s);
         let spots = self.spots_on_specimen.zip(self.bursts_per_cavity).zip(laser.repetition_hz);
         let time_s = match (lines, spots) {
             // t = n_passes L / v

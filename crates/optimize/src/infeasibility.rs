@@ -27,8 +27,6 @@ pub enum Restriction {
     Quantity(usize),
     /// The smallest land that can be made, with a lower bound of the spacing that says the same.
     SmallestLand,
-    /// The laser's spot, with a lower bound of the width that says the same.
-    Spot,
     /// A lower bound on which the best design rests.
     LowerBound(Dimension),
     /// An upper one.
@@ -56,8 +54,8 @@ pub struct Explanation {
     /// Restrictions that bind: relaxing them alone helps. Those that suffice first, the smallest changes first; then
     /// the nearest misses first.
     pub reliefs: Vec<Relief>,
-    /// Restrictions tried.
-    pub tried: usize,
+    /// Restrictions tried, with the loosest that each was relaxed to. SI units.
+    pub tried: Vec<(Restriction, f64)>,
     /// The best design with all of them relaxed, where none suffices alone.
     pub together: Option<Candidate>,
 }
@@ -113,14 +111,14 @@ pub fn explain_infeasibility(
         (false, false) => left.best.misfit.merit.total_cmp(&right.best.misfit.merit),
         (left, right) => right.cmp(&left),
     });
+    let tried: Vec<(Restriction, f64)> =
+        restrictions.iter().map(|&restriction| (restriction, problem.range(restriction).1)).collect();
     let together = if reliefs.iter().any(|relief| relief.suffices) || restrictions.is_empty() {
         None
     } else {
-        let all: Vec<(Restriction, f64)> =
-            restrictions.iter().map(|&restriction| (restriction, problem.range(restriction).1)).collect();
-        attempt(&problem, &all, solve)?
+        attempt(&problem, &tried, solve)?
     };
-    Ok(Explanation { reliefs, tried: restrictions.len(), together })
+    Ok(Explanation { reliefs, tried, together })
 }
 
 /// The best design with the limits given; `None` where they leave nothing to search.
@@ -149,7 +147,6 @@ fn own(restriction: Restriction, candidate: &Candidate) -> f64 {
     match restriction {
         Restriction::Quantity(place) => candidate.response.limited[place],
         Restriction::SmallestLand => design.least_land_m(),
-        Restriction::Spot => design.least_extent_m(),
         Restriction::LowerBound(dimension) | Restriction::UpperBound(dimension) => match dimension {
             Dimension::Width => design.width_m(),
             Dimension::Spacing => design.spacing_m(),
@@ -170,7 +167,6 @@ impl Problem<'_> {
         let limits = &self.constraints.limits;
         let mut all: Vec<Restriction> = (0..self.constraints.quantities.len()).map(Restriction::Quantity).collect();
         all.extend(limits.min_land_m.map(|_| Restriction::SmallestLand));
-        all.extend(limits.spot_m.map(|_| Restriction::Spot));
         for dimension in [Dimension::Width, Dimension::Spacing, Dimension::Depth] {
             let [lower_m, upper_m] = bounds(self.space, dimension);
             for (restriction, bound_m) in
@@ -212,9 +208,10 @@ impl Problem<'_> {
                 let limit_m = limits.min_land_m.unwrap_or(spacing_m);
                 (limit_m, spacing_m.min(limit_m))
             }
-            Restriction::Spot => {
-                let limit_m = limits.spot_m.unwrap_or(width_m);
-                (limit_m, width_m.min(limit_m))
+            // No other laser is assumed: nothing narrower than its spot is tried.
+            Restriction::LowerBound(Dimension::Width) => {
+                let limit_m = bounds(self.space, Dimension::Width)[0];
+                (limit_m, width_m.max(limits.spot_m.unwrap_or(0.0)).min(limit_m))
             }
             Restriction::LowerBound(dimension) => (bounds(self.space, dimension)[0], bounds(self.widest, dimension)[0]),
             Restriction::UpperBound(dimension) => (bounds(self.space, dimension)[1], bounds(self.widest, dimension)[1]),
@@ -240,10 +237,6 @@ impl Problem<'_> {
                 Restriction::SmallestLand => {
                     along(&mut lengths_m[1], self.constraints.limits.min_land_m, limit);
                     constraints.limits.min_land_m = Some(limit);
-                }
-                Restriction::Spot => {
-                    along(&mut lengths_m[0], self.constraints.limits.spot_m, limit);
-                    constraints.limits.spot_m = Some(limit);
                 }
                 Restriction::LowerBound(dimension) => lengths_m[dimension as usize][0] = limit,
                 Restriction::UpperBound(dimension) => lengths_m[dimension as usize][1] = limit,

@@ -145,3 +145,28 @@ fn about_the_best_design_the_same_reasons_are_found_with_fewer_answers() {
         }
     }
 }
+
+#[test]
+fn nothing_narrower_than_the_spot_is_tried() {
+    // Half the friction at the lightest load takes more than all cavities there are, of any width.
+    let wanted = target([0.2; 4]);
+    for (lower_um, loosest_um) in [(30.0, None), (40.0, Some(30.0))] {
+        let space = DesignSpace::new(Planform::Groove, [lower_um * 1e-6, 80e-6], [40e-6, 1e-3], [2e-6, 8e-6]).unwrap();
+        let mut constraints = unlimited();
+        constraints.limits.spot_m = Some(30e-6);
+        let mut narrowest_m = f64::INFINITY;
+        let mut solve = |space: &DesignSpace, constraints: &Constraints| {
+            let outcome = search(&wanted, space, constraints, &seeded(1), &respond, &Unwatched)?;
+            narrowest_m = narrowest_m.min(outcome.best.design.least_extent_m());
+            Ok(outcome)
+        };
+        let mut best = solve(&space, &constraints).unwrap().best;
+        // The nearest design rests on the lower bound of the width.
+        best.design = design(lower_um, 40.0, 8.0);
+        let found = explain_infeasibility(&space, &constraints, &best, &widest(), 0, &mut solve).unwrap();
+        assert!(narrowest_m >= 30e-6, "{narrowest_m}");
+        let lower = Restriction::LowerBound(Dimension::Width);
+        let loosest_m = found.tried.iter().find(|(restriction, _)| *restriction == lower).map(|(_, loosest)| *loosest);
+        assert_eq!(loosest_m.map(|m| (m * 1e6).round()), loosest_um);
+    }
+}

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use slipgrid_design::{DesignTask, NextTrials};
 use slipgrid_export::{
     ExportError, Exposure, GcodePlan, Heading, HeightMap, Laser, Layout, Marking, MaterialNote, ProcessInput,
-    ProcessSheet, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv, height_map,
-    hpgl, stl, svg, svg_of_sectors,
+    ProcessSheet, Removal, Sector, SectorsSheet, check_stl, corners_csv, csv, dxf, dxf_of_sectors, gcode, hatch_csv,
+    height_map, hpgl, stl, svg, svg_of_sectors,
 };
 use slipgrid_formats::trials::sector_trials;
 use slipgrid_pattern::Pattern;
@@ -141,7 +141,7 @@ pub fn draw_with(
                 });
             }
             LaserFile::Gcode => {
-                let plan = GcodePlan::new(&laser, laser.passes(depth_m).unwrap_or(1))?;
+                let plan = GcodePlan::new(&laser, Removal::new(&layout, &laser).map_or(1, |removal| removal.passes))?;
                 outputs.add_stream("pattern.gcode", move |to| {
                     drawing.write(to, |layout, heading, to| gcode(layout, &plan, heading, to))
                 });

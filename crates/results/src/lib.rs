@@ -34,7 +34,7 @@ mod timings;
 
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
-pub use pattern::PatternReport;
+pub use pattern::{PatternReport, length_in_words};
 pub use rim::RimReport;
 pub use simulation::{LoadReport, MaterialReport, SimulationReport, load_reports, model_notes, warnings};
 pub use specimen::SpecimenReport;

@@ -82,12 +82,17 @@ fn vertices_um(outline: Polygon, width_m: f64) -> Vec<[f64; 2]> {
     outline.vertices().iter().map(|vertex| vertex.map(written)).collect()
 }
 
+/// A length in micrometres for people, to a hundredth of one, which no laser resolves.
+#[must_use]
+pub fn length_in_words(length_um: f64) -> String {
+    ((100.0 * length_um).round() / 100.0).to_string()
+}
+
 impl PatternReport {
-    /// Width, spacing and depth for people, to a hundredth of a micrometre, which no laser resolves.
+    /// Width, spacing and depth for people.
     #[must_use]
     pub fn lengths_in_words(&self) -> String {
-        let hundredths = |length_um: f64| ((100.0 * length_um).round() / 100.0).to_string();
-        [self.width_um, self.spacing_um, self.depth_um].map(hundredths).join(" / ")
+        [self.width_um, self.spacing_um, self.depth_um].map(length_in_words).join(" / ")
     }
 
     /// What the name of the planform leaves open, for people; empty where it is plain.

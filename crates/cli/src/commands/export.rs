@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::args::ExportArgs;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
-use slipgrid_design::StoredDesign;
+use slipgrid_design::{StoredDesign, StoredError};
 use slipgrid_disk::disk;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::file_kind::FileKind;
@@ -30,7 +30,7 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     let folder = args.output.as_deref().or(result.parent()).unwrap_or(Path::new("."));
     let out = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     check_folder(Place::output(out), &FILES, std::slice::from_ref(result))?;
-    let stored = read(result)?;
+    let stored = read(result, args.sample)?;
     let refuse = |reason: String| Diagnostic::file(result, reason);
     let pattern = stored_pattern(result, &stored.design)?;
     let input = DrawingInput {
@@ -58,15 +58,19 @@ pub fn run(args: &ExportArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     Ok(exit_code::DONE)
 }
 
-fn read(path: &Path) -> Result<StoredDesign, Diagnostic> {
+fn read(path: &Path, sample: Option<usize>) -> Result<StoredDesign, Diagnostic> {
     if path.is_dir() {
         return Err(Diagnostic::file(path, "is a folder without result.json").expected(FileKind::Result.expected()));
     }
     let text = read_text(&disk(), path, FileKind::Result.expected())?;
     FileKind::Result.require(path, &text)?;
-    let stored: StoredDesign = serde_json::from_str(&text).map_err(|error| {
-        let refused = Diagnostic::file(path, format!("is not a result of `slipgrid optimize`: {error}"));
-        Diagnostic { line: u32::try_from(error.line()).ok().filter(|&line| line > 0), ..refused }
+    let stored = StoredDesign::read(&text, sample).map_err(|error| {
+        let refused = Diagnostic::file(path, error.to_string());
+        let line = match &error {
+            StoredError::Optimize(error) | StoredError::Next(error) => u32::try_from(error.line()).ok(),
+            _ => None,
+        };
+        Diagnostic { line: line.filter(|&line| line > 0), ..refused }
     })?;
     if stored.schema > SCHEMA {
         let refused = Diagnostic::file(path, format!("has schema {}, of a later slipgrid", stored.schema));

@@ -123,6 +123,22 @@ fn several_samples_complement_each_other_and_those_that_are_pending() {
     for n in 1..=3 {
         assert!(crate::common::names(&place.path(&format!("out/next-{n}"))).contains(&"pattern.dxf".to_owned()));
     }
+    // Each listed sample can be drawn for the laser: the first by default, then the others, those asked for, and the rest.
+    place.succeed(&["export", "out/result.json", "--format", "corners,process"]);
+    for (sample, of) in [("1", &alone["next"][0]), ("3", &alone["next"][2]), ("4", &alone["own"][0])] {
+        let folder = format!("laser-{sample}");
+        place.succeed(&["export", "out", "--sample", sample, "--format", "process,stl", "-o", &folder]);
+        let sheet = fs::read_to_string(place.path(&format!("{folder}/process.toml"))).unwrap();
+        let sheet: toml::Table = toml::from_str(&sheet).unwrap();
+        let of_sheet = |key: &str| sheet["pattern"][key].as_float().unwrap();
+        assert_eq!([of_sheet("width_um"), of_sheet("spacing_um"), of_sheet("depth_um")], lengths(of));
+        if sample != "4" {
+            let beside = fs::read_to_string(place.path(&format!("out/next-{sample}/process.toml"))).unwrap();
+            assert_eq!(beside, fs::read_to_string(place.path(&format!("{folder}/process.toml"))).unwrap());
+        }
+    }
+    let said = place.refuse(&["export", "out", "--sample", "99"]);
+    assert!(said.contains("samples: those to cut first, then yours"), "{said}");
     // The first of them pending, another comes next, and together they are as good as two at once.
     let pending = format!("{CALIBRATION}{}", trial("first", lengths(&alone["next"][0]), ""));
     fs::write(place.path("calibration.toml"), pending).unwrap();

@@ -171,8 +171,9 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
+    let material = MaterialReport::from(&known.material.provenance);
     let search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope));
-    let found = choose(&search, options, division.as_ref());
+    let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
     let (mut report, patterns) = found?;
@@ -182,7 +183,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     };
     let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
     report.one_disc = OneDiscReport::of(disc, &sectors);
-    Ok(NextTrials { report, patterns, sectors, material: MaterialReport::from(&known.material.provenance) })
+    Ok(NextTrials { report, patterns, sectors, material })
 }
 
 fn asked(
@@ -348,6 +349,7 @@ fn choose(
     search: &Search<'_>,
     options: &NextOptions,
     division: Option<&Division>,
+    material: &MaterialReport,
 ) -> Result<(NextReport, Vec<Pattern>), DesignError> {
     let Search { task, asked, .. } = *search;
     let pending: Vec<Features> = options.pending.iter().map(Features::from).collect();
@@ -389,6 +391,10 @@ fn choose(
         one_disc: None,
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),
+        material: material.clone(),
+        specimen: (&task.specimen).into(),
+        laser: task.laser,
+        seed: task.seed,
     };
     Ok((next, chosen.iter().map(|judged| judged.design.pattern).collect()))
 }

@@ -1,10 +1,10 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_results::{PatternReport, Table, fixed};
+use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
-use slipgrid_export::{MEASURE_EACH_ALONE, Sector};
+use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
 
 use super::{Asked, Judged, information_bits, laser_s};
 use crate::chance_report::percent;
@@ -40,6 +40,14 @@ pub struct NextReport {
     pub best: Vec<TrialCandidateReport>,
     /// Those that were asked for.
     pub own: Vec<TrialCandidateReport>,
+    /// The material and where it came from.
+    pub material: MaterialReport,
+    /// The specimen.
+    pub specimen: SpecimenReport,
+    /// The laser.
+    pub laser: Laser,
+    /// Seed of the design.
+    pub seed: u64,
 }
 
 /// The one specimen on which the samples are sectors.
@@ -212,6 +220,18 @@ impl TrialCandidateReport {
 }
 
 impl NextReport {
+    /// Everything that is listed, in its order: the samples to cut, those that were asked for, and the other designs, each with
+    /// its name.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(String, &TrialCandidateReport)> {
+        let numbered =
+            |place: usize| if self.next.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
+        let next = self.next.iter().enumerate().map(|(place, of)| (numbered(place), of));
+        let own = self.own.iter().map(|of| ("yours".to_owned(), of));
+        let others = self.best.iter().filter(|of| !self.next.contains(of)).map(|of| ("also".to_owned(), of));
+        next.chain(own).chain(others).collect()
+    }
+
     /// The samples in words.
     #[must_use]
     pub fn text(&self) -> String {
@@ -234,16 +254,8 @@ impl NextReport {
             text += &format!("{} chance that one of those cut is on target\n", chance(self.one_on_target));
         }
         let mut table = Table::new(TrialCandidateReport::COLUMNS);
-        let numbered =
-            |place: usize| if self.next.len() == 1 { "next".to_owned() } else { format!("next {}", place + 1) };
-        for (place, of) in self.next.iter().enumerate() {
-            table.row(of.row(&numbered(place)));
-        }
-        for of in &self.own {
-            table.row(of.row("yours"));
-        }
-        for of in self.best.iter().filter(|of| !self.next.contains(of)) {
-            table.row(of.row("also"));
+        for (name, of) in self.rows() {
+            table.row(of.row(&name));
         }
         text += &table.to_string();
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)

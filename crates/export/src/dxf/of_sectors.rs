@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::{Arrow, LAYER_ORIGIN, LAYER_OUTLINE, LAYER_SLIDING_DIRECTION, Writer, half_extents_mm, texture_words};
 use crate::sectors::Sector;
 use crate::stream::{finish, hand_on};
-use crate::{Heading, Laser};
+use crate::{Heading, Laser, Removal};
 
 /// Layer of the mark on a land that tells the sectors apart; it is lasered.
 pub const LAYER_MARK: &str = "MARK";
@@ -40,7 +40,8 @@ pub fn dxf_of_sectors(sectors: &[Sector], laser: &Laser, heading: &Heading, to: 
         let (number, pattern) = (sector.number(), sector.pattern());
         let depth_m = pattern.depth_m();
         let bursts = laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {bursts} bursts"));
-        let passes = laser.passes(depth_m).map_or_else(String::new, |passes| format!(", {passes} passes"));
+        let passes = Removal::new(sector.whole(), laser)
+            .map_or_else(String::new, |removal| format!(", {} passes", removal.passes));
         file.comment(&format!(
             "{}: {}{}, width {:.3} um, spacing {:.3} um, depth {:.3} um{bursts}{passes}, turned by {:.6} degrees",
             sector_layer(number),

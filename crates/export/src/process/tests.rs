@@ -133,9 +133,10 @@ fn a_moving_spot_counts_lines_overlaps_and_passes() {
     let work = ProcessSheet::new(&layout, input).unwrap().work;
     // 4.6 mm/s at 1 kHz: a burst every 4.6 um, a fifth of the spot.
     assert_eq!((work.pulse_distance_um, work.pulse_overlap, work.line_overlap), (Some(4.6), Some(0.8), Some(0.5)));
-    // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, of which one pass gives more.
-    assert_eq!((work.bursts_per_pass, work.passes), (Some(7.85398), Some(1)));
-    assert_eq!(work.depth_of_passes_um, Some(20.42));
+    // (pi/4) 23^2 / (4.6 11.5) = 2.5 pi; two bursts make 5.2 um, of which one pass over lines 10.7 um apart gives more.
+    let removal = work.removal.unwrap();
+    assert_eq!((work.bursts_per_pass, removal.passes), (Some(7.85398), 1));
+    assert!((removal.depth_um / (20.42 * 11.5 / 10.7) - 1.0).abs() < 0.02, "{}", removal.depth_um);
     // 130 - 23 = 107 um in ten gaps: eleven lines of 107 um.
     let cavities = layout.cavities() as f64;
     assert_eq!(work.lines_on_specimen, Some(11 * layout.cavities() as u64));

@@ -11,7 +11,7 @@ use crate::sector_sheet::MEASURE_EACH_ALONE;
 use crate::sectors::Sector;
 use crate::stream::{finish, hand_on};
 use crate::words::cavities;
-use crate::{Boundary, Heading, Laser};
+use crate::{Boundary, Heading, Laser, Removal};
 
 /// Room for the sectors' numbers about the specimen, in page units.
 const ROOM: f64 = 6.0;
@@ -90,8 +90,10 @@ fn words(sector: &Sector, laser: &Laser) -> String {
     let um = |length_m: f64| decimal(length_m * 1e6, MICROMETRE_DECIMALS);
     let depth_m = pattern.depth_m();
     let bursts = laser.bursts(depth_m).map_or_else(String::new, |bursts| format!(", {bursts} bursts"));
+    let removal = Removal::new(sector.whole(), laser);
+    let passes = removal.map_or_else(String::new, |removal| format!(", {} passes", removal.passes));
     format!(
-        "{}: {} {} µm wide, {} µm apart, {} µm deep{bursts}; {:.2} % of the sector, {:.2} % of the pattern",
+        "{}: {} {} µm wide, {} µm apart, {} µm deep{bursts}{passes}; {:.2} % of the sector, {:.2} % of the pattern",
         sector.number(),
         cavities(pattern.planform()),
         um(pattern.width_m()),

@@ -268,7 +268,7 @@ fn search(page: &mut Page, report: &DesignReport) {
         ],
     );
     if let Some(found) = &report.table {
-        table(page, found);
+        table(page, found, report.laser.bursts_per_pass().is_some());
     }
     background::history(page, &report.history);
 }
@@ -316,17 +316,18 @@ pub(super) fn lengths(design: &PatternReport) -> String {
 }
 
 /// What a table of designs says of the one found.
-fn table(page: &mut Page, table: &TableReport) {
+fn table(page: &mut Page, table: &TableReport, has_passes: bool) {
     let verdict = match (table.by_chance, table.confirms_search) {
         (true, _) => "The design found was not chosen by its misfit alone",
         (false, true) => "None is better than the design found",
         (false, false) => "One is better than the design found",
     };
     page.paragraph(&format!(
-        "Table of {} designs (table.csv; whole blocks and bursts): {} respect every limit, {} of them do what is demanded. {verdict}. \
+        "Table of {} designs (table.csv; whole blocks and {}): {} respect every limit, {} of them do what is demanded. {verdict}. \
          The design found has a cost of {}; the best of the table, {} µm, has {}. Cost is the largest misfit in \
          tolerances, or the goal in per cent.",
         table.designs,
+        if has_passes { "passes" } else { "bursts" },
         table.feasible,
         table.meeting,
         number(table.found_cost, 3),

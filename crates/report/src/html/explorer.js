@@ -324,7 +324,8 @@
     say("chance", shown.chance === null ? "not known" : `${fixed(100 * shown.chance, 0)} %`);
     say("peak", fixed(shown.peak, 1));
     say("density", fixed(100 * shown.share, 1));
-    say("bursts", shown.bursts === null ? "-" : `${shown.bursts} (${fixed(shown.bursts * data.burst_um, 1)} µm)`);
+    const cut = shown.bursts === null ? "-" : `${fixed(shown.bursts * data.burst_um, 1)} µm`;
+    say("bursts", data.has_passes || shown.bursts === null ? cut : `${shown.bursts} (${cut})`);
     say("minutes", fixed(shown.minutes, 1));
     const on = misfit(shown.values) <= 1;
     const words = limits.map(limit => limit.words);

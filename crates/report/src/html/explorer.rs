@@ -119,6 +119,8 @@ struct Data {
     covariance: Vec<Vec<f64>>,
     limits: Vec<LimitData>,
     burst_um: Option<f64>,
+    /// Depths are whole passes over a hatch, and not bursts on a spot.
+    has_passes: bool,
     laser: Option<LaserData>,
     design: [f64; 3],
     points: Vec<Point>,
@@ -222,6 +224,7 @@ impl Subject<'_> {
                 .collect(),
             limits: self.limits(),
             burst_um: task.constraints.limits.depth_per_burst_m.map(|m| LENGTH_UM.from_si(m)),
+            has_passes: task.laser.bursts_per_pass().is_some(),
             laser,
             design: [own.width_um, own.spacing_um, own.depth_um],
             points,
@@ -356,7 +359,7 @@ fn controls(data: &Data) -> Markup {
                 dl class="readings" {
                     (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target", "chance", ""))
                     (reading("peak pressure", "peak", "MPa")) (reading("areal density", "density", "%"))
-                    @if data.burst_um.is_some() { (reading("bursts (depth)", "bursts", "")) }
+                    @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.laser.is_some() { (reading("laser time", "minutes", "min")) }
                 }
                 p data-verdict aria-live="polite" {}

@@ -3,6 +3,7 @@
 use slipgrid_design::records::ChanceReport;
 use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport};
 use slipgrid_export::laser_time_s;
+use slipgrid_results::length_in_words;
 use slipgrid_units::LENGTH_MM;
 
 use super::page::{Page, known, length_um, number, percent, plain, sentence};
@@ -13,7 +14,7 @@ use crate::target::target_narrow;
 const MISSED: &str = "verdict missed";
 
 /// The words of the page that a reader from another field may not know.
-const TERMS: [(&str, &str); 9] = [
+const TERMS: [(&str, &str); 10] = [
     (
         "chance",
         "How likely a sample that is cut and measured lies within the tolerance at every pressure and condition.",
@@ -27,7 +28,8 @@ const TERMS: [(&str, &str); 9] = [
     ("predicted", "By the steady model that the search asks: the equilibrium of sliding, without time."),
     ("confirmed", "By a run in time of the design on its specimen."),
     ("areal density", "Share of the face that is cavity."),
-    ("burst", "One pass of laser pulses over a spot: it removes a fixed depth."),
+    ("burst", "What the laser gives a spot at once: it removes a fixed depth."),
+    ("pass", "One run of the laser over every line of a hatch."),
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
 ];
 
@@ -91,10 +93,10 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
     let design = &report.design;
     let mut rows: Vec<(&str, String)> = vec![("planform", design.planform.clone())];
     rows.extend(design.arrangement.iter().map(|arrangement| ("arrangement", arrangement.clone())));
+    let sizes =
+        [("width", design.width_um), ("spacing (gap between cavities)", design.spacing_um), ("depth", design.depth_um)];
+    rows.extend(sizes.into_iter().filter_map(|(name, um)| Some((name, format!("{} µm", length_in_words(known(um)?))))));
     let lengths = [
-        ("width", "µm", Some(design.width_um)),
-        ("spacing (gap between cavities)", "µm", Some(design.spacing_um)),
-        ("depth", "µm", Some(design.depth_um)),
         ("length", "µm", design.length_um),
         ("spacing across", "µm", design.spacing_across_um),
         ("grooves turned by", "degrees", design.angle_deg),
@@ -109,6 +111,12 @@ fn dimensions(page: &mut Page, report: &DesignReport, found: Option<&DesignOutco
     rows.push(("cavities' share of a period", format!("{} %", percent(design.areal_density, 2))));
     rows.push(("of the specimen's face", format!("{} %", percent(report.specimen_areal_density, 2))));
     rows.extend(report.passes.map(|passes| ("passes over every line", passes.to_string())));
+    if let Some(removal) = &report.removal {
+        let um = |depth_um: f64| format!("{} µm", length_in_words(depth_um));
+        rows.push(("one pass removes, in the middle of a cavity", um(removal.depth_per_pass_um)));
+        rows.push(("depth of all passes in the middle", um(removal.depth_um)));
+        rows.push(("on average, with the edges", um(removal.mean_depth_um)));
+    }
     rows.extend(report.bursts.map(|bursts| ("bursts per spot", bursts.to_string())));
     if let Some(laid) = found.and_then(|found| found.task.specimen.layout(found.pattern).ok()) {
         rows.push(("cavities on the specimen", laid.iter().count().to_string()));
@@ -126,6 +134,7 @@ fn caveat(page: &mut Page, report: &DesignReport) {
     }
     all.extend(report.material.warnings.iter().map(|doubtful| format!("The material is doubtful: {doubtful}.")));
     all.extend(report.violations.iter().cloned());
+    all.extend(report.removal.iter().flat_map(|removal| &removal.warnings).map(|warning| format!("Laser: {warning}.")));
     let doubts = |load: &slipgrid_results::LoadReport| {
         let at = plain(load.pressure_mpa);
         load.doubts().map(|doubt| format!("At {at} MPa {doubt}.")).collect::<Vec<_>>()

@@ -8,7 +8,7 @@ use slipgrid_design::records::{
     TableReport, TargetReport, Tolerance, TradeOffsReport,
 };
 use slipgrid_design::{DesignReport, MisfitReport};
-use slipgrid_export::{Ablation, Exposure, Laser};
+use slipgrid_export::{Ablation, Exposure, Laser, Removal};
 use slipgrid_results::{
     ErrorReport, ErrorsReport, LoadReport, MaterialReport, PartsReport, PatternReport, PressureErrors,
 };
@@ -52,6 +52,15 @@ pub fn report() -> DesignReport {
         }),
         specimen_areal_density: 0.2512,
         passes: Some(4),
+        removal: Some(Removal {
+            passes: 4,
+            depth_per_pass_um: 1.31,
+            depth_um: 5.24,
+            mean_depth_um: 4.1,
+            edge_ramp_um: 25.0,
+            speed_for_depth_mm_s: Some(201.5),
+            warnings: vec!["the mean depth over cavities is 4.1 um".into()],
+        }),
         bursts: Some(12),
         dimensions: 2,
         target: TargetReport {
@@ -130,6 +139,8 @@ pub fn report() -> DesignReport {
             ],
             misfit: 2.5,
             relaxed: 2,
+            tried: vec!["depth".into(), "width".into()],
+            kept: Some("the laser's spot, 25 um".into()),
             together: Some(nearest),
             evaluations: 30,
         }),

@@ -289,15 +289,19 @@ impl Page {
         });
     }
 
-    /// The specimen's face alone, `extents_mm` wide and high, of the drawing `name` of `outputs`, whose legend stands elsewhere.
+    /// The specimen's face, `extents_mm` wide and high, with the sliding direction and the scale below, of the drawing `name` of
+    /// `outputs`, whose legend stands elsewhere.
     pub fn face_of(&mut self, outputs: &Outputs, name: &str, extents_mm: [f64; 2], caption: &str) {
         let Some(svg) = outputs.text(name) else { return };
         let centre =
             svg.split("<g id=\"specimen\" transform=\"translate(").nth(1).and_then(|rest| rest.split(')').next());
         let centre: Vec<f64> = centre.unwrap_or_default().split(' ').filter_map(|number| number.parse().ok()).collect();
         let (Some(start), Some(end), &[x, y]) = (svg.find("<svg "), svg.find('>'), &centre[..]) else { return };
-        let [width, height] = extents_mm.map(|extent| 1.04 * extent);
-        let [left, top] = [x - 0.5 * width, y - 0.5 * height].map(|corner| number(corner, 4));
+        // Arrow and scale lie within an eighth of the larger extent below the face, and are as wide as that.
+        let larger_mm = extents_mm[0].max(extents_mm[1]);
+        let [width, above] = [1.04 * larger_mm, 0.5 * extents_mm[1] + 0.02 * larger_mm];
+        let height = 2.0 * above + 0.095 * larger_mm;
+        let [left, top] = [x - 0.5 * width, y - above].map(|corner| number(corner, 4));
         let open = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{left} {top} {} {}\"",
             number(width, 4),

@@ -1,0 +1,42 @@
+//! Flags of what writes results again.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use slipgrid_report::LaserFile;
+
+/// `export`
+#[derive(Args, Debug)]
+#[command(after_help = "Examples:\n  \
+    slipgrid export out/ldpe-lower-friction/result.json --format dxf,svg -o laser\n  \
+    slipgrid export out/ldpe-lower-friction/result.json --format plt,hatch,png,stl -o laser\n  \
+    slipgrid export out/next --sample 2 --format gcode -o out/next/next-2\n\n\
+    gcode and hatch need laser.spot_um in the design, gcode also laser.speed_mm_s. A pattern finer than the \
+    laser's limits is refused.")]
+pub struct ExportArgs {
+    /// result.json of `optimize` or `next`, or the folder that holds it
+    pub result: PathBuf,
+    /// Which sample of a result of `next`, by its place in the table; the first by default
+    #[arg(long, value_name = "N")]
+    pub sample: Option<usize>,
+    /// Formats, separated by commas
+    #[arg(long, value_parser = laser_files(), value_delimiter = ',', default_values = LaserFile::ALWAYS.map(|file| file.described()[0]))]
+    pub format: Vec<LaserFile>,
+    /// Pixels of the height map; by default a sixteenth of a cavity, or a 4096th of the specimen
+    #[arg(long, value_name = "UM")]
+    pub pixel_um: Option<f64>,
+    /// Folder for the files; the result's own by default
+    #[arg(long, short, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// The formats of `export` by their names.
+fn laser_files() -> impl TypedValueParser<Value = LaserFile> {
+    let names = LaserFile::EACH.map(|file| {
+        let [name, help] = file.described();
+        PossibleValue::new(name).help(help)
+    });
+    let named = |name: String| LaserFile::EACH.into_iter().find(|file| file.described()[0] == name);
+    PossibleValuesParser::new(names).try_map(move |name| named(name).ok_or("a format that nothing writes"))
+}

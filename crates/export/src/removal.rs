@@ -1,0 +1,275 @@
+//! What passes over the lines of a hatch remove.
+//!
+//! A pulse removes the depth d over the area of the spot, whose diameter is s. Pulses lie p = v / f apart along lines, which stay
+//! half a spot inside a cavity's edge. So many pulses reach a point x as fit into the parts of lines within half a spot of it:
+//!
+//! ```text
+//! z(x) = N (d / p) sum over lines of length(line within s/2 of x)
+//! V = integral of z = N (d / p) (pi/4) s^2 L          L the length of all lines, N passes
+//! ```
+//!
+//! Over an endless hatch of lines h apart z is N d (pi/4) s^2 / (p h). In a cavity depth grows from nothing at the edge over one
+//! spot, and the lines from one edge to the other may lie nearer than h.
+
+use serde::{Deserialize, Serialize};
+
+use crate::cavity::Cavity;
+use crate::marking::length_m;
+use crate::number::{DERIVED_DIGITS, MICROMETRE_DECIMALS, decimal, micrometres, round_decimals, round_digits};
+use crate::process::removed_volume_m3;
+use crate::{Laser, Layout, Line, Marking};
+
+/// Points at which a part of a cavity's width is looked at.
+const SAMPLES: u32 = 400;
+/// Parts of the way from the edge of a cavity to its middle that a sheet lists.
+const LISTED: u32 = 8;
+/// Share of the design's depth from which on a difference is warned of.
+const OFF: f64 = 0.05;
+/// A line that is longer by less, relative to it, is as long.
+const LONGER: f64 = 1e-9;
+/// Most passes.
+const MOST_PASSES: f64 = 1e9;
+
+/// What passes over the lines of a hatch remove, and how many a depth needs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Removal {
+    /// Passes over every line: those that come nearest to the depth of the design in the middle third of a cavity's width,
+    /// which is where depth is measured.
+    pub passes: u32,
+    /// Depth that one pass removes there.
+    pub depth_per_pass_um: f64,
+    /// Depth that all passes make there.
+    pub depth_um: f64,
+    /// Mean depth over the cavities that they make, edges included: volume over area.
+    pub mean_depth_um: f64,
+    /// Over this distance from a cavity's edge depth grows from nothing to that in the middle: one spot.
+    pub edge_ramp_um: f64,
+    /// Speed at which as many passes make the design's depth; left out where pulses would lie farther apart than the
+    /// spot is wide.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_for_depth_mm_s: Option<f64>,
+    /// What is off by more than 5 % of the design's depth, and what to do.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
+}
+
+impl Removal {
+    /// Of all cavities of `layout`; `None` where no passes over lines give the depth, or the laser's settings do not say how
+    /// much.
+    #[must_use]
+    pub fn new(layout: &Layout, laser: &Laser) -> Option<Self> {
+        laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
+        Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
+    }
+}
+
+impl Removal {
+    /// What the passes make, for people.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let um = |depth_um: f64| decimal(depth_um, 2);
+        let passes = f64::from(self.passes.max(1));
+        let [middle, mean] = [um(self.depth_per_pass_um), um(self.mean_depth_um / passes)];
+        let each =
+            format!("a pass removes {middle} um in the middle of a cavity and {mean} um on average with its edges");
+        match self.passes {
+            0 | 1 => each,
+            _ => format!("{each}; all make {} um and {} um", um(self.depth_um), um(self.mean_depth_um)),
+        }
+    }
+}
+
+/// The lines on a specimen.
+pub(crate) struct Hatched {
+    pub(crate) lines: u64,
+    pub(crate) length_m: f64,
+    /// Those of the cavity with most of them: one that no rim cuts, where there is one.
+    of_one: Vec<Line>,
+    /// Half the spot, in metres.
+    half_spot_m: f64,
+    /// Where depth is looked at.
+    section: Option<Section>,
+}
+
+/// The straight way across a cavity from edge to edge, through the middle of its longest line and at right angles to that.
+struct Section {
+    from_m: [f64; 2],
+    /// Unit vector.
+    across: [f64; 2],
+    width_m: f64,
+}
+
+impl Hatched {
+    pub(crate) fn new(layout: &Layout, marking: &Marking) -> Self {
+        let (mut lines, mut length, mut most_m, mut of_one) = (0, 0.0, 0.0, None);
+        for cavity in layout.iter() {
+            let own = marking.lines(&cavity);
+            let own_m: f64 = own.iter().map(length_m).sum();
+            lines += own.len() as u64;
+            length += own_m;
+            if own_m > most_m * (1.0 + LONGER) {
+                (most_m, of_one) = (own_m, Some((cavity, own)));
+            }
+        }
+        let section = of_one.as_ref().and_then(|(cavity, own)| Section::of(cavity, own, marking.direction(cavity)));
+        let of_one = of_one.map_or_else(Vec::new, |(_, own)| own);
+        Self { lines, length_m: length, of_one, half_spot_m: marking.spot_compensation_m(), section }
+    }
+
+    /// Length of lines within half a spot of the point `at_m` of the section from its edge, in metres.
+    fn reach_m(&self, section: &Section, at_m: f64) -> f64 {
+        let at = [0, 1].map(|axis| section.from_m[axis] + at_m * section.across[axis]);
+        self.of_one.iter().map(|line| within_m(line, at, self.half_spot_m)).sum()
+    }
+
+    /// The same, as a mean over the part of the section between two shares of its width.
+    fn mean_reach_m(&self, section: &Section, [from, to]: [f64; 2]) -> f64 {
+        let place = |k: u32| section.width_m * (from + (to - from) * (f64::from(k) + 0.5) / f64::from(SAMPLES));
+        (0..SAMPLES).map(|k| self.reach_m(section, place(k))).sum::<f64>() / f64::from(SAMPLES)
+    }
+
+    /// Depths, in um, that `passes` make between an edge and the middle: distances from the edge and the mean depth from the one
+    /// before up to each.
+    pub(crate) fn across_um(&self, laser: &Laser, passes: u32) -> Option<Vec<[f64; 2]>> {
+        let section = self.section.as_ref()?;
+        let scale = f64::from(passes) * laser.depth_per_burst_um? / laser.pulse_distance_um()?;
+        let share = |k: u32| 0.5 * f64::from(k) / f64::from(LISTED);
+        let up_to = |k: u32| {
+            let depth_m = scale * self.mean_reach_m(section, [share(k - 1), share(k)]);
+            [micrometres(section.width_m * share(k)), micrometres(depth_m)]
+        };
+        Some((1..=LISTED).map(up_to).collect())
+    }
+
+    /// Volume that `passes` remove, in cubic metres.
+    pub(crate) fn volume_m3(&self, laser: &Laser, passes: u32) -> Option<f64> {
+        let spot_m2 = std::f64::consts::PI * self.half_spot_m * self.half_spot_m;
+        // V = N (d / p) (pi/4) s^2 L
+        let per_length = laser.depth_per_burst_um? / laser.pulse_distance_um()?;
+        Some(f64::from(passes) * per_length * spot_m2 * self.length_m)
+    }
+
+    pub(crate) fn removal(&self, layout: &Layout, laser: &Laser) -> Option<Removal> {
+        let (burst_um, pulse_um, speed_mm_s) =
+            (laser.depth_per_burst_um?, laser.pulse_distance_um()?, laser.speed_mm_s?);
+        let design_um = layout.pattern().depth_m() * 1e6;
+        let middle_m = self.section.as_ref().map(|section| self.mean_reach_m(section, [1.0 / 3.0, 2.0 / 3.0]));
+        let Some(reach_m) = middle_m.filter(|mean_m| *mean_m > 0.0) else {
+            // Lines of no length: the hatch of an endless face is all that is known.
+            let passes = (design_um / laser.depth_step_um()?).round().clamp(1.0, MOST_PASSES) as u32;
+            let warnings = vec![NO_LINES.to_owned()];
+            return Some(Removal { passes, edge_ramp_um: laser.spot_um?, warnings, ..Removal::default() });
+        };
+        // z / N = (d / p) <length of lines within s/2>
+        let per_pass_um = burst_um / pulse_um * reach_m * 1e6;
+        // At most a billion: the cast cannot overflow.
+        let passes = (design_um / per_pass_um).round().clamp(1.0, MOST_PASSES) as u32;
+        let made_um = f64::from(passes) * per_pass_um;
+        let area_m2 = layout.cavity_area_m2();
+        let mean_um = self.volume_m3(laser, passes)? / area_m2 * 1e6;
+        // z goes with 1 / v
+        let speed = speed_mm_s * made_um / design_um;
+        let is_near = speed / speed_mm_s * pulse_um <= laser.spot_um? * (1.0 + LONGER);
+        let speed_for_depth_mm_s = is_near.then(|| round_digits(speed, DERIVED_DIGITS));
+        let mut warnings = Vec::new();
+        let off = |made_um: f64, wanted_um: f64| {
+            let share = made_um / wanted_um - 1.0;
+            (share.abs() > OFF).then(|| format!("{:+.0} %", 100.0 * share))
+        };
+        let pass_words = if passes == 1 { "1 pass makes".to_owned() } else { format!("{passes} passes make") };
+        if let Some(off) = off(made_um, design_um) {
+            let how = speed_for_depth_mm_s.map_or_else(
+                || "a lower fluence makes passes finer".to_owned(),
+                |speed| format!("{} mm/s instead of {speed_mm_s} makes it right", decimal(speed, 1)),
+            );
+            warnings.push(format!(
+                "{pass_words} {} um in the middle of a cavity, {off} of the design's {} um: {how}",
+                decimal(made_um, 1),
+                decimal(design_um, 1)
+            ));
+        }
+        let wanted_um = removed_volume_m3(layout, laser) / area_m2 * 1e6;
+        if let Some(off) = off(mean_um, wanted_um) {
+            let what = if mean_um < wanted_um {
+                let more = (wanted_um / mean_um * f64::from(passes)).round();
+                let more = if more > f64::from(passes) {
+                    format!(
+                        "; {more} passes come nearest to it, with {} um in the middle",
+                        decimal(more * per_pass_um, 1)
+                    )
+                } else {
+                    String::new()
+                };
+                format!(
+                    "depth grows over one spot, {} um, from the edge of a cavity; a smaller spot or wider cavities have steeper walls{more}",
+                    decimal(2e6 * self.half_spot_m, 1)
+                )
+            } else {
+                "lines lie nearer to each other than the hatch, to fit into a cavity".to_owned()
+            };
+            let (mean, wanted) = (decimal(mean_um, 1), decimal(wanted_um, 1));
+            warnings
+                .push(format!("the mean depth over cavities is {mean} um, {off} of the design's {wanted} um: {what}"));
+        }
+        Some(Removal {
+            passes,
+            depth_per_pass_um: round_decimals(per_pass_um, MICROMETRE_DECIMALS),
+            depth_um: round_decimals(made_um, MICROMETRE_DECIMALS),
+            mean_depth_um: round_decimals(mean_um, MICROMETRE_DECIMALS),
+            edge_ramp_um: laser.spot_um?,
+            speed_for_depth_mm_s,
+            warnings,
+        })
+    }
+}
+
+/// Where cavities are as small as the spot.
+const NO_LINES: &str = "lines of no length are left in a cavity as small as the spot, on which a moving laser gives no pulse: a smaller \
+                        spot, wider cavities, or bursts on the spot (without speed_mm_s) make it";
+
+impl Section {
+    fn of(cavity: &Cavity, lines: &[Line], [dx, dy]: [f64; 2]) -> Option<Self> {
+        let longest = lines.iter().fold(None, |longest: Option<&Line>, line| match longest {
+            Some(other) if length_m(line) <= length_m(other) * (1.0 + LONGER) => Some(other),
+            _ => Some(line),
+        })?;
+        let middle = [0, 1].map(|axis| f64::midpoint(longest[0][axis], longest[1][axis]));
+        let across = [-dy, dx];
+        let place = |[x_m, y_m]: [f64; 2]| (x_m * dx + y_m * dy, y_m * dx - x_m * dy);
+        let (along_m, at_m) = place(middle);
+        let [from_m, to_m] = if let Some(face) = &cavity.face {
+            // To the left of the direction across lies the way back along the lines.
+            let spans_m = face.spans_m(across, -along_m);
+            spans_m.into_iter().find(|[from_m, to_m]| (*from_m..=*to_m).contains(&at_m))?
+        } else {
+            let (centre_along_m, centre_m) = place([cavity.centre_x_m, cavity.centre_y_m]);
+            let half_m = match cavity.planform {
+                slipgrid_pattern::Planform::Disc => {
+                    let (radius_m, off_m) = (cavity.width_m / 2.0, along_m - centre_along_m);
+                    ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt()
+                }
+                _ => cavity.width_m.min(cavity.length_m) / 2.0,
+            };
+            [centre_m - half_m, centre_m + half_m]
+        };
+        let from = [along_m * dx - from_m * dy, along_m * dy + from_m * dx];
+        Some(Self { from_m: from, across, width_m: to_m - from_m })
+    }
+}
+
+/// Length of the part of a line within `radius_m` of a point, in metres.
+fn within_m([from, to]: &Line, [x_m, y_m]: [f64; 2], radius_m: f64) -> f64 {
+    let length = length_m(&[*from, *to]);
+    if length == 0.0 {
+        return 0.0;
+    }
+    let [ex, ey] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+    let (dx_m, dy_m) = (x_m - from[0], y_m - from[1]);
+    let (along_m, off_m) = (dx_m * ex + dy_m * ey, dy_m * ex - dx_m * ey);
+    let half_m = ((radius_m - off_m) * (radius_m + off_m)).max(0.0).sqrt();
+    ((along_m + half_m).min(length) - (along_m - half_m).max(0.0)).max(0.0)
+}
+
+#[cfg(test)]
+mod tests;
