@@ -167,10 +167,23 @@ pub enum FitError {
         /// The largest that is fitted.
         most: f64,
     },
+    /// Inertia of the layer exceeds friction by far.
+    #[error(
+        "measurement {number}: friction is {share:.1e} of the stress rho c v of the layer's inertia at this speed: \
+         expected at least {least}"
+    )]
+    Inertia {
+        /// The measurement's number, from 1.
+        number: usize,
+        /// Friction over rho c v.
+        share: f64,
+        /// The least that is fitted.
+        least: f64,
+    },
     /// Dynamic runs have little to do with steady sliding.
     #[error(
         "measurement {number}: in the model the sample slides with {:.0} % of its steady friction at this load and \
-         speed: expected 50 to 150 %", 100.0 * delta
+         speed: expected 50 to 150 %, as where friction exceeds the inertia of the layer", 100.0 * delta
     )]
     NotQuasiStatic {
         /// The measurement's number, from 1.
@@ -224,6 +237,7 @@ impl FitError {
             | Self::NoSliding { number, .. }
             | Self::PeakTooHigh { number, .. }
             | Self::BeyondLaw { number, .. }
+            | Self::Inertia { number, .. }
             | Self::NotQuasiStatic { number, .. }
             | Self::TooManySteps { number, .. } => Some(*number),
             _ => None,

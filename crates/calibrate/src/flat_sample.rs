@@ -3,7 +3,7 @@
 use slipgrid_material::LocalFriction;
 use slipgrid_monitor::Part;
 use slipgrid_springblock::{
-    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, even_sliding_speed_m_s,
+    Extent, Fidelity, Load, LoadOutcome, Monitor, RunOptions, Scene, Status, SurfaceOutcome, run_speed_m_s,
     shear_modulus_pa, shear_period_s, simulate, warm_travel_m,
 };
 
@@ -26,9 +26,9 @@ const OF_MEASURED: f64 = 0.1;
 /// Least and greatest standard error that is asked of such a run, over dynamic friction.
 const STDERR: [f64; 2] = [2e-4, 1e-3];
 
-/// Speed at which a dynamic run stands for `measured`, in m/s: its own, or the fastest at which the modelled layer slides evenly.
-pub fn run_speed_m_s(problem: &Problem, measured: &Measurement) -> f64 {
-    measured.speed_m_s.min(even_sliding_speed_m_s(&problem.elastic, problem.pressure_pa(measured)))
+/// Speed of the dynamic run that stands for `measured`, in m/s.
+pub fn speed_m_s(problem: &Problem, measured: &Measurement) -> f64 {
+    run_speed_m_s(&problem.elastic, problem.pressure_pa(measured), measured.speed_m_s)
 }
 
 /// Travel that a dynamic run of `measured` with the coefficients `pair` is planned for, in metres.
@@ -36,14 +36,14 @@ fn travel_m(problem: &Problem, measured: &Measurement, pair: &LocalFriction) -> 
     let (elastic, area_law) = (&problem.elastic, problem.area_law.as_ref());
     if measured.static_peak.is_none() {
         let load = load(problem, measured, *pair);
-        return warm_travel_m((elastic, area_law), &problem.layer, &[load], run_speed_m_s(problem, measured));
+        return warm_travel_m((elastic, area_law), &problem.layer, &[load], speed_m_s(problem, measured));
     }
     let factor = area_law.map_or(1.0, |law| law.factor(problem.pressure_pa(measured)));
     // u = mu_s f P h / G
     let onset_m = pair.static_mean() * factor * problem.pressure_pa(measured) / shear_modulus_pa(elastic)
         * problem.layer.height_m;
     let travel_m = COLD_TRAVEL_M
-        .max(LEAST_PERIODS * shear_period_s(elastic, problem.layer.height_m) * run_speed_m_s(problem, measured));
+        .max(LEAST_PERIODS * shear_period_s(elastic, problem.layer.height_m) * speed_m_s(problem, measured));
     if travel_m > ENOUGH * onset_m { travel_m } else { COLD_ONSETS * onset_m }
 }
 
@@ -65,7 +65,7 @@ fn run_options(problem: &Problem, measured: &Measurement, pair: &LocalFriction) 
 pub fn representatives(problem: &Problem, pairs: &Pairs) -> Vec<usize> {
     let setting = |i: usize| {
         let measured = &problem.measurements[i];
-        (measured.static_peak.is_none(), problem.pressure_pa(measured), run_speed_m_s(problem, measured))
+        (measured.static_peak.is_none(), problem.pressure_pa(measured), speed_m_s(problem, measured))
     };
     let of = |i: usize| {
         if problem.measurements[i].static_peak.is_some() {
@@ -87,7 +87,7 @@ pub fn planned_steps(problem: &Problem, pairs: &Pairs) -> Vec<u64> {
     let of = |i: usize| {
         let (measured, pair) = (&problem.measurements[i], &pairs[i]);
         let run = run_options(problem, measured, pair);
-        let scene = scene(problem, run_speed_m_s(problem, measured), vec![load(problem, measured, *pair)], run);
+        let scene = scene(problem, speed_m_s(problem, measured), vec![load(problem, measured, *pair)], run);
         if representatives[i] == i { slipgrid_springblock::planned_steps(&scene) } else { 0 }
     };
     (0..pairs.len()).map(of).collect()
@@ -158,8 +158,8 @@ pub fn dynamic(
     let runs = left.len() as f64;
     while let Some(&first) = left.first() {
         // One scene for all measurements of the same speed and kind of start.
-        let speed_m_s = |i: usize| run_speed_m_s(problem, &problem.measurements[i]);
-        let kind = |i: usize| (speed_m_s(i), problem.measurements[i].static_peak.is_some());
+        let kind =
+            |i: usize| (speed_m_s(problem, &problem.measurements[i]), problem.measurements[i].static_peak.is_some());
         let (group, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|&&i| kind(i) == kind(first));
         left = others;
         let (speed_m_s, _) = kind(first);

@@ -48,6 +48,7 @@ fn refuse_fit(
         },
         FitError::PeakTooHigh { .. } => "a smaller mu_static, or nothing in mu_static and mu_static_std",
         FitError::BeyondLaw { .. } => "another [surface], or a smaller load",
+        FitError::Inertia { .. } => "a larger force_n or a smaller speed_mm_s",
         FitError::NotQuasiStatic { .. } => {
             "a larger force_n, a smaller speed_mm_s, or mu_dynamic below 1, above which the modelled layer hardly slides steadily; is its \
              unit right, that of a friction force in traces among them?"

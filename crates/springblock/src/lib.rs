@@ -71,7 +71,7 @@ mod space;
 mod steady;
 
 pub use cell::{CellOutcome, SteadyCell};
-pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, even_sliding_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m};
+pub use dynamics::{MOST_STEPS, WAVE_DEFICIT, run_speed_m_s, shear_modulus_pa, shear_period_s, warm_travel_m};
 pub use error::SceneError;
 pub use face::{Face, Strip};
 pub use outcome::{DynamicCost, InterfacePoint, LoadOutcome, Simulation, Status, SurfaceOutcome, TracePoint};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use slipgrid_material::{AreaLaw, Elastic, LocalFriction};
 use slipgrid_pattern::{Pattern, ReliefMap};
 
-use crate::{SceneError, even_sliding_speed_m_s};
+use crate::{SceneError, run_speed_m_s};
 
 /// What a solver solves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -213,11 +213,11 @@ impl Layer {
 }
 
 impl Scene {
-    /// The scene for a run in time, at its own speed or at the fastest at which its layer slides evenly at every load.
+    /// The scene of a run in time that stands for this one: at the speed that its lightest load takes ([`run_speed_m_s`]).
     #[must_use]
     pub fn slowed(mut self) -> Self {
         let lightest_pa = self.loads.iter().map(|load| load.pressure_pa).fold(f64::INFINITY, f64::min);
-        self.speed_m_s = self.speed_m_s.min(even_sliding_speed_m_s(&self.elastic, lightest_pa));
+        self.speed_m_s = run_speed_m_s(&self.elastic, lightest_pa, self.speed_m_s);
         self
     }
 }

@@ -18,7 +18,11 @@ const MOST_WORK: u64 = 10 * MOST_STEPS;
 /// Coefficients at most: time and memory of their covariance and profiles grow with the fourth and the second power of
 /// their number, and reach half an hour here.
 const MOST_COEFFICIENTS: usize = 250;
-/// Dynamic over steady friction beyond which the two have little to do with one another.
+/// Friction over rho c v, the stress of a shear wave of the sliding speed, below which inertia rules: on the usual layer at
+/// 2 mm/s it is 0.0035 at 10 Pa, where dynamic friction is 0.46 of the steady one.
+const LEAST_FRICTION_OVER_INERTIA: f64 = 0.005;
+/// Dynamic over steady friction beyond which the two have little to do with one another: at 10 Pa and 2 mm/s, where
+/// the inertia of the layer exceeds friction, it is 0.46.
 const DELTAS: [f64; 2] = [0.5, 1.5];
 
 /// Refuses dynamic runs that say nothing of steady friction.
@@ -69,6 +73,14 @@ pub fn check(problem: &Problem) -> Result<Vec<u64>, FitError> {
             if ratio > MOST_PEAK {
                 return Err(FitError::PeakTooHigh { number, ratio, most: MOST_PEAK });
             }
+        }
+        // c = sqrt(G / rho), G = 3 E / 8: rho c v = sqrt(G rho) v
+        let elastic = &problem.elastic;
+        let impedance = (0.375 * elastic.youngs_modulus_pa() * elastic.density_kg_m3()).sqrt();
+        let share = measured.mu_dynamic * problem.pressure_pa(measured)
+            / (impedance * flat_sample::speed_m_s(problem, measured));
+        if share < LEAST_FRICTION_OVER_INERTIA {
+            return Err(FitError::Inertia { number, share, least: LEAST_FRICTION_OVER_INERTIA });
         }
         if let Some(law) = &problem.area_law {
             let factor = law.factor(problem.pressure_pa(measured));

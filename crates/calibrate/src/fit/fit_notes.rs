@@ -1,7 +1,7 @@
 //! What a fit says in words: how values were found, what the data leave open, and what would settle it.
 
 use super::{Fit, MOST_ROUNDS, Model, SETTLED};
-use crate::flat_sample::run_speed_m_s;
+use crate::flat_sample::speed_m_s;
 
 /// An interval of the area law's scale wider than this factor leaves the law open.
 const OPEN_SCALE: f64 = 3.0;
@@ -52,7 +52,7 @@ pub fn notes(model: &Model<'_>, fit: &Fit) -> Vec<String> {
 
 /// Measurements whose runs are slower than they are.
 fn slowed(Model { problem, .. }: &Model<'_>) -> Option<String> {
-    let speeds = problem.measurements.iter().map(|measured| (measured.speed_m_s, run_speed_m_s(problem, measured)));
+    let speeds = problem.measurements.iter().map(|measured| (measured.speed_m_s, speed_m_s(problem, measured)));
     let slowed: Vec<(f64, f64)> = speeds.filter(|(measured, run)| run < measured).collect();
     let slowest = slowed.iter().map(|(_, run)| *run).fold(f64::INFINITY, f64::min);
     (!slowed.is_empty()).then(|| {
