@@ -411,14 +411,19 @@ impl<'a> Chances<'a> {
     /// # Errors
     /// [`ModelFailure`] where neighbours of the design cannot be computed.
     pub fn log_covariance(&self, about: &About<'_>) -> Result<Vec<f64>, ModelFailure> {
+        Ok(self.log_covariance_of(&self.expand(about)?))
+    }
+
+    /// The same of a design's expansion.
+    pub fn log_covariance_of(&self, expansion: &Expansion) -> Vec<f64> {
         let modulus = self.law_scale.as_ref().filter(|_| !self.scale_is_fitted).map(|along| along.first);
-        let slopes = self.expand(about)?.slopes;
+        let (slopes, values) = (&expansion.slopes, expansion.slopes.values());
         let rows = slopes.covariance_of(&self.uncertainty, &|place| Some(place) != modulus);
         // cov(ln v, ln w) = cov(v, w) / (v w)
-        let row = |(row, own): (Vec<f64>, f64)| {
-            row.into_iter().zip(about.values).map(move |(entry, other)| entry / (own * other)).collect::<Vec<f64>>()
+        let row = |(row, own): (Vec<f64>, &f64)| {
+            row.into_iter().zip(values).map(move |(entry, other)| entry / (own * other)).collect::<Vec<f64>>()
         };
-        Ok(rows.into_iter().zip(about.values.iter().copied()).flat_map(row).collect())
+        rows.into_iter().zip(values).flat_map(row).collect()
     }
 
     /// dr/dx of each ratio along one dimension, per metre.

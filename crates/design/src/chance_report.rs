@@ -5,7 +5,7 @@ use slipgrid_optimize::ModelFailure;
 use slipgrid_springblock::Simulation;
 
 use crate::DesignError;
-use crate::chance::{About, Chances};
+use crate::chance::{About, Chances, Expansion};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::next_trial::AdviceReport;
 use crate::task::DesignTask;
@@ -59,15 +59,15 @@ pub struct PartReport {
 }
 
 impl MultiFidelityLoop<'_> {
-    /// The chance of the design found, about its confirming runs; `None` where nothing is demanded, so that nothing can be
-    /// missed.
+    /// The chance of the design found, about its confirming runs, with the expansion that it rests on where it is known; `None` where
+    /// nothing is demanded, so that nothing can be missed.
     pub(super) fn chance(
         &self,
         design: &DesignTask,
         material: &MaterialUncertainty,
         chances: &Chances,
         errors: &ErrorsReport,
-    ) -> Result<Option<ChanceReport>, DesignError> {
+    ) -> Result<Option<(ChanceReport, Option<Expansion>)>, DesignError> {
         let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Ok(None) };
         if !design.target.has_demands() {
             return Ok(None);
@@ -115,11 +115,11 @@ impl MultiFidelityLoop<'_> {
                     tidy(PRESSURE_MPA.from_si(design.target.points()[first % count].pressure_pa))
                 ),
             };
-            return Ok(Some(nothing(&words, not_known)));
+            return Ok(Some((nothing(&words, not_known), None)));
         };
         if !chances.is_known() {
             let words = "chance not known: neither tolerances nor errors of the material are given";
-            return Ok(Some(nothing(words, not_known)));
+            return Ok(Some((nothing(words, not_known), None)));
         }
         let still = chances.still(&best.design);
         let expanded = still.and_then(|still| {
@@ -130,7 +130,7 @@ impl MultiFidelityLoop<'_> {
             Ok(found) => found,
             Err(ModelFailure::Trial { reason }) => {
                 let words = format!("chance not known: neighbours of the design cannot be computed ({reason})");
-                return Ok(Some(nothing(&words, not_known)));
+                return Ok(Some((nothing(&words, not_known), None)));
             }
             Err(failure) => return Err(DesignError::Failed(format!("chance: {failure}"))),
         };
@@ -160,7 +160,7 @@ impl MultiFidelityLoop<'_> {
         };
         let is_more = |part: &&PartReport| part.chance_without > all.share + BEYOND_DRAWS * by_draws(part);
         let limited_by = parts.first().filter(|_| all.share < 0.995).filter(is_more).cloned();
-        Ok(Some(ChanceReport {
+        let report = ChanceReport {
             words: format!("{} {ON_TARGET}{}", percent(all.share), limits(limited_by.as_ref(), &not_known)),
             value: Some(tidy(all.share)),
             stderr: Some(tidy(all.stderr)),
@@ -169,7 +169,8 @@ impl MultiFidelityLoop<'_> {
             limited_by,
             parts,
             draws: if is_sampled { SAMPLED } else { DRAWS },
-        }))
+        };
+        Ok(Some((report, Some(expansion))))
     }
 }
 

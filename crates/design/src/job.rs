@@ -176,8 +176,9 @@ fn every_step(
         Some(chances) => found.chance(design, uncertainty, chances, &errors.report)?,
         None => None,
     };
+    let (chance, expansion) = chance.unzip();
     let aimed = chance.as_ref().and_then(|chance| chance.value).filter(|_| design.discrepancy);
-    let advice = found.advice(design, uncertainty, &errors.report, aimed)?;
+    let advice = found.advice(design, uncertainty, (&errors.report, expansion.flatten().as_ref()), aimed)?;
     let conditions = found.conditions_report(design, uncertainty, lacking.as_deref(), &errors.report, &outside)?;
     let reachable = reachable_range::of_search(design, uncertainty, &found, &probing)?;
     let mut cut_short = found.cut_short.clone();

@@ -7,7 +7,7 @@ use slipgrid_optimize::ModelFailure;
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::{Asked, Design, PredictedRatio, SERIES, Scope, Search, TrialCandidateReport, asked};
 use crate::DesignError;
-use crate::chance::{About, Chances};
+use crate::chance::{About, Chances, Expansion};
 use crate::chance_report::{numerical, percent};
 use crate::multi_fidelity::MultiFidelityLoop;
 use crate::task::DesignTask;
@@ -67,7 +67,8 @@ impl AdviceReport {
 }
 
 impl MultiFidelityLoop<'_> {
-    /// The advice for the design that was found, whose chance is `aimed` where it counts what the model lacks already; `None` where nothing is demanded, or where it cannot be computed.
+    /// The advice for the design that was found, whose chance is `aimed` where it counts what the model lacks already, with its expansion
+    /// where that is known; `None` where nothing is demanded, or where it cannot be computed.
     ///
     /// # Errors
     /// [`DesignError`] for trials that mean nothing, and where the monitor cancels.
@@ -75,7 +76,7 @@ impl MultiFidelityLoop<'_> {
         &self,
         task: &DesignTask,
         material: &MaterialUncertainty,
-        errors: &ErrorsReport,
+        (errors, expansion): (&ErrorsReport, Option<&Expansion>),
         aimed: Option<f64>,
     ) -> Result<Option<AdviceReport>, DesignError> {
         let (Some(best), Some(confirmed), Some(chances)) = (&self.best, &self.confirmed, &self.chances) else {
@@ -87,6 +88,9 @@ impl MultiFidelityLoop<'_> {
         let asked = asked(task, material, &self.further, &self.model)?;
         let models = Models::new(&self.model, material)?;
         let found = models.at(&best.design).and_then(|modelled| {
+            if let Some(expansion) = expansion {
+                return Ok((modelled, chances.log_covariance_of(expansion)));
+            }
             let still = chances.still(&best.design)?;
             let (scales, values) = (self.model.scales(&best.design), self.confirmed_values());
             let (numerical, _) = numerical(task, &scales, confirmed, errors);

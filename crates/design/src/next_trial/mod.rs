@@ -306,7 +306,7 @@ impl<'a> Search<'a> {
     }
 
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared; those whose chance is below `least_chance` by the interpolated model are passed by.
+    /// first, and how many were compared; those whose chance is below `least_chance` before everything counts are passed by.
     fn best(
         &self,
         open: &dyn Fn(&Pattern, &Features) -> bool,
@@ -334,6 +334,7 @@ impl<'a> Search<'a> {
         let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
         // Stable: of equal scores the earlier first.
         let sort = |pool: &mut Vec<Judged>| pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
+        pool.retain(|of| of.score.chance >= least_chance);
         sort(&mut pool);
         pool.truncate(self.scope.completed.max(2 * count));
         let whole: Vec<Result<Judged, ModelFailure>> =
