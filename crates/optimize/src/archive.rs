@@ -119,8 +119,10 @@ impl<'a> Evaluator<'a> {
                 return Err(Interruption::Cancelled);
             }
         };
-        memory().insert(key(design), record.clone());
-        self.monitor.advance(1.0 / self.max_evaluations as f64);
+        // Two threads may have computed it at once: it counts once.
+        if memory().insert(key(design), record.clone()).is_none() {
+            self.monitor.advance(1.0 / self.max_evaluations as f64);
+        }
         if self.monitor.cancelled() {
             self.cancelled.store(true, Ordering::Relaxed);
         }

@@ -118,8 +118,12 @@ fn verdict(page: &mut Page, outcome: &CalibrationOutcome) {
     };
     let mut errors: Vec<f64> = fit.pairs.iter().filter_map(relative_error).collect();
     let words = if fit.pairs.len() > 1 {
-        median(&mut errors)
-            .map_or_else(String::new, |error| format!(", each known to {} % in the median", percent(error, 1)))
+        median(&mut errors).map_or_else(String::new, |error| {
+            format!(
+                ", each known to {} % in the median with what Young's modulus and the area law leave open",
+                percent(error, 1)
+            )
+        })
     } else {
         String::new()
     };

@@ -140,7 +140,7 @@ fn next(report: &TrialsReport) -> Vec<String> {
         ));
     }
     if all.is_empty() {
-        all.push("The texture that slipgrid next names for your target: the trials leave no gap that another one alone would close.".to_owned());
+        all.push("The texture that slipgrid next names for your target: nothing else is left open that one more sample would settle.".to_owned());
     }
     all
 }
