@@ -68,7 +68,7 @@ pub fn simulate(scene: &Scene, monitor: &dyn Monitor) -> Result<Simulation, Scen
 }
 
 /// Ratios of the steady cell of `scene` at every load, as [`simulate`] finds them, without what tells how far off they are: that
-/// takes several cells more. In the vertical plane they are taken to smaller blocks where [`RunOptions::refine`] asks for it and cells of
+/// takes several cells more. In the vertical plane they are taken to smaller blocks where [`crate::RunOptions::refine`] asks for it and cells of
 /// half a second can. `None` where a load did not converge.
 ///
 /// # Errors
