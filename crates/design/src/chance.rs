@@ -269,9 +269,9 @@ impl<'a> Chances<'a> {
         Ok(self.still.steady(design)?.ratio)
     }
 
-    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed:
-    /// `others`, and in the vertical plane how
-    /// far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that is most.
+    /// Standard deviations of the values of `design`, whose ratios are `still`, by how exactly they are computed: `others`, and in the
+    /// vertical plane how far they are from those of vanishing blocks, if the order of convergence is one half, at the load where that
+    /// is most.
     ///
     /// # Errors
     /// [`ModelFailure::Trial`] where the design cannot be computed in smaller blocks.

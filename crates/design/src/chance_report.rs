@@ -258,9 +258,8 @@ fn limits(limited_by: Option<&PartReport>, not_known: &[String]) -> String {
 }
 
 impl ChanceReport {
-    /// What a design is announced with: the chance by what trials say that the model lacks, where `advice` has it and
-    /// the chance itself does
-    /// not count it.
+    /// What a design is announced with: the chance by what trials say that the model lacks, where `advice` has it and the chance
+    /// itself does not count it.
     #[must_use]
     pub fn announced(&self, advice: Option<&AdviceReport>) -> String {
         match (self.value, self.beside(advice)) {

@@ -24,6 +24,15 @@ pub(super) fn warm_travel_m(scene: &Scene) -> f64 {
     slipgrid_springblock::warm_travel_m(law, &scene.layer, &scene.loads, scene.speed_m_s)
 }
 
+/// The run in time that stands for `scene`: slowed to even sliding, as far as one from the sheared layer needs.
+pub(super) fn in_time(scene: Scene) -> Scene {
+    let mut scene = scene.slowed();
+    if scene.run.warm_start {
+        scene.run.sliding_m = warm_travel_m(&scene);
+    }
+    scene
+}
+
 /// Whether both surfaces of `load` slid to a mean that means something.
 #[must_use]
 pub(super) fn trusted(load: &LoadOutcome) -> bool {
@@ -64,11 +73,7 @@ impl MultiFidelityLoop<'_> {
 
     /// The scene of the confirming run of `pattern` at the condition designed for.
     pub(super) fn confirming_scene(&self, pattern: &Pattern) -> Scene {
-        let mut scene = Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() }.slowed();
-        if scene.run.warm_start {
-            scene.run.sliding_m = warm_travel_m(&scene);
-        }
-        scene
+        in_time(Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() })
     }
 
     /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
@@ -92,10 +97,7 @@ impl MultiFidelityLoop<'_> {
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
                 let run = self.confirming;
-                let mut scene = Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() }.slowed();
-                if run.warm_start {
-                    scene.run.sliding_m = warm_travel_m(&scene);
-                }
+                let scene = in_time(Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() });
                 let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
                     .map_err(|error| DesignError::refused(error.to_string()))?;
                 timings.confirm_further += bar.finish();

@@ -2,23 +2,16 @@
 
 use slipgrid_springblock::{Extent, LoadOutcome, RunOptions, Scene};
 
-use crate::confirmation::{trusted, warm_travel_m};
+use crate::confirmation::{in_time, trusted};
 use crate::specimen::{SpecimenError, simulate_on};
 use crate::time_budget::TimeBudget;
 
 /// Dynamic friction of the flat sample at every load of `scene`; `None` where it does not slide, or only in waves.
 pub(super) fn flat_friction(scene: &Scene, budget: TimeBudget<'_>) -> Result<Option<Vec<f64>>, SpecimenError> {
     let bar = budget.stage("flat sample");
-    let scene = &scene.clone().slowed();
     // On the sample that the coefficients were calibrated on, in as many dimensions as there.
-    let run = RunOptions {
-        warm_start: true,
-        sliding_m: warm_travel_m(scene),
-        extent: Extent::Sample,
-        dimensions: None,
-        ..scene.run
-    };
-    let simulation = simulate_on(&Scene { pattern: None, run, ..scene.clone() }, None, &bar);
+    let run = RunOptions { warm_start: true, extent: Extent::Sample, dimensions: None, ..scene.run };
+    let simulation = simulate_on(&in_time(Scene { pattern: None, run, ..scene.clone() }), None, &bar);
     bar.finish();
     let mu = |load: &LoadOutcome| load.surface.mu_dynamic.filter(|_| trusted(load));
     Ok(simulation?.loads.iter().map(mu).collect())

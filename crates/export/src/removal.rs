@@ -62,9 +62,7 @@ impl Removal {
         laser.depth_step_um().filter(|_| laser.bursts_per_pass().is_some())?;
         Hatched::new(layout, &Marking::new(laser).ok()?).removal(layout, laser)
     }
-}
 
-impl Removal {
     /// What the passes make, for people.
     #[must_use]
     pub fn words(&self) -> String {
