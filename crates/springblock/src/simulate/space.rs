@@ -1,6 +1,7 @@
 //! The cell in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
+use slipgrid_monitor::Key;
 use slipgrid_pattern::Pattern;
 
 use super::{
@@ -90,13 +91,25 @@ pub fn steady_loads(scene: &Scene, pattern: &Pattern, monitor: &dyn Monitor) -> 
 }
 
 /// How far ratios `own` of steady cells in space are from those of vanishing blocks ([`blocks::block_error`]); nothing once
-/// `monitor` has cancelled.
+/// `monitor` has cancelled. What a prediction has computed the run that confirms it recalls.
 fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], monitor: &dyn Monitor) -> Option<f64> {
-    blocks::block_error(scene, own, |scene| {
-        let model = SteadyCell::in_dimensions(scene, 3);
-        (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled())
-            .then(|| model.ratios_heeding(pattern, monitor))
-    })
+    let estimate = || {
+        blocks::block_error(scene, own, |scene| {
+            let model = SteadyCell::in_dimensions(scene, 3);
+            (model.bytes(pattern) < MOST_ESTIMATED_BYTES && !monitor.cancelled())
+                .then(|| model.ratios_heeding(pattern, monitor))
+        })
+    };
+    let Some(memory) = monitor.memory() else { return estimate() };
+    let key = Key::of("blocks", &(SteadyCell::in_dimensions(scene, 3), pattern, own));
+    if let Some(known) = memory.recall(&key).and_then(|bytes| Some(f64::from_le_bytes(bytes.try_into().ok()?))) {
+        return Some(known);
+    }
+    let error = estimate()?;
+    if !monitor.cancelled() {
+        memory.keep(&key, &error.to_le_bytes());
+    }
+    Some(error)
 }
 
 /// Dynamic runs of the cell of `pattern` and of a flat one.
