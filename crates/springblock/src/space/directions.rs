@@ -1,15 +1,29 @@
 //! Generalized conjugate residuals whose search directions are kept (S. C. Eisenstat, H. C. Elman, M. H. Schultz,
 //! SIAM J. Numer. Anal. 20, 345, 1983).
 //!
-//! For directions p_k with orthonormal images q_k = A p_k, the least residual over their span takes one
-//! scalar product each: whatever was learnt of A for one right-hand side serves all later ones.
+//! For directions p_k the images A p_k = sum_i R_ik q_i have orthonormal q_i and an upper triangle R. The least residual over
+//! the span of all directions takes one scalar product each, and the step to it one solution with R:
+//!
+//! ```text
+//! c_i = q_i.r,     r <- r - sum c_i q_i,     R y = c,     x <- x + sum y_k p_k
+//! ```
+//!
+//! Whatever was learnt of A for one right-hand side serves all later ones. Only images are made orthogonal: directions, and what else is
+//! linear in them, stay as they came, and are added once at the end.
 
 use multiversion::multiversion;
 
 /// Search directions of a linear operator, their images, and what else is linear in them.
 #[derive(Clone, Debug, Default)]
 pub struct Directions {
-    kept: Vec<Direction>,
+    /// p, each as long as makes its image a unit long.
+    steps: Vec<Vec<f64>>,
+    /// Normal forces that p makes.
+    normals: Vec<Vec<f64>>,
+    /// q.
+    images: Vec<Vec<f64>>,
+    /// Columns of R.
+    factor: Vec<Vec<f64>>,
 }
 
 /// One direction.
@@ -17,7 +31,7 @@ pub struct Directions {
 pub struct Direction {
     /// p.
     pub step: Vec<f64>,
-    /// A p, of unit length.
+    /// A p.
     pub image: Vec<f64>,
     /// Normal forces that p makes.
     pub normal: Vec<f64>,
@@ -27,63 +41,99 @@ pub struct Direction {
 const DEPENDENT: f64 = 1e-13;
 /// Share of its length that an image must keep for one pass against the others to leave it orthogonal to 1e-14.
 const ENOUGH: f64 = 0.1;
-/// Directions that are taken off another at a time.
+/// Vectors that are taken off another at a time: it passes through the processor once for all of them.
 const AT_ONCE: usize = 4;
 
 impl Directions {
-    /// Directions kept.
+    /// Number of directions kept.
     #[must_use]
-    pub fn all(&self) -> &[Direction] {
-        &self.kept
+    pub const fn count(&self) -> usize {
+        self.images.len()
     }
 
     /// Forgets all directions.
     pub fn clear(&mut self) {
-        self.kept.clear();
+        *self = Self::default();
     }
 
-    /// Adds `direction`, its image of any length; `None` if that depends on those of the others.
-    pub fn add(&mut self, mut direction: Direction) -> Option<&Direction> {
+    /// Adds `direction`; false if its image depends on those of the others.
+    pub fn add(&mut self, mut direction: Direction) -> bool {
         let before = norm(&direction.image);
-        let mut shares = vec![0.0; self.kept.len()];
-        let mut after = self.orthogonalize(&mut direction.image, &mut shares);
+        let mut shares = self.take(&mut direction.image);
+        let mut after = norm(&direction.image);
         // What is left of an image that lost most of its length is rounding in part; twice is enough.
         if after < ENOUGH * before {
-            after = self.orthogonalize(&mut direction.image, &mut shares);
+            let more = self.take(&mut direction.image);
+            shares.iter_mut().zip(more).for_each(|(share, more)| *share += more);
+            after = norm(&direction.image);
         }
         if after.is_nan() || after <= DEPENDENT * before {
-            return None;
+            return false;
         }
-        // The step and its normal forces follow their image, several directions at a time.
-        for (kept, shares) in self.kept.chunks(AT_ONCE).zip(shares.chunks(AT_ONCE)) {
-            subtract_all(&mut direction.step, shares, kept, |kept| &kept.step);
-            subtract_all(&mut direction.normal, shares, kept, |kept| &kept.normal);
+        shares.push(after);
+        for (values, length) in [
+            (&mut direction.image, after),
+            (&mut direction.step, before),
+            (&mut direction.normal, before),
+            (&mut shares, before),
+        ] {
+            values.iter_mut().for_each(|value| *value /= length);
         }
-        for values in [&mut direction.image, &mut direction.step, &mut direction.normal] {
-            values.iter_mut().for_each(|value| *value /= after);
-        }
-        self.kept.push(direction);
-        self.kept.last()
+        self.steps.push(direction.step);
+        self.normals.push(direction.normal);
+        self.images.push(direction.image);
+        self.factor.push(shares);
+        true
     }
 
-    /// Takes from `image` what it has of the others' images, adds their shares to `shares`, and returns the length left.
-    fn orthogonalize(&self, image: &mut [f64], shares: &mut [f64]) -> f64 {
-        for (kept, of_kept) in self.kept.iter().zip(shares) {
-            let share = dot(&kept.image, image);
-            subtract(image, share, &kept.image);
-            *of_kept += share;
+    /// Takes from `values` what they have of each image, and returns the shares c.
+    pub fn take(&self, values: &mut [f64]) -> Vec<f64> {
+        let mut shares = Vec::with_capacity(self.images.len());
+        for images in self.images.chunks(AT_ONCE) {
+            if let [p, q, r, s] = images {
+                let of = dot_four([p, q, r, s], values);
+                subtract_four(values, of, [p, q, r, s]);
+                shares.extend(of);
+            } else {
+                for image in images {
+                    let share = dot(image, values);
+                    subtract(values, share, image);
+                    shares.push(share);
+                }
+            }
         }
-        norm(image)
+        shares
     }
-}
 
-/// `values` less the `shares` of what `part` takes of each of at most [`AT_ONCE`] directions.
-fn subtract_all(values: &mut [f64], shares: &[f64], kept: &[Direction], part: fn(&Direction) -> &Vec<f64>) {
-    if let ([a, b, c, d], [p, q, r, s]) = (shares, kept) {
-        subtract_four(values, [*a, *b, *c, *d], [p, q, r, s].map(|kept| &part(kept)[..]));
-    } else {
-        for (share, kept) in shares.iter().zip(kept) {
-            subtract(values, *share, part(kept));
+    /// The same for the last direction alone.
+    pub fn take_last(&self, values: &mut [f64]) -> Option<f64> {
+        let image = self.images.last()?;
+        let share = dot(image, values);
+        subtract(values, share, image);
+        Some(share)
+    }
+
+    /// Moves `unknowns` and `normal` by the step whose image is the sum of `shares` of the first images.
+    pub fn advance(&self, shares: &[f64], unknowns: &mut [f64], normal: &mut [f64]) {
+        // R y = c
+        let mut y = shares.to_vec();
+        for column in (0..y.len()).rev() {
+            y[column] /= self.factor[column][column];
+            let value = y[column];
+            for (above, entry) in y[..column].iter_mut().zip(&self.factor[column]) {
+                *above -= value * entry;
+            }
+        }
+        for (values, each) in [(unknowns, &self.steps), (normal, &self.normals)] {
+            for (y, each) in y.chunks(AT_ONCE).zip(each.chunks(AT_ONCE)) {
+                if let ([a, b, c, d], [p, q, r, s]) = (y, each) {
+                    subtract_four(values, [-a, -b, -c, -d], [p, q, r, s]);
+                } else {
+                    for (y, each) in y.iter().zip(each) {
+                        subtract(values, -y, each);
+                    }
+                }
+            }
         }
     }
 }
@@ -97,9 +147,31 @@ fn subtract_four(a: &mut [f64], shares: [f64; AT_ONCE], b: [&[f64]; AT_ONCE]) {
     }
 }
 
+/// The product of each of `a` with b, as [`dot`] gives it.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn dot_four(a: [&[f64]; AT_ONCE], b: &[f64]) -> [f64; AT_ONCE] {
+    const LANES: usize = 8;
+    let mut sums = [[0.0; LANES]; AT_ONCE];
+    let (chunks, rest) = b.as_chunks::<LANES>();
+    let of = a.map(|a| a.as_chunks::<LANES>());
+    for (place, b) in chunks.iter().enumerate() {
+        for (sums, (chunks, _)) in sums.iter_mut().zip(&of) {
+            let a = &chunks[place];
+            for lane in 0..LANES {
+                sums[lane] += a[lane] * b[lane];
+            }
+        }
+    }
+    std::array::from_fn(|number| {
+        let sums = &sums[number];
+        let rest: f64 = of[number].1.iter().zip(rest).map(|(a, b)| a * b).sum();
+        ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
+    })
+}
+
 /// a . b in eight partial sums of fixed order: the same with any vector width.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let mut sums = [0.0; LANES];
     let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
@@ -119,7 +191,7 @@ pub fn norm(a: &[f64]) -> f64 {
 
 /// a -= share b.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
-pub fn subtract(a: &mut [f64], share: f64, b: &[f64]) {
+fn subtract(a: &mut [f64], share: f64, b: &[f64]) {
     for (a, b) in a.iter_mut().zip(b) {
         *a -= share * b;
     }
@@ -131,26 +203,31 @@ mod tests {
 
     #[test]
     fn a_second_right_hand_side_needs_no_new_direction_in_a_space_already_spanned() {
-        let apply = |x: &[f64]| vec![2.0 * x[0] + x[1], 3.0 * x[1] - x[2], x[2] + 0.5 * x[0]];
+        // More unknowns than are taken at a time, so that every way of taking them is passed.
+        let count = 7;
+        let apply = |x: &[f64]| -> Vec<f64> {
+            (0..count).map(|i| (2.0 + i as f64) * x[i] - x[(i + 1) % count] + 0.3 * x[(i + 3) % count]).collect()
+        };
         let mut directions = Directions::default();
-        for axis in 0..3 {
-            let mut step = vec![0.1; 3];
+        for axis in 0..count {
+            let mut step = vec![0.1; count];
             step[axis] = 1.0;
             let image = apply(&step);
-            assert!(directions.add(Direction { step, image, normal: Vec::new() }).is_some());
+            assert!(directions.add(Direction { normal: vec![step[0], 2.0 * step[1]], step, image }));
         }
-        let step = vec![0.3, -1.0, 2.0];
+        let step: Vec<f64> = (0..count).map(|i| (i as f64).sin()).collect();
         let image = apply(&step);
-        assert!(directions.add(Direction { step, image, normal: Vec::new() }).is_none());
-        for right in [[1.0, 0.0, 0.0], [0.2, -4.0, 1.0]] {
-            let (mut x, mut residual) = (vec![0.0; 3], right.to_vec());
-            for direction in directions.all() {
-                let share = dot(&direction.image, &residual);
-                subtract(&mut x, -share, &direction.step);
-                subtract(&mut residual, share, &direction.image);
-            }
+        assert!(!directions.add(Direction { step, image, normal: Vec::new() }));
+        for seed in [1.0, 2.7] {
+            let right: Vec<f64> = (0..count).map(|i| (seed * i as f64).cos()).collect();
+            let (mut x, mut normal, mut residual) = (vec![0.0; count], vec![0.0; 2], right.clone());
+            let shares = directions.take(&mut residual);
+            directions.advance(&shares, &mut x, &mut normal);
             let found = apply(&x);
-            assert!((0..3).all(|c| (found[c] - right[c]).abs() < 1e-14), "{found:?}");
+            assert!(found.iter().zip(&right).all(|(found, right)| (found - right).abs() < 1e-14), "{found:?}");
+            assert!(norm(&residual) < 1e-14);
+            // What is linear in the directions follows them.
+            assert!((normal[0] - x[0]).abs() < 1e-14 && (normal[1] - 2.0 * x[1]).abs() < 1e-14);
         }
     }
 }

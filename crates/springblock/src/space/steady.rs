@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 use slipgrid_material::AreaLaw;
 
-use super::directions::{Direction, Directions, dot, norm, subtract};
+use super::directions::{Direction, Directions, norm};
 use super::interface::{Face, Interface, Response};
 use super::lattice::SpaceLattice;
 use crate::outcome::{InterfacePoint, Status, SurfaceOutcome};
@@ -290,14 +290,11 @@ impl<'a> Solver<'a> {
         Direction { step, image, normal: self.response.normal.clone() }
     }
 
-    /// Moves the state by `share` of `direction`, and the residual with it.
-    fn advance(state: &mut State, residual: &mut [f64], direction: &Direction) {
-        let share = dot(&direction.image, residual);
-        subtract(&mut state.unknowns, -share, &direction.step);
-        let elastic = state.elastic.len();
-        subtract(&mut state.elastic, -share, &direction.image[..elastic]);
-        subtract(&mut state.normal, -share, &direction.normal);
-        subtract(residual, share, &direction.image);
+    /// Moves the state by the `shares` of the directions' images that were taken from its residual, of which `residual` is left.
+    fn advance(&mut self, shares: &[f64], residual: &[f64]) {
+        let State { unknowns, elastic, normal } = &mut self.state;
+        self.directions.advance(shares, unknowns, normal);
+        elastic.iter_mut().zip(residual).for_each(|(elastic, left)| *elastic = -left);
     }
 
     /// Slopes of friction: at the nominal pressure, or at the present normal forces.
@@ -394,23 +391,25 @@ impl<'a> Solver<'a> {
             }
             last = size;
             let target = LINEAR_TOLERANCE * norm(&residual);
-            for direction in self.directions.all() {
-                Self::advance(&mut self.state, &mut residual, direction);
-            }
+            let mut shares = self.directions.take(&mut residual);
             while norm(&residual) > target && applied < MOST_DIRECTIONS {
                 if self.monitor.cancelled() {
+                    self.advance(&shares, &residual);
                     return End { status: Status::Cancelled, residual: size, directions: applied };
                 }
-                if self.directions.all().len() >= MOST_KEPT {
+                if self.directions.count() >= MOST_KEPT {
+                    self.advance(&shares, &residual);
+                    shares.clear();
                     self.directions.clear();
                 }
                 let direction = self.apply(residual.clone());
                 applied += 1;
-                match self.directions.add(direction) {
-                    Some(direction) => Self::advance(&mut self.state, &mut residual, direction),
-                    None => break,
+                if !self.directions.add(direction) {
+                    break;
                 }
+                shares.extend(self.directions.take_last(&mut residual));
             }
+            self.advance(&shares, &residual);
         }
         if let Some((_, state)) = best {
             self.state = state;
