@@ -78,30 +78,16 @@ impl Wanted {
     /// How much there is for a texture of which `prediction` is known, and whose ratios are `modelled`.
     #[must_use]
     pub fn score(&self, prediction: &Prediction, modelled: &[f64]) -> Score {
-        let [lower, upper] = self.over(modelled);
-        let n = modelled.len();
-        let mut normals = Normals::new(1);
-        let deviates: Vec<f64> = (0..DRAWS * n).map(|_| normals.draw()).collect();
-        let mut score = Score { chance: 0.0, closeness: 0.0 };
-        for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
-            let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
-            if of.weight * of.most_within(&lower, &upper) > LEAST_CHANCE {
-                score.chance += of.weight * box_probability(&of.mean, &factor, &lower, &upper);
-            }
-            // Draws and their opposites.
-            let close = |z: &[f64], side: f64| {
-                let misfit = |load: usize| {
-                    let known = of.mean[load] + side * dot(&factor[load * n..][..=load], z);
-                    let half = 0.5 * (upper[load] - lower[load]);
-                    if half.is_finite() { (known - lower[load] - half).abs() / half } else { 0.0 }
-                };
-                let most = (0..n).map(misfit).fold(0.0, f64::max);
-                libm::exp(-0.25 * most * most)
-            };
-            let sum: f64 = deviates.chunks(n.max(1)).map(|z| close(z, 1.0) + close(z, -1.0)).sum();
-            score.closeness += of.weight * sum / (2 * DRAWS) as f64;
-        }
-        score
+        let bounds = self.over(modelled);
+        let chance = chance(prediction, &bounds, 0.0).unwrap_or(0.0);
+        Score { chance, closeness: closeness(prediction, &bounds) }
+    }
+
+    /// The same; `None` where the chance is below `least_chance`.
+    fn score_above(&self, prediction: &Prediction, modelled: &[f64], least_chance: f64) -> Option<Score> {
+        let bounds = self.over(modelled);
+        let chance = chance(prediction, &bounds, least_chance)?;
+        Some(Score { chance, closeness: closeness(prediction, &bounds) })
     }
 
     /// No less than the chance and the value of [`Wanted::score`]: by each load alone.
@@ -129,6 +115,56 @@ impl Wanted {
     }
 }
 
+/// Chance that a sample lies within `bounds` at all loads at once; `None` where that is less than `least`, which the forms that can
+/// add most tell before the others are asked.
+fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64) -> Option<f64> {
+    let n = lower.len();
+    let forms = prediction.components.iter().enumerate().filter(|(_, of)| of.weight > LEAST_WEIGHT);
+    let mut most: Vec<(usize, f64)> =
+        forms.map(|(place, of)| (place, of.weight * of.most_within(lower, upper))).collect();
+    most.retain(|(_, most)| *most > LEAST_CHANCE);
+    most.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let mut left: f64 = most.iter().map(|(_, most)| most).sum();
+    let mut found = vec![0.0; prediction.components.len()];
+    let mut sum = 0.0;
+    for (place, most) in most {
+        if sum + left.max(0.0) < least {
+            return None;
+        }
+        let of = &prediction.components[place];
+        let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+        found[place] = of.weight * box_probability(&of.mean, &factor, lower, upper);
+        sum += found[place];
+        left -= most;
+    }
+    // In the order of the forms, whichever came first.
+    let chance: f64 = found.iter().sum();
+    (chance >= least).then_some(chance)
+}
+
+/// E exp(-m^2 / 4), by draws and their opposites.
+fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
+    let n = lower.len();
+    let mut normals = Normals::new(1);
+    let deviates: Vec<f64> = (0..DRAWS * n).map(|_| normals.draw()).collect();
+    let mut sum = 0.0;
+    for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
+        let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+        let close = |z: &[f64], side: f64| {
+            let misfit = |load: usize| {
+                let known = of.mean[load] + side * dot(&factor[load * n..][..=load], z);
+                let half = 0.5 * (upper[load] - lower[load]);
+                if half.is_finite() { (known - lower[load] - half).abs() / half } else { 0.0 }
+            };
+            let most = (0..n).map(misfit).fold(0.0, f64::max);
+            libm::exp(-0.25 * most * most)
+        };
+        let drawn: f64 = deviates.chunks(n.max(1)).map(|z| close(z, 1.0) + close(z, -1.0)).sum();
+        sum += of.weight * drawn / (2 * DRAWS) as f64;
+    }
+    sum
+}
+
 /// The greatest score of `count` candidates that `of` gives; candidates of which it gives nothing are passed by. Of equal ones
 /// the first.
 pub fn choose<'a>(
@@ -141,7 +177,7 @@ pub fn choose<'a>(
 }
 
 /// The `most` greatest scores of `count` candidates that `of` gives, the greatest first. Of equal ones the first. Candidates whose
-/// chance is below `least_chance` for certain are passed by.
+/// chance is below `least_chance` are passed by.
 pub fn rank<'a>(
     predictor: &Predictor,
     wanted: &Wanted,
@@ -164,7 +200,7 @@ pub fn rank<'a>(
         }
         let scored = batch.par_iter().filter_map(|(place, _)| {
             let candidate = of(*place)?;
-            let score = wanted.score(&predictor.of(&candidate), candidate.modelled);
+            let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least_chance)?;
             Some(Chosen { place: *place, score })
         });
         best.extend(scored.collect::<Vec<Chosen>>());

@@ -183,15 +183,33 @@ impl Sampler {
 }
 
 impl Component {
-    /// The least of the loads' own probabilities to lie between `lower` and `upper`: no less than that of all at once.
+    /// No less than the probability of lying between `lower` and `upper` at all loads: the least of those of each load, and of the
+    /// difference of any two,
+    ///
+    /// ```text
+    /// lower_l - upper_m <= y_l - y_m <= upper_l - lower_m
+    /// ```
+    ///
+    /// Loads go together, so that it is their differences that tell most textures from what is wanted.
     pub(crate) fn most_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.mean.len();
-        let at = |load: usize| {
-            let std = self.covariance[load * n + load].max(1e-300).sqrt();
-            let below = |end: f64| normal_probability((end - self.mean[load]) / std);
-            below(upper[load]) - below(lower[load])
+        let within = |mean: f64, variance: f64, [from, to]: [f64; 2]| {
+            let std = variance.max(1e-300).sqrt();
+            let below = |end: f64| normal_probability((end - mean) / std);
+            below(to) - below(from)
         };
-        (0..n).map(at).fold(1.0, f64::min)
+        let mut most: f64 = 1.0;
+        for l in 0..n {
+            most = most.min(within(self.mean[l], self.covariance[l * n + l], [lower[l], upper[l]]));
+        }
+        for l in 0..n {
+            for m in 0..l {
+                let [ll, mm, lm] = [(l, l), (m, m), (l, m)].map(|(l, m)| self.covariance[l * n + m]);
+                let ends = [lower[l] - upper[m], upper[l] - lower[m]];
+                most = most.min(within(self.mean[l] - self.mean[m], ll + mm - 2.0 * lm, ends));
+            }
+        }
+        most
     }
 }
 
@@ -292,7 +310,7 @@ impl Prediction {
         self.components.iter().map(of).sum()
     }
 
-    /// No less than [`Prediction::probability_within`], and cheaper: the least of the loads' own probabilities, form by form.
+    /// No less than [`Prediction::probability_within`], and cheaper: form by form the least of what each load, and each two loads, allow.
     #[must_use]
     pub fn most_probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         self.components.iter().map(|of| of.weight * of.most_within(lower, upper)).sum()
