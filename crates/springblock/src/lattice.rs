@@ -221,6 +221,11 @@ impl Lattice {
                 continue;
             }
             let vertical = self.vertical_stiffness(i);
+            let beside = |side: usize| {
+                let w = self.interval(i, side);
+                (side, w, springs(w))
+            };
+            let (to_left, to_right) = (left.map(beside), right.map(beside));
             for j in 0..rows {
                 let above = j + 1;
                 let mut join = |column: usize, row: usize, rest: [f64; 2], stiffness: f64| {
@@ -229,15 +234,13 @@ impl Lattice {
                     let there = joint_presence([i, column].map(|i| self.columns[i].coverage), deep);
                     visit(Bond { a: (i, j), b, rest, stiffness }, stiffness_share(there));
                 };
-                if let Some(right) = right.filter(|&right| right != i) {
-                    let w = self.interval(i, right);
-                    join(right, j, [w, 0.0], springs(w)[0]);
+                if let Some((right, w, [level, ..])) = to_right.filter(|(right, ..)| *right != i) {
+                    join(right, j, [w, 0.0], level);
                 }
                 join(i, above, [0.0, 1.0], vertical);
-                for (side, sign) in [(right, 1.0), (left, -1.0)] {
-                    if let Some(side) = side {
-                        let w = self.interval(i, side);
-                        join(side, above, [sign * w, 1.0], springs(w)[1]);
+                for (side, sign) in [(to_right, 1.0), (to_left, -1.0)] {
+                    if let Some((side, w, [_, oblique, _])) = side {
+                        join(side, above, [sign * w, 1.0], oblique);
                     }
                 }
             }

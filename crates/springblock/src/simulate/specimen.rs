@@ -196,18 +196,41 @@ impl SteadyFace {
         for piece in &mut pieces {
             piece.pressure_share *= area_m2 / carried;
         }
-        let flat = FlatFace::new(scene, face);
-        let mut loads: Vec<LoadOutcome> =
-            scene.loads.par_iter().map(|load| face_load(scene, face, &pieces, &flat, load)).collect();
+        let by_piece: Vec<Vec<SurfaceOutcome>> =
+            pieces.par_iter().map(|piece| solve(scene, &piece.model, piece.pressure_share)).collect();
+        let mut by_piece: Vec<_> = by_piece.into_iter().map(Vec::into_iter).collect();
+        let flat = FlatFace::new(scene, face).solve(scene);
+        let each = scene.loads.iter().zip(flat).map(|(load, flat)| {
+            let surfaces: Vec<SurfaceOutcome> = by_piece.iter_mut().filter_map(Iterator::next).collect();
+            face_load(face, &pieces, &surfaces, flat, load)
+        });
+        let mut loads: Vec<LoadOutcome> = each.collect();
         rims.add(face.cavity_share() / pattern.section_density(), &mut loads);
         Ok(Self { loads, shortened: count })
     }
 }
 
-/// Steady sliding on `model` at `pressure_pa` with the mean coefficient of `load`.
-fn solve(scene: &Scene, model: &SteadyModel, load: &Load, pressure_pa: f64) -> SurfaceOutcome {
-    let dynamic_mu = vec![load.friction.dynamic_mean(); model.lattice().nx()];
-    model.solve(&SteadyLoad { pressure_pa, dynamic_mu: &dynamic_mu, area_law: scene.area_law.as_ref() })
+/// Steady sliding on `model` at each load of `scene`, at `share` of its pressure and with its mean coefficient.
+fn solve(scene: &Scene, model: &SteadyModel, share: f64) -> Vec<SurfaceOutcome> {
+    let columns = model.lattice().nx();
+    let of_load = |load: &Load| vec![load.friction.dynamic_mean(); columns];
+    solve_drawn(scene, model, share, &scene.loads.iter().map(of_load).collect::<Vec<_>>())
+}
+
+/// The same with the coefficients `dynamic_mu` of every column, one row a load.
+fn solve_drawn<'a>(
+    scene: &'a Scene,
+    model: &SteadyModel,
+    share: f64,
+    dynamic_mu: &'a [Vec<f64>],
+) -> Vec<SurfaceOutcome> {
+    let of_load = |(load, dynamic_mu): (&Load, &'a Vec<f64>)| SteadyLoad {
+        pressure_pa: load.pressure_pa * share,
+        dynamic_mu,
+        area_law: scene.area_law.as_ref(),
+    };
+    let loads: Vec<SteadyLoad> = scene.loads.iter().zip(dynamic_mu).map(of_load).collect();
+    model.solve_all(&loads)
 }
 
 /// The flat face: uniform but for the ends of its strips.
@@ -230,25 +253,28 @@ impl FlatFace {
         Self { model, length_m, ends_per_m: sum(|strip| strip.width_m) / sum(Strip::area_m2) }
     }
 
-    /// The flat face under `load`: what a pair of ends takes off one strip is that of every strip.
-    fn solve(&self, scene: &Scene, load: &Load) -> SurfaceOutcome {
-        let own = solve(scene, &self.model, load, load.pressure_pa);
-        let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
-        let uniform = load.friction.dynamic_mean() * factor;
-        // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
-        let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
-        SurfaceOutcome { mu_dynamic, ..own }
+    /// The flat face under each load: what a pair of ends takes off one strip is that of every strip.
+    fn solve(&self, scene: &Scene) -> Vec<SurfaceOutcome> {
+        let of_load = |(load, own): (&Load, SurfaceOutcome)| {
+            let factor = scene.area_law.as_ref().map_or(1.0, |law| law.factor(load.pressure_pa));
+            let uniform = load.friction.dynamic_mean() * factor;
+            // mu = mu_u + (mu_1 - mu_u) L_1 sum w_s / sum w_s L_s
+            let mu_dynamic = own.mu_dynamic.map(|mu| uniform + (mu - uniform) * self.length_m * self.ends_per_m);
+            SurfaceOutcome { mu_dynamic, ..own }
+        };
+        scene.loads.iter().zip(solve(scene, &self.model, 1.0)).map(of_load).collect()
     }
 }
 
-/// The face under one load.
-fn face_load(scene: &Scene, face: &Face, pieces: &[Piece], flat: &FlatFace, load: &Load) -> LoadOutcome {
-    let surfaces: Vec<SurfaceOutcome> = pieces
-        .par_iter()
-        .map(|piece| solve(scene, &piece.model, load, load.pressure_pa * piece.pressure_share))
-        .collect();
-    let flat = flat.solve(scene, load);
-    let (ratio, sampling_error) = face_ratio(face, pieces, &surfaces, flat.mu_dynamic).unzip();
+/// The face under one load, of which `surfaces` are the pieces and `flat` the flat face.
+fn face_load(
+    face: &Face,
+    pieces: &[Piece],
+    surfaces: &[SurfaceOutcome],
+    flat: SurfaceOutcome,
+    load: &Load,
+) -> LoadOutcome {
+    let (ratio, sampling_error) = face_ratio(face, pieces, surfaces, flat.mu_dynamic).unzip();
     let longest = surfaces.iter().zip(pieces).max_by(|(_, a), (_, b)| {
         (a.cavity_area_m2 > 0.0, a.model.lattice().nx()).cmp(&(b.cavity_area_m2 > 0.0, b.model.lattice().nx()))
     });
@@ -325,8 +351,7 @@ fn in_time(
     let columns = models[0].lattice().columns();
     let own_share = columns.iter().filter(|column| !column.is_land()).count() as f64 / columns.len() as f64;
     let share = if own_share > 0.0 { face.cavity_share() / own_share } else { 0.0 };
-    for ((outcome, load), steady) in loads.iter_mut().zip(&scene.loads).zip(&steady.loads) {
-        let of_steady = drawn_ratio(scene, &models, load);
+    for ((outcome, of_steady), steady) in loads.iter_mut().zip(drawn_ratios(scene, &models)).zip(&steady.loads) {
         let added = outcome.ratio.zip(of_steady).map(|(dynamic, steady)| dynamic - steady);
         outcome.ratio = steady.ratio.zip(added).map(|(ratio, added)| ratio + added * share);
         outcome.ratio_stderr = outcome.ratio_stderr.map(|stderr| stderr * share);
@@ -364,21 +389,28 @@ fn timed_lattices(scene: &Scene, pattern: &Pattern, strip: &Strip) -> Vec<Lattic
     [own, flat].into_iter().map(|columns| Lattice::new(columns, rows, false)).collect()
 }
 
-/// Steady ratio of the first of `models` over the second with the coefficients that the runs in time draw.
-fn drawn_ratio(scene: &Scene, models: &[SteadyModel], load: &Load) -> Option<f64> {
+/// Steady ratio of the first of `models` over the second with the coefficients that the runs in time draw, by load.
+fn drawn_ratios(scene: &Scene, models: &[SteadyModel]) -> Vec<Option<f64>> {
     let draws = scene.run.draws as usize;
-    let ratio = |draw: usize| {
-        let mu = |model: &SteadyModel| {
-            let drawn = draws::draw(&load.friction, seed_of(scene, draw), model.lattice().nx());
-            let dynamic_mu: Vec<f64> = drawn.iter().map(|drawn| drawn.dynamic_mu).collect();
-            let area_law = scene.area_law.as_ref();
-            let solved = model.solve(&SteadyLoad { pressure_pa: load.pressure_pa, dynamic_mu: &dynamic_mu, area_law });
-            solved.mu_dynamic.filter(|mu| *mu != 0.0 && solved.status == Status::Converged)
+    let mut sums = vec![Some(0.0); scene.loads.len()];
+    for draw in 0..draws {
+        let solved = |model: &SteadyModel| {
+            let of_load = |load: &Load| {
+                let drawn = draws::draw(&load.friction, seed_of(scene, draw), model.lattice().nx());
+                drawn.iter().map(|drawn| drawn.dynamic_mu).collect()
+            };
+            solve_drawn(scene, model, 1.0, &scene.loads.iter().map(of_load).collect::<Vec<Vec<f64>>>())
         };
-        Some(mu(&models[0])? / mu(&models[1])?)
-    };
-    let sum: Option<f64> = (0..draws).map(ratio).sum();
-    sum.map(|sum| sum / draws as f64)
+        let surfaces: Vec<Vec<SurfaceOutcome>> = models.par_iter().map(solved).collect();
+        let mu = |surface: &SurfaceOutcome| {
+            surface.mu_dynamic.filter(|mu| *mu != 0.0 && surface.status == Status::Converged)
+        };
+        for (load, sum) in sums.iter_mut().enumerate() {
+            let ratio = mu(&surfaces[0][load]).zip(mu(&surfaces[1][load])).map(|(own, flat)| own / flat);
+            *sum = sum.zip(ratio).map(|(sum, ratio)| sum + ratio);
+        }
+    }
+    sums.into_iter().map(|sum| sum.map(|sum: f64| sum / draws as f64)).collect()
 }
 
 fn describe(scene: &Scene, face: &Face, pattern: &Pattern, steady: &SteadyFace) -> Vec<String> {

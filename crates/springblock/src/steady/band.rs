@@ -56,7 +56,15 @@ impl BandFactor {
     pub fn solve(&self, x: &mut [f64]) {
         substitute(&self.upper.rows, self.upper.half_bandwidth, x);
     }
+
+    /// Solves A x = b for several b at once, each as [`Self::solve`] does to the last bit.
+    pub fn solve_together(&self, x: &mut [[f64; TOGETHER]]) {
+        substitute_together(&self.upper.rows, self.upper.half_bandwidth, x);
+    }
 }
+
+/// Right-hand sides that are solved together: the factor, which no cache near the processor holds, passes through once for all of them.
+pub const TOGETHER: usize = 4;
 
 /// Right-looking elimination; false if a pivot is not positive.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
@@ -89,10 +97,12 @@ fn eliminate(rows: &mut [f64], order: usize, half_bandwidth: usize) -> bool {
     true
 }
 
+/// Partial sums in a fixed order: the same result with any vector width.
+const LANES: usize = 8;
+
 /// Forward and backward substitution.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
-    const LANES: usize = 8;
     let stride = half_bandwidth + 1;
     let order = x.len();
     for k in 0..order {
@@ -109,7 +119,6 @@ fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
         let reach = half_bandwidth.min(order - 1 - k);
         let row = &rows[k * stride + 1..k * stride + 1 + reach];
         let known = &x[k + 1..=k + reach];
-        // Eight partial sums in a fixed order: the same result with any vector width.
         let mut sums = [0.0; LANES];
         let (row_chunks, known_chunks) = (row.chunks_exact(LANES), known.chunks_exact(LANES));
         let rest: f64 = row_chunks.remainder().iter().zip(known_chunks.remainder()).map(|(u, v)| u * v).sum();
@@ -120,6 +129,49 @@ fn substitute(rows: &[f64], half_bandwidth: usize, x: &mut [f64]) {
         }
         let total = ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest;
         x[k] = x[k] * rows[k * stride] - total;
+    }
+}
+
+/// As [`substitute`], in the same order.
+#[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
+fn substitute_together(rows: &[f64], half_bandwidth: usize, x: &mut [[f64; TOGETHER]]) {
+    let stride = half_bandwidth + 1;
+    let order = x.len();
+    for k in 0..order {
+        let reach = half_bandwidth.min(order - 1 - k);
+        let value = x[k];
+        let row = &rows[k * stride + 1..k * stride + 1 + reach];
+        for (t, u) in x[k + 1..=k + reach].iter_mut().zip(row) {
+            for side in 0..TOGETHER {
+                t[side] -= u * value[side];
+            }
+        }
+    }
+    for k in (0..order).rev() {
+        let reach = half_bandwidth.min(order - 1 - k);
+        let row = &rows[k * stride + 1..k * stride + 1 + reach];
+        let known = &x[k + 1..=k + reach];
+        let mut sums = [[0.0; TOGETHER]; LANES];
+        let (row_chunks, row_rest) = row.as_chunks::<LANES>();
+        let (known_chunks, known_rest) = known.as_chunks::<LANES>();
+        let mut rest = [0.0; TOGETHER];
+        for (u, v) in row_rest.iter().zip(known_rest) {
+            for side in 0..TOGETHER {
+                rest[side] += u * v[side];
+            }
+        }
+        for (u, v) in row_chunks.iter().zip(known_chunks) {
+            for lane in 0..LANES {
+                for side in 0..TOGETHER {
+                    sums[lane][side] += u[lane] * v[lane][side];
+                }
+            }
+        }
+        for side in 0..TOGETHER {
+            let sum = |lane: usize| sums[lane][side];
+            let total = ((sum(0) + sum(4)) + (sum(1) + sum(5))) + ((sum(2) + sum(6)) + (sum(3) + sum(7))) + rest[side];
+            x[k][side] = x[k][side] * rows[k * stride] - total;
+        }
     }
 }
 
@@ -162,6 +214,22 @@ mod tests {
             matrix.clone().factor().unwrap().solve(&mut x);
             let residual = times(&matrix, &x).iter().zip(&right).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(residual < 1e-12, "{order} {half_bandwidth} {residual}");
+        }
+    }
+
+    #[test]
+    fn several_right_hand_sides_at_once_have_the_bits_of_each_alone() {
+        for (order, half_bandwidth) in [(1, 0), (5, 4), (60, 1), (200, 37), (90, 43)] {
+            let factor = example(order, half_bandwidth).factor().unwrap();
+            let right = |side: usize| move |i: usize| ((i * (side + 1)) as f64 * 0.7).sin();
+            let mut together: Vec<[f64; TOGETHER]> =
+                (0..order).map(|i| std::array::from_fn(|side| right(side)(i))).collect();
+            factor.solve_together(&mut together);
+            for side in 0..TOGETHER {
+                let mut alone: Vec<f64> = (0..order).map(right(side)).collect();
+                factor.solve(&mut alone);
+                assert!(alone.iter().zip(&together).all(|(alone, each)| alone.to_bits() == each[side].to_bits()));
+            }
         }
     }
 

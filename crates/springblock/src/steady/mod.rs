@@ -82,6 +82,19 @@ trait LinearResponse {
     /// Displacements and normal forces (positive in compression) under the nominal load and the
     /// friction forces `friction` (positive against sliding) on the contacts, bulk at x = 0.
     fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]);
+    /// The same for several loads, which may be cheaper than one after the other; the results are the same to the last bit.
+    fn respond_each(&self, each: &mut [Response<'_>]) {
+        for Response { friction, displacement, normal } in each {
+            self.respond(friction, displacement, normal);
+        }
+    }
+}
+
+/// Friction forces on the contacts, and what they do: see [`LinearResponse::respond`].
+struct Response<'a> {
+    friction: &'a [f64],
+    displacement: &'a mut [f64],
+    normal: &'a mut [f64],
 }
 
 /// Forces on the contact blocks in units of P l^2, and displacements in units of P l^2 / k.
@@ -125,6 +138,17 @@ impl SteadyModel {
             return self.unloaded();
         }
         self.observe(load, &self.equilibrium(load))
+    }
+
+    /// Steady sliding under each of `loads`, to the last bit as [`Self::solve`] gives it.
+    #[must_use]
+    pub fn solve_all(&self, loads: &[SteadyLoad]) -> Vec<SurfaceOutcome> {
+        let is_plain = !self.liftoff && !self.lattice.is_raised() && !self.system.contacts().is_empty();
+        if !is_plain || loads.iter().any(|load| load.pressure_pa == 0.0) {
+            return loads.iter().map(|load| self.solve(load)).collect();
+        }
+        let states = iterate_all(&self.system, loads);
+        loads.iter().zip(&states).map(|(load, state)| self.observe(load, state)).collect()
     }
 
     /// Lifts blocks under tension and lands those that sink below the counterface, or what stands on it of the face's heights,
@@ -253,56 +277,118 @@ fn observe(
 
 /// Iterates the fixed point of the friction forces.
 fn iterate(system: &impl LinearResponse, load: &SteadyLoad) -> Equilibrium {
-    let contacts = system.contacts();
-    let scale = system.load();
-    // Every contact starts from its share of the load.
-    let mut friction: Vec<f64> =
-        contacts.iter().map(|c| if c.lifted { 0.0 } else { load.dynamic_mu[c.column] * c.width }).collect();
-    let mut mixer = Anderson::new(friction.len());
-    let mut displacement = vec![0.0; system.order()];
-    let mut normal = vec![0.0; contacts.len()];
-    let mut image = vec![0.0; contacts.len()];
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    let evaluate = |friction: &[f64], displacement: &mut [f64], normal: &mut [f64], image: &mut [f64]| {
+    let mut iteration = Iteration::new(system, load);
+    while iteration.is_open() {
+        let Response { friction, displacement, normal } = iteration.response();
         system.respond(friction, displacement, normal);
-        for (number, (image, &normal)) in image.iter_mut().zip(normal.iter()).enumerate() {
-            *image = newton::friction_at(system, load, number, normal);
-        }
-        image.iter().zip(friction).map(|(g, x)| (g - x).abs()).sum::<f64>() / scale
-    };
-    for iteration in 1..=MOST_ITERATIONS {
-        let residual = evaluate(&friction, &mut displacement, &mut normal, &mut image);
-        if residual <= TOLERANCE {
-            return Equilibrium {
-                status: Status::Converged,
-                iterations: iteration,
-                residual,
-                friction: image,
-                normal,
-                displacement,
-            };
-        }
-        if !residual.is_finite() {
+        iteration.advance(system);
+    }
+    iteration.end(system)
+}
+
+/// The same for several loads side by side.
+fn iterate_all(system: &impl LinearResponse, loads: &[SteadyLoad]) -> Vec<Equilibrium> {
+    let mut all: Vec<Iteration> = loads.iter().map(|load| Iteration::new(system, load)).collect();
+    loop {
+        let mut open: Vec<&mut Iteration> = all.iter_mut().filter(|iteration| iteration.is_open()).collect();
+        if open.is_empty() {
             break;
         }
-        if best.as_ref().is_none_or(|(least, _)| residual < *least) {
-            best = Some((residual, friction.clone()));
+        let mut each: Vec<Response> = open.iter_mut().map(|iteration| iteration.response()).collect();
+        system.respond_each(&mut each);
+        open.into_iter().for_each(|iteration| iteration.advance(system));
+    }
+    all.into_iter().map(|iteration| iteration.end(system)).collect()
+}
+
+/// The iteration for one load: it alternates between [`LinearResponse::respond`] and [`Self::advance`].
+struct Iteration<'a> {
+    load: &'a SteadyLoad<'a>,
+    friction: Vec<f64>,
+    mixer: Anderson,
+    displacement: Vec<f64>,
+    normal: Vec<f64>,
+    /// Friction forces at the normal forces that the present ones make.
+    image: Vec<f64>,
+    residual: f64,
+    count: usize,
+    best: Option<(f64, Vec<f64>)>,
+    has_ended: bool,
+}
+
+impl<'a> Iteration<'a> {
+    /// Every contact starts from its share of the load.
+    fn new(system: &impl LinearResponse, load: &'a SteadyLoad<'a>) -> Self {
+        let contacts = system.contacts();
+        let share = |contact: &Contact| {
+            if contact.lifted { 0.0 } else { load.dynamic_mu[contact.column] * contact.width }
+        };
+        Self {
+            load,
+            friction: contacts.iter().map(share).collect(),
+            mixer: Anderson::new(contacts.len()),
+            displacement: vec![0.0; system.order()],
+            normal: vec![0.0; contacts.len()],
+            image: vec![0.0; contacts.len()],
+            residual: f64::INFINITY,
+            count: 0,
+            best: None,
+            has_ended: false,
         }
-        mixer.step(&mut friction, &image);
     }
-    let mut iterations = MOST_ITERATIONS;
-    if let Some((_, state)) = best {
-        friction = state;
-        iterations += newton::improve(system, load, &mut friction, 0.5 * TOLERANCE);
+
+    fn is_open(&self) -> bool {
+        !self.has_ended && self.count < MOST_ITERATIONS
     }
-    let residual = evaluate(&friction, &mut displacement, &mut normal, &mut image);
-    Equilibrium {
-        status: if residual <= TOLERANCE { Status::Converged } else { Status::NotConverged },
-        iterations,
-        residual,
-        friction: image,
-        normal,
-        displacement,
+
+    fn response(&mut self) -> Response<'_> {
+        Response { friction: &self.friction, displacement: &mut self.displacement, normal: &mut self.normal }
+    }
+
+    /// The image of the friction forces, and their distance from it over the load.
+    fn evaluate(&mut self, system: &impl LinearResponse) {
+        for (number, (image, &normal)) in self.image.iter_mut().zip(&self.normal).enumerate() {
+            *image = newton::friction_at(system, self.load, number, normal);
+        }
+        let distance: f64 = self.image.iter().zip(&self.friction).map(|(g, x)| (g - x).abs()).sum();
+        self.residual = distance / system.load();
+    }
+
+    /// Takes the next friction forces, unless the present ones are the fixed point.
+    fn advance(&mut self, system: &impl LinearResponse) {
+        self.count += 1;
+        self.evaluate(system);
+        if self.residual <= TOLERANCE || !self.residual.is_finite() {
+            self.has_ended = true;
+            return;
+        }
+        if self.best.as_ref().is_none_or(|(least, _)| self.residual < *least) {
+            self.best = Some((self.residual, self.friction.clone()));
+        }
+        self.mixer.step(&mut self.friction, &self.image);
+    }
+
+    /// The equilibrium, by Newton's method from the best state where the iteration has not found it.
+    fn end(mut self, system: &impl LinearResponse) -> Equilibrium {
+        let mut iterations = self.count;
+        if !(self.has_ended && self.residual <= TOLERANCE) {
+            iterations = MOST_ITERATIONS;
+            if let Some((_, state)) = self.best.take() {
+                self.friction = state;
+                iterations += newton::improve(system, self.load, &mut self.friction, 0.5 * TOLERANCE);
+            }
+            let Response { friction, displacement, normal } = self.response();
+            system.respond(friction, displacement, normal);
+            self.evaluate(system);
+        }
+        Equilibrium {
+            status: if self.residual <= TOLERANCE { Status::Converged } else { Status::NotConverged },
+            iterations,
+            residual: self.residual,
+            friction: self.image,
+            normal: self.normal,
+            displacement: self.displacement,
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The linear part of steady sliding: stiffness, its factor, the response to friction and to the bulk.
 
-use super::LinearResponse;
-use super::band::{BandFactor, BandMatrix};
+use super::band::{BandFactor, BandMatrix, TOGETHER};
+use super::{LinearResponse, Response};
 use crate::lattice::{Bond, Lattice, tie};
 
 /// A block of row 0 on land.
@@ -257,11 +257,18 @@ impl System {
         for (contact, force) in self.contacts.iter().zip(friction) {
             displacement[contact.dof] = -force;
         }
-        let Some(factor) = &self.factor else {
+        if let Some(factor) = &self.factor {
+            factor.solve(displacement);
+        }
+        self.complete(scale, displacement, normal);
+    }
+
+    /// Adds to `displacement`, which friction alone makes, what the face and the load do, and finds the normal forces.
+    fn complete(&self, scale: f64, displacement: &mut [f64], normal: &mut [f64]) {
+        if self.factor.is_none() {
             normal.fill(f64::NAN);
             return;
-        };
-        factor.solve(displacement);
+        }
         let relief = self.relief.as_ref().filter(|_| scale != 0.0);
         if let Some(relief) = relief {
             displacement.iter_mut().zip(&relief.displacement).for_each(|(u, by_relief)| *u += scale * by_relief);
@@ -305,6 +312,29 @@ impl LinearResponse for System {
 
     fn respond(&self, friction: &[f64], displacement: &mut [f64], normal: &mut [f64]) {
         self.respond_raised(0.0, friction, displacement, normal);
+    }
+
+    fn respond_each(&self, each: &mut [Response<'_>]) {
+        let Some(factor) = self.factor.as_ref().filter(|_| each.len() > 1) else {
+            for Response { friction, displacement, normal } in each {
+                self.respond(friction, displacement, normal);
+            }
+            return;
+        };
+        let mut together = vec![[0.0; TOGETHER]; self.coupling.len()];
+        for each in each.chunks_mut(TOGETHER) {
+            together.fill([0.0; TOGETHER]);
+            for (side, response) in each.iter().enumerate() {
+                for (contact, force) in self.contacts.iter().zip(response.friction) {
+                    together[contact.dof][side] = -force;
+                }
+            }
+            factor.solve_together(&mut together);
+            for (side, Response { displacement, normal, .. }) in each.iter_mut().enumerate() {
+                displacement.iter_mut().zip(&together).for_each(|(own, each)| *own = each[side]);
+                self.complete(0.0, displacement, normal);
+            }
+        }
     }
 }
 

@@ -66,9 +66,10 @@ fn strips_carry_the_load_as_one_rigid_bulk_presses_them() {
     let [k_t, k_f] = [textured.stiffness_per_length(), flat.stiffness_per_length()];
     assert!(k_t < 0.98 * k_f, "cavities make a strip softer: {k_t} {k_f}");
     for (load, found) in scene.loads.iter().zip(&found.loads) {
+        let one = Scene { loads: vec![*load], ..scene.clone() };
         let at = |model: &SteadyModel, k: f64| {
-            let pressure_pa = load.pressure_pa * 2.0 * k / (k_t + k_f);
-            pressure_pa * solve(&scene, model, load, pressure_pa).mu_dynamic.unwrap()
+            let share = 2.0 * k / (k_t + k_f);
+            load.pressure_pa * share * solve(&one, model, share)[0].mu_dynamic.unwrap()
         };
         let mu = (at(&textured, k_t) + at(&flat, k_f)) / (2.0 * load.pressure_pa);
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 1e-9);
@@ -89,8 +90,8 @@ fn a_long_strip_is_its_ends_and_cells_between_them() {
     let blocks: Vec<[f64; 2]> = long.cavities_m.iter().map(|ends_m| ends_m.map(|at_m| at_m / 10e-6)).collect();
     let whole = SteadyModel::new(Lattice::new(columns::strip(3180.0, &blocks, 2.0), 20, false), 10e-6, 0.38e9, false);
     let found = simulate_specimen(&scene, &face(vec![long]), &Unwatched).unwrap();
-    for (load, found) in scene.loads.iter().zip(&found.loads) {
-        let mu = solve(&scene, &whole, load, load.pressure_pa).mu_dynamic.unwrap();
+    for (surface, found) in solve(&scene, &whole, 1.0).iter().zip(&found.loads) {
+        let mu = surface.mu_dynamic.unwrap();
         assert!((found.surface.mu_dynamic.unwrap() / mu - 1.0).abs() < 2e-5, "{:?} {mu}", found.surface.mu_dynamic);
     }
 }
@@ -150,7 +151,7 @@ fn strips_follow_the_longest_in_time() {
         let (loads, _) = integrate(&scene, &lattices, &[0.0], &Unwatched).unwrap();
         let models: Vec<SteadyModel> =
             lattices.into_iter().map(|lattice| SteadyModel::new(lattice, 10e-6, 0.38e9, false)).collect();
-        loads[0].ratio.unwrap() - drawn_ratio(&scene, &models, &scene.loads[0]).unwrap()
+        loads[0].ratio.unwrap() - drawn_ratios(&scene, &models)[0].unwrap()
     };
     let added: Vec<f64> = strips.iter().map(alone).collect();
     let over_share: Vec<f64> =
