@@ -20,6 +20,10 @@ const FEWEST_PAUSES: f64 = 3.0;
 /// Fall within that slip over the fall within the next one. A steady fall, as of run-in, has 1 to 1.5; an exponential
 /// one has 4 where it takes 80 % of the slip to fall to 1/e.
 const PROMPT: f64 = 4.0;
+/// Height over that of the highest peak of the same kind while friction slides steadily: noise that wanders, too, falls promptly.
+const OVER_LATER: f64 = 1.25;
+/// Slips in which the highest value of steady sliding is looked for at a time.
+const SLIPS_A_PEAK: f64 = 3.0;
 /// Samples near the top below which a peak may be blunted by the sampling.
 const FEWEST_AT_TOP: usize = 3;
 
@@ -105,11 +109,32 @@ pub fn before_window(
         let half_s = (time_s[first] + time_s[last]) / 2.0;
         return Some(BeforeWindow::RunIn(RunIn { fall, from_s: time_s[top], half_s }));
     }
+    if height < OVER_LATER * highest_later(&time_s[before..], &mu[before..], slip_s) {
+        return None;
+    }
     let near = smooth[..before].iter().filter(|&&value| value > settled + 0.75 * fall).count();
     // The median of three flattens the top: the change to the samples beyond its neighbours counts.
     let step = [top.saturating_sub(2), (top + 2).min(before - 1)].map(|i| smooth[top] - smooth[i]);
     let std = noise.hypot(step[0].min(step[1]));
     Some(BeforeWindow::Peak(TracePeak { mu: smooth[top], std, time_s: time_s[top], samples_at_top: near }))
+}
+
+/// The most that friction is, in the steady part of a trace, above what follows from one to two slips of `slip_s` seconds later.
+fn highest_later(time_s: &[f64], mu: &[f64], slip_s: f64) -> f64 {
+    let smooth = median_of_three(mu);
+    let at = |time: f64| time_s.partition_point(|&t| t < time);
+    let (mut highest, mut from) = (0.0_f64, 0);
+    while let Some(&start_s) = time_s.get(from) {
+        let to = at(start_s + SLIPS_A_PEAK * slip_s).max(from + 1);
+        let top = (from..to).fold(from, |best, i| if smooth[i] > smooth[best] { i } else { best });
+        let behind = at(time_s[top] + slip_s)..(at(time_s[top] + 2.0 * slip_s) + 1).min(mu.len());
+        if behind.is_empty() {
+            break;
+        }
+        highest = highest.max(smooth[top] - median(mu[behind].to_vec()));
+        from = to;
+    }
+    highest
 }
 
 #[cfg(test)]
@@ -155,6 +180,32 @@ mod tests {
         let time: Vec<f64> = (0..900).map(|i| f64::from(i) * 0.05).collect();
         let rising: Vec<f64> = time.iter().map(|t| 0.2 + 0.002 * t).collect();
         assert_eq!(static_peak(&time, &rising, 10.0), None);
+    }
+
+    #[test]
+    fn noise_that_wanders_has_no_static_peak_and_hides_none_that_is_higher() {
+        // 20 mm/s, 100 samples a second: noise that remembers itself over 0.05 to 0.5 s.
+        let time: Vec<f64> = (0..3000).map(|i| f64::from(i) * 0.01).collect();
+        let (mut false_ones, mut found) = (0, 0);
+        for seed in 0..200 {
+            let mut deviates = Noise::new(seed);
+            let memory = (-0.01 / (0.05 * 10_f64.powf(seed as f64 / 200.0))).exp();
+            let mut wander = 0.0;
+            let noise: Vec<f64> = time
+                .iter()
+                .map(|_| {
+                    wander = memory * wander + (1.0 - memory * memory).sqrt() * deviates.normal();
+                    0.008 * wander
+                })
+                .collect();
+            let is_peak = |of: &dyn Fn(f64) -> f64| {
+                let mu: Vec<f64> = time.iter().zip(&noise).map(|(&t, noise)| of(t) + noise).collect();
+                matches!(before_window(&time, &mu, 8.0, 20e-3, 0.01), Some(BeforeWindow::Peak(_)))
+            };
+            false_ones += usize::from(is_peak(&|_| 0.25));
+            found += usize::from(is_peak(&|t| 0.25 + 0.1 * (-t / 0.02_f64).exp()));
+        }
+        assert!(false_ones <= 4 && found >= 196, "{false_ones} {found}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_discrepancy::{
     Candidate, Discrepancy, Features, Load, Prediction, Predictor, Scenarios, Score, Wanted, information,
 };
-use slipgrid_export::{Division, LEAST_PERIODS, Sector};
+use slipgrid_export::{Division, LEAST_PERIODS, Removal, Sector};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::{ModelFailure, Quantity};
@@ -183,6 +183,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     };
     let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
     report.one_disc = OneDiscReport::of(disc, &sectors);
+    report.warnings = laser_warnings(&task, &patterns);
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
@@ -392,6 +393,7 @@ fn choose(
         one_disc: None,
         best: pool.iter().take(LISTED).map(report).collect(),
         own: own.iter().map(report).collect(),
+        warnings: Vec::new(),
         material: material.clone(),
         specimen: (&task.specimen).into(),
         laser: task.laser,
@@ -430,6 +432,16 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
     }
     let together = hit.iter().filter(|hit| **hit).count() as f64 / SCENARIOS as f64;
     (chosen.into_iter().map(|place| &pool[place]).collect(), together)
+}
+
+/// What the laser of `task` will not cut of `patterns` as they are designed.
+fn laser_warnings(task: &DesignTask, patterns: &[Pattern]) -> Vec<String> {
+    let of = |(number, pattern): (usize, &Pattern)| {
+        let removal = task.specimen.layout(*pattern).ok().and_then(|layout| Removal::new(&layout, &task.laser));
+        let warnings = removal.map_or_else(Vec::new, |removal| removal.warnings);
+        warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
+    };
+    patterns.iter().enumerate().flat_map(of).collect()
 }
 
 /// Why no design fits on a sector.

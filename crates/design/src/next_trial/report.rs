@@ -40,6 +40,9 @@ pub struct NextReport {
     pub best: Vec<TrialCandidateReport>,
     /// Those that were asked for.
     pub own: Vec<TrialCandidateReport>,
+    /// What the laser will not cut as it is designed, each with the number of the sample that it is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// The material and where it came from.
     pub material: MaterialReport,
     /// The specimen.
@@ -153,6 +156,21 @@ pub struct PredictedRatio {
     pub highest: Option<f64>,
 }
 
+/// Ratios that are believed of a texture: beyond them the number says that little is known.
+const BELIEVED: [f64; 2] = [0.05, 2.0];
+
+/// The end of an interval in words.
+fn end(ratio: f64) -> String {
+    let [least, most] = BELIEVED;
+    if ratio < least {
+        format!("below {least}")
+    } else if ratio > most {
+        format!("above {most}")
+    } else {
+        format!("{ratio:.3}")
+    }
+}
+
 impl PredictedRatio {
     /// What is predicted of `judged` at every load.
     pub(super) fn of(asked: &Asked, judged: &Judged) -> Vec<Self> {
@@ -203,7 +221,8 @@ impl TrialCandidateReport {
         let at = |place: usize| self.predicted.get(place);
         let ratio = |at: Option<&PredictedRatio>| {
             at.map_or_else(String::new, |at| {
-                format!("{:.3} ({:.3} to {:.3})", at.ratio, at.interval_95[0], at.interval_95[1])
+                let [low, high] = at.interval_95.map(end);
+                format!("{:.3} ({low} to {high})", at.ratio)
             })
         };
         [
@@ -258,6 +277,7 @@ impl NextReport {
             table.row(of.row(&name));
         }
         text += &table.to_string();
+        self.warnings.iter().for_each(|warning| text += &format!("! laser: {warning}\n"));
         text + &self.one_disc.as_ref().map_or_else(String::new, OneDiscReport::text)
     }
 }
