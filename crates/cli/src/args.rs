@@ -159,7 +159,13 @@ pub struct OptimizeArgs {
 pub struct ExploreArgs {
     /// Design, material or calibration file
     pub file: PathBuf,
-    /// Page to write
+    /// Sliding speed, of a material with coefficients per condition
+    #[arg(long, value_name = "MM/S", requires = "humidity_pct")]
+    pub speed_mm_s: Option<f64>,
+    /// Relative humidity that belongs to it
+    #[arg(long, value_name = "PCT", requires = "speed_mm_s")]
+    pub humidity_pct: Option<f64>,
+    /// Page to write, or a folder for explore.html
     #[arg(long, short, value_name = "PAGE.html", default_value = "explore.html")]
     pub output: PathBuf,
 }

@@ -332,7 +332,7 @@ impl DesignTask {
             other => return Refusal::new(TaskPart::Whole, other.to_string()),
         };
         Refusal::new(TaskPart::BlockSize, format!("um makes confirming runs that take about {takes}"))
-            .expected(format!("larger blocks, a smaller layer or a higher speed, for at most {most}"))
+            .expected(format!("larger blocks, a smaller layer or specimen, or a higher speed, for at most {most}"))
     }
 
     /// Size of blocks, in micrometres.

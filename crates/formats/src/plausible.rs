@@ -33,6 +33,15 @@ pub const FRICTION: Plausible = Plausible {
     why: "graphite slides at 0.01, rubber at 3, clean metals in vacuum at 10",
     slips: &[("a torque in N mm or mN m read as N m, or a force in mN as N: that", 1e-3), ("in per cent, that", 1e-2)],
 };
+/// Friction of patterned over that of flat samples.
+pub const RATIO: Plausible = Plausible {
+    what: "friction ratios of patterned over flat samples",
+    unit: "",
+    measurable: [0.01, 5.0],
+    usual: [0.2, 1.5],
+    why: "dry textures change friction by some tens of per cent",
+    slips: &[("in per cent, that", 1e-2)],
+};
 /// Young's moduli of specimens.
 pub const MODULUS: Plausible = Plausible {
     what: "Young's moduli",
@@ -78,6 +87,8 @@ pub const PRESSURE: Plausible = Plausible {
     why: "a specimen's own weight presses with 100 Pa, bearings with 100 MPa",
     slips: &[],
 };
+/// The same where a key holds them, and no force makes them.
+pub const GIVEN_PRESSURE: Plausible = Plausible { slips: &[("in kPa, that", 1e-3), ("in Pa, that", 1e-6)], ..PRESSURE };
 /// Nominal pressures over Young's modulus.
 pub const STRAIN: Plausible = Plausible {
     what: "nominal pressures over Young's modulus",
@@ -107,14 +118,16 @@ pub const SPECIMEN: Plausible = Plausible {
 };
 
 /// Every quantity that is judged.
-pub const ALL: [Plausible; 9] =
-    [FRICTION, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN];
+pub const ALL: [Plausible; 10] =
+    [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN];
 
 /// The unit that is likely to have been meant by a `value` that a key's `quantity` does not accept.
 #[must_use]
 pub fn slip(quantity: Quantity, value: f64) -> Option<String> {
     let judged = [
         (slipgrid_units::FRICTION, FRICTION),
+        (slipgrid_units::RATIO, RATIO),
+        (slipgrid_units::PRESSURE_MPA, GIVEN_PRESSURE),
         (slipgrid_units::MODULUS_GPA, MODULUS),
         (slipgrid_units::DENSITY_G_CM3, DENSITY),
         (slipgrid_units::SPEED_MM_S, SPEED),
@@ -194,6 +207,9 @@ mod tests {
             (MODULUS, 380.0, "in MPa, that would be 0.38 GPa"),
             (MODULUS, 3.8e8, "in Pa, that would be 0.38 GPa"),
             (DENSITY, 900.0, "in kg/m3, that would be 0.9 g/cm3"),
+            (RATIO, 85.0, "in per cent, that would be 0.85"),
+            (GIVEN_PRESSURE, 4e5, "in Pa, that would be 0.4 MPa"),
+            (GIVEN_PRESSURE, 400.0, "in kPa, that would be 0.4 MPa"),
         ] {
             let said = match quantity.judge(value) {
                 Ok(told) => told.unwrap(),

@@ -11,7 +11,7 @@ use super::rim::read_rim;
 use super::scene::{DEFAULT_LAYER, SampleFile, SceneFile};
 use super::values::{Number, Numbers, PathOr};
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{DENSITY, FRICTION, MODULUS, PRESSURE, Plausible, SPEED};
+use crate::plausible::{DENSITY, FRICTION, GIVEN_PRESSURE, MODULUS, Plausible, SPEED};
 use slipgrid_units::LENGTH_UM;
 
 /// What is unusual in the scene `file` of `document`, its material included; numbers of nil have a meaning of their own.
@@ -27,7 +27,7 @@ pub fn of_scene(document: &Document, file: &SceneFile) -> Vec<Diagnostic> {
     };
     let load = file.load.get_ref();
     told.extend(load.speed_mm_s.as_ref().and_then(|speed| number(document, SPEED, speed)));
-    told.extend(numbers(document, PRESSURE, &load.pressure_mpa));
+    told.extend(numbers(document, GIVEN_PRESSURE, &load.pressure_mpa));
     if let Some(pattern) = &file.pattern {
         let texture = pattern.get_ref().texture();
         // What is no rim has been refused before.

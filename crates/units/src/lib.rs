@@ -140,7 +140,7 @@ pub const FRACTION: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, false, 
 /// Dynamic over steady friction.
 pub const EXCESS: Quantity = Quantity::new(Scale::Times(1.0), "", 0.1, true, 10.0);
 /// Friction ratios, patterned over flat.
-pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 10.0);
+pub const RATIO: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 5.0);
 /// Half-widths of the target, and standard errors wanted.
 pub const TOLERANCE: Quantity = Quantity::new(Scale::Times(1.0), "", 0.0, true, 1.0);
 /// A part that is not nothing.

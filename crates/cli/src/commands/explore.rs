@@ -15,13 +15,17 @@ use slipgrid_disk::disk;
 
 /// Solves the surface and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    check_file(Place::output(&args.output), std::slice::from_ref(&args.file))?;
-    let mut design = explored(&disk(), &args.file)?;
+    // A name without an ending is that of a folder, as with the other commands.
+    let is_folder = args.output.is_dir() || args.output.extension().is_none();
+    let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };
+    check_file(Place::output(&output), std::slice::from_ref(&args.file))?;
+    let condition = args.speed_mm_s.zip(args.humidity_pct).map(|(speed_mm_s, humidity_pct)| [speed_mm_s, humidity_pct]);
+    let mut design = explored(&disk(), &args.file, condition)?;
     complete(&mut design, &disk(), &Job::new(console))?;
     let found = explore_bounds(&design.task, &Job::new(console)).map_err(|error| refused(error, &design, None))?;
     let toml = steady_scene(&found.task, &found.material, &found.loads, &found.pattern);
     let toml = toml.map_err(|error| design.refuse_whole(error.to_string()))?;
-    write_file(&args.output, exploration(&found, toml).as_bytes())?;
-    console.answer(&format!("{}\n", args.output.display()))?;
+    write_file(&output, exploration(&found, toml).as_bytes())?;
+    console.answer(&format!("{}\n", output.display()))?;
     Ok(exit_code::DONE)
 }

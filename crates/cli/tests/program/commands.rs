@@ -399,6 +399,19 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
         place.succeed(&["explore", file, "-o", page]);
         assert_eq!(text, std::fs::read_to_string(place.path(page)).unwrap());
     }
+    // A folder takes the page, and a material's condition is asked for by name.
+    place.succeed(&["explore", "design.toml", "-o", "out/page"]);
+    assert!(place.path("out/page/explore.html").is_file());
+    let conditions = "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[[friction.conditions]]\nspeed_mm_s = 2.0\nhumidity_pct = 50.0\n\
+        pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.3, 0.3]\ndynamic_mean = [0.27, 0.27]\n[[friction.conditions]]\nspeed_mm_s = 10.0\nhumidity_pct = 50.0\n\
+        pressure_mpa = [0.65, 2.6]\nstatic_mean = [0.33, 0.33]\ndynamic_mean = [0.3, 0.3]\n";
+    std::fs::write(place.path("conditions.toml"), conditions).unwrap();
+    let refused = place.run(&["explore", "conditions.toml"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
+    place.succeed(&["explore", "conditions.toml", "--speed-mm-s", "2", "--humidity-pct", "50", "-o", "c.html"]);
+    let refused = place.run(&["explore", "design.toml", "--speed-mm-s", "2", "--humidity-pct", "50"]);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("its own speed"), "{refused:?}");
     let refused = place.run(&["explore", "scene.toml"]);
     assert!(String::from_utf8_lossy(&refused.stderr).contains("seems to be a scene file"), "{refused:?}");
     // Reports have the explorer, unless it is left out.
