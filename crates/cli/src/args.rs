@@ -250,9 +250,9 @@ pub struct AreaLawArgs {
     /// Without a map: the law of Persson's theory for this rms slope
     #[arg(long, value_name = "SLOPE", conflicts_with_all = ["map", "windows", "resolutions", "pixel_um", "height_unit", "no_level"])]
     pub persson_rms_slope: Option<f64>,
-    /// Young's modulus
-    #[arg(long, default_value_t = 0.38, value_name = "GPA")]
-    pub youngs_modulus_gpa: f64,
+    /// Young's modulus; without it that of the published polyethylene, 0.38 GPa, which the result says
+    #[arg(long, value_name = "GPA")]
+    pub youngs_modulus_gpa: Option<f64>,
     /// Poisson's ratio; the default is 1/3
     #[arg(long, default_value_t = 1.0 / 3.0, value_name = "NU", hide_default_value = true)]
     pub poisson_ratio: f64,

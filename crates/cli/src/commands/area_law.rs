@@ -23,6 +23,9 @@ use slipgrid_report::area_law::{
 };
 use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
 
+/// Young's modulus of the published polyethylene, in GPa.
+const POLYETHYLENE_GPA: f64 = 0.38;
+
 /// Computes the curve and reports.
 pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
@@ -30,11 +33,17 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         check_folder(Place::output(folder), &["result.json", "timings.json", "area-law.*"], &inputs)?;
     }
     let request = request(args)?;
-    let report = match (&args.map, args.persson_rms_slope) {
+    let mut report = match (&args.map, args.persson_rms_slope) {
         (Some(path), _) => of_map(path, args, &request, console)?,
         (None, Some(rms_slope)) => of_theory(checked("--persson-rms-slope", rms_slope, SLOPE)?, &request)?,
         (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
+    if args.youngs_modulus_gpa.is_none() {
+        report.model.push(format!(
+            "Young's modulus was not given: {POLYETHYLENE_GPA} GPa is that of the published polyethylene; contact area goes with \
+             pressure over modulus"
+        ));
+    }
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();
         outputs.add_record(&report)?;
@@ -48,7 +57,8 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
 
 /// The flags in SI units.
 fn request(args: &AreaLawArgs) -> Result<AreaLawCurve, Diagnostic> {
-    let youngs_modulus_pa = checked("--youngs-modulus-gpa", args.youngs_modulus_gpa, MODULUS_GPA)?;
+    let youngs_modulus_gpa = args.youngs_modulus_gpa.unwrap_or(POLYETHYLENE_GPA);
+    let youngs_modulus_pa = checked("--youngs-modulus-gpa", youngs_modulus_gpa, MODULUS_GPA)?;
     let poisson_ratio = checked("--poisson-ratio", args.poisson_ratio, POISSON)?;
     let threshold_pa = checked("--threshold-mpa", args.threshold_mpa, PRESSURE_MPA)?;
     let listed_pa = pressures(args)?;
@@ -60,7 +70,7 @@ fn request(args: &AreaLawArgs) -> Result<AreaLawCurve, Diagnostic> {
     Ok(AreaLawCurve {
         // E* = E / (1 - nu^2)
         contact_modulus_pa: youngs_modulus_pa / (1.0 - poisson_ratio * poisson_ratio),
-        youngs_modulus_gpa: args.youngs_modulus_gpa,
+        youngs_modulus_gpa,
         poisson_ratio,
         tolerance: checked("--tolerance", args.tolerance, TOLERANCE)?,
         threshold_pa,

@@ -198,6 +198,11 @@ impl SurfaceReport {
             table.row([name.to_owned(), value, unit.to_owned()]);
         }
         text += &format!("\n{table}");
+        text += "  Sdq is by differences of neighbouring points; the rms slope is by the spectrum, of all waves that the map resolves, and \
+                 is the one that the area law takes\n";
+        if self.parameters.r#str.is_none() {
+            text += "  Str is not known: correlation does not fall to 0.2 in every direction within the map, as where a lay runs through it\n";
+        }
         if let Some(cavities) = &self.cavities {
             text += &cavities.table();
         }
