@@ -75,18 +75,17 @@ impl GapSums {
     /// Takes up to [`LANES`] points in, one sum after the other so that each becomes one vector's.
     #[inline(always)]
     fn add(&mut self, pressure: &[f64], gap: &[f64]) {
-        let under = |lane: usize| pressure[lane] > 0.0;
-        for lane in 0..gap.len() {
-            self.sum[lane] += if under(lane) { gap[lane] } else { 0.0 };
+        for ((sum, &p), &g) in self.sum.iter_mut().zip(pressure).zip(gap) {
+            *sum += if p > 0.0 { g } else { 0.0 };
         }
-        for lane in 0..gap.len() {
-            self.count[lane] += when(under(lane));
+        for (count, &p) in self.count.iter_mut().zip(pressure) {
+            *count += when(p > 0.0);
         }
-        for lane in 0..gap.len() {
-            self.work[lane] += gap[lane] * pressure[lane];
+        for ((work, &p), &g) in self.work.iter_mut().zip(pressure).zip(gap) {
+            *work += g * p;
         }
-        for lane in 0..gap.len() {
-            self.lowest[lane] = if gap[lane] < self.lowest[lane] { gap[lane] } else { self.lowest[lane] };
+        for (lowest, &g) in self.lowest.iter_mut().zip(gap) {
+            *lowest = if g < *lowest { g } else { *lowest };
         }
     }
 
@@ -240,7 +239,8 @@ fn advance_lanes(
     moved.copy_from_slice(&changes[..count]);
 }
 
-/// What a step does to a gap: g = scale (g - shift + step K d) + (scale - 1) h, up to a constant scale (u - h) - h.
+/// What a step does to a gap. With u = scale (u + step K d) the gap u - h is, up to a constant,
+/// g = scale (g - shift + step K d) + (scale - 1) h.
 #[derive(Clone, Copy)]
 pub(crate) struct Settling {
     pub(crate) shift: f64,

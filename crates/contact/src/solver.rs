@@ -15,7 +15,7 @@
 //! 2. r = g on free points; z = K^-1 r on free points, less its mean there;
 //! 3. d = -z + beta d on free points, Polak-Ribiere; d = -z again where d would not descend or the residual
 //!    doubled;
-//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; u follows by
+//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; g follows by
 //!    K d, or by K of what the pressures changed by where some were set to zero.
 //!
 //! Transforms and gaps are in single precision: a direction need not be better, and gaps under pressure round by ever

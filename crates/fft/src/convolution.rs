@@ -298,3 +298,92 @@ impl<T: Number> Convolution<T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers without symmetry.
+    fn uneven(count: usize) -> Vec<f64> {
+        (0..count).map(|n| ((n * n % 7919 * 7919 + 13 * n) % 1009) as f64 / 1009.0 - 0.4).collect()
+    }
+
+    fn factor(k: usize, l: usize) -> f64 {
+        1.0 / (1.0 + k as f64 + 0.3 * l as f64)
+    }
+
+    fn filtered<T: Number>(rows: usize, cols: usize, input: &[T]) -> Vec<T> {
+        let plan = Convolution::<T>::new(rows, cols).unwrap();
+        let factors = plan.factors(|k, l| factor(k, l) / (rows * cols) as f64);
+        let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+        Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch }.run();
+        output
+    }
+
+    #[test]
+    fn every_wave_is_multiplied_by_its_factor() {
+        for (rows, cols) in [(8, 256), (16, 512), (64, 256), (32, 2048)] {
+            let turn = |k: usize, n: usize, of: usize| (k * n % of) as f64 / of as f64;
+            let pairs = [(0, 0), (0, 1), (1, 0), (rows / 2, 0), (0, cols / 2), (rows / 2, cols / 2), (3, 77), (2, 128)];
+            for (k, l) in pairs {
+                // A wave that runs up and one that runs down: the mirror image shares the factor.
+                for l in [l, (cols - l) % cols] {
+                    let at =
+                        |n: usize| std::f64::consts::TAU * (turn(k, n / cols, rows) + turn(l, n % cols, cols)) + 0.7;
+                    let input: Vec<f64> = (0..rows * cols).map(|n| at(n).cos()).collect();
+                    let expected = factor(k, l.min(cols - l));
+                    for (a, b) in filtered(rows, cols, &input).iter().zip(&input) {
+                        assert!((a - expected * b).abs() < 1e-13, "{rows} x {cols}, wave {k}, {l}: {a}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn single_precision_rounds_as_little_as_its_digits() {
+        for (rows, cols) in [(8, 256), (128, 512), (512, 1024)] {
+            let input = uneven(rows * cols);
+            let rounded: Vec<f32> = input.iter().map(|&value| value as f32).collect();
+            let exact: Vec<f64> = rounded.iter().map(|&value| f64::from(value)).collect();
+            let (single, double) = (filtered(rows, cols, &rounded), filtered(rows, cols, &exact));
+            let square: f64 = double.iter().map(|a| a * a).sum();
+            let error: f64 = single.iter().zip(&double).map(|(&a, b)| (f64::from(a) - b).powi(2)).sum();
+            assert!((error / square).sqrt() < 3e-7, "{rows} x {cols}: {}", (error / square).sqrt());
+        }
+    }
+
+    #[test]
+    fn vectors_of_any_width_give_the_same_bytes() {
+        fn same<T: Number>(input: &[T], bits: impl Fn(T) -> u64) {
+            let plan = Convolution::<T>::new(16, 512).unwrap();
+            let factors = plan.factors(factor);
+            let with = |run: &dyn Fn(Filter<T>)| {
+                let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+                run(Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch });
+                output.into_iter().map(&bits).collect::<Vec<u64>>()
+            };
+            let scalar = with(&|filter| Simd::vectorize(pulp::Scalar::new(), filter));
+            #[cfg(target_arch = "x86_64")]
+            {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    assert_eq!(with(&|filter| Simd::vectorize(simd, filter)), scalar);
+                }
+                if let Some(simd) = pulp::x86::V4::try_new() {
+                    assert_eq!(with(&|filter| Simd::vectorize(simd, filter)), scalar);
+                }
+            }
+            assert_eq!(with(&|filter| filter.run()), scalar);
+        }
+        let input = uneven(16 * 512);
+        same(&input, f64::to_bits);
+        same(&input.iter().map(|&value| value as f32).collect::<Vec<_>>(), |value| u64::from(value.to_bits()));
+    }
+
+    #[test]
+    fn other_sizes_are_left_to_others() {
+        for (rows, cols) in [(4, 256), (8, 128), (12, 256), (8, 768)] {
+            assert!(Convolution::<f32>::new(rows, cols).is_none());
+        }
+    }
+}
