@@ -75,17 +75,19 @@ impl GapSums {
     /// Takes up to [`LANES`] points in, one sum after the other so that each becomes one vector's.
     #[inline(always)]
     fn add(&mut self, pressure: &[f64], gap: &[f64]) {
-        for ((sum, &p), &g) in self.sum.iter_mut().zip(pressure).zip(gap) {
-            *sum += if p > 0.0 { g } else { 0.0 };
+        let Self { sum, count, work, lowest } = self;
+        let points = gap.len();
+        for lane in 0..points {
+            sum[lane] += if pressure[lane] > 0.0 { gap[lane] } else { 0.0 };
         }
-        for (count, &p) in self.count.iter_mut().zip(pressure) {
-            *count += when(p > 0.0);
+        for lane in 0..points {
+            count[lane] += when(pressure[lane] > 0.0);
         }
-        for ((work, &p), &g) in self.work.iter_mut().zip(pressure).zip(gap) {
-            *work += g * p;
+        for lane in 0..points {
+            work[lane] += gap[lane] * pressure[lane];
         }
-        for (lowest, &g) in self.lowest.iter_mut().zip(gap) {
-            *lowest = if g < *lowest { g } else { *lowest };
+        for lane in 0..points {
+            lowest[lane] = if gap[lane] < lowest[lane] { gap[lane] } else { lowest[lane] };
         }
     }
 
