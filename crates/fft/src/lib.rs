@@ -1,4 +1,4 @@
-//! Plans of discrete Fourier transforms in single and double precision, and filters that need no plan of others.
+//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of two.
 //!
 //! The transforms of rustfft are generic over the number: every crate that plans one compiles all of them, for every vector width
 //! that a processor may have, which took half of the time that `contact` and `topography` took to build. Here they are compiled
