@@ -98,6 +98,8 @@ pub struct RoughContact {
     pub(crate) stiffness_single: Multiplier<f32>,
     /// Normalized heights, mean 0, rms 1; all 0 for a flat map.
     pub(crate) height: Vec<f64>,
+    /// The same, rounded.
+    pub(crate) height_single: Vec<f32>,
     height_unit_m: f64,
     pressure_unit_pa: f64,
     /// Normalized p*.
@@ -142,6 +144,7 @@ impl RoughContact {
             compliance_single: fourier_single.multiplier(dx_m, dy_m, 0.0, compliance),
             stiffness_single: fourier_single.multiplier(dx_m, dy_m, 0.5, stiffness),
             fourier_single,
+            height_single: height.iter().map(|&h| h as f32).collect(),
             height,
             height_unit_m,
             pressure_unit_pa: 0.5 * contact_modulus_pa * height_unit_m * first,

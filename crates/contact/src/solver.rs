@@ -15,16 +15,18 @@
 //! 2. r = g on free points; z = K^-1 r on free points, less its mean there;
 //! 3. d = -z + beta d on free points, Polak-Ribiere; d = -z again where d would not descend or the residual
 //!    doubled;
-//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; u follows by
+//! 4. p + alpha d with the exact step alpha; negative pressures to zero, the load restored by scaling; g follows by
 //!    K d, or by K of what the pressures changed by where some were set to zero.
 //!
-//! Transforms are in single precision: a direction need not be better, and u in double precision takes up changes that
-//! become smaller. What rounding leaves in u is removed by one transform in double precision where the residual nears
-//! it and before a state counts as converged.
+//! Transforms and gaps are in single precision: a direction need not be better, and gaps under pressure round by ever
+//! less as they vanish. What rounding leaves in them is removed by one transform in double precision where the residual
+//! nears it and before a state counts as converged. A gap is known up to a constant, which the shift takes out, so that
+//! the scaling of the load reaches it as g + (scale - 1) h; pressures take their scale up in the next step.
 
 use slipgrid_topography::fourier::FourierWork;
 
 use crate::area::{ContactArea, contact_area};
+use crate::kernels::{Gap, Settling};
 use crate::rough_contact::{Convergence, RoughContact, SolveOptions, Status};
 use crate::{Monitor, kernels};
 
@@ -41,10 +43,7 @@ pub(crate) struct Outcome {
 const AREA_DECADE: f64 = 10.0;
 /// Growth of the residual in one iteration after which directions start anew.
 const RESTART_GROWTH: f64 = 2.0;
-/// A state is kept as the best when it halves the residual of the best so far: keeping every one would
-/// copy the map in each iteration.
-const BEST_RATIO: f64 = 0.5;
-/// Residual at which u is first computed anew in double precision: single precision rounds it by a few 1e-7.
+/// Residual at which the gap is first computed anew in double precision: single precision rounds it by a few 1e-7.
 const FIRST_REFRESH: f64 = 1e-5;
 /// Part of the residual at one refresh that calls for the next.
 const NEXT_REFRESH: f64 = 1e-5;
@@ -55,12 +54,20 @@ struct State<'a> {
     work: FourierWork,
     work_single: FourierWork<f32>,
     fourier_pairs: usize,
+    /// p over `scale`.
     pressure: Vec<f64>,
-    /// u = K p.
+    scale: f64,
+    /// The pressures of the best state but this one, over `best_scale`.
+    best: Vec<f64>,
+    best_scale: f64,
+    /// u = K p over `scale` where the state is exact.
     displacement: Vec<f64>,
-    /// u is K p in double precision.
+    /// The gap is that of K p in double precision.
     exact: bool,
-    /// r, the gap on free points, zero elsewhere.
+    /// g up to a constant.
+    gap: Vec<f32>,
+    found: Gap,
+    /// r, the gap on free points, zero elsewhere and nowhere else.
     residual: Vec<f32>,
     previous_residual: Vec<f32>,
     /// z, before it is masked; later what the pressures changed by.
@@ -73,28 +80,45 @@ struct State<'a> {
 impl<'a> State<'a> {
     fn new(contact: &'a RoughContact, nominal: f64) -> Self {
         let points = contact.height.len();
-        Self {
+        let zeros = || vec![0.0; points];
+        let mut state = Self {
             contact,
             work: contact.fourier.work(),
             work_single: contact.fourier_single.work(),
             fourier_pairs: 0,
             pressure: vec![nominal; points],
+            scale: 1.0,
+            best: Vec::new(),
+            best_scale: 1.0,
             displacement: vec![0.0; points],
             exact: true,
-            residual: vec![0.0; points],
-            previous_residual: vec![0.0; points],
-            preconditioned: vec![0.0; points],
-            direction: vec![0.0; points],
-            image: vec![0.0; points],
-        }
+            gap: zeros(),
+            found: Gap { shift: 0.0, lowest: 0.0, work: 0.0 },
+            residual: zeros(),
+            previous_residual: zeros(),
+            preconditioned: zeros(),
+            direction: zeros(),
+            image: zeros(),
+        };
+        state.measure();
+        state
     }
 
-    /// u = K p in double precision.
+    /// g = u - h less its mean under pressure, in double precision before it is rounded.
+    fn measure(&mut self) {
+        let Self { contact, pressure, displacement, gap, scale, .. } = self;
+        self.found = kernels::measure(pressure, displacement, &contact.height, *scale);
+        kernels::gap(gap, displacement, &contact.height, *scale, self.found.shift);
+        self.found.shift = 0.0;
+    }
+
+    /// u = K p and the gap in double precision.
     fn refresh(&mut self) {
         let Self { contact, pressure, displacement, work, .. } = self;
         contact.fourier.filter(pressure, &contact.compliance, displacement, work);
         self.fourier_pairs += 1;
         self.exact = true;
+        self.measure();
     }
 
     /// z = K^-1 r
@@ -106,9 +130,7 @@ impl<'a> State<'a> {
 
     /// d = -z + beta d; returns r . d.
     fn turn(&mut self, mean: f64, beta: f64) -> f64 {
-        let Self { direction, preconditioned, residual, pressure, .. } = self;
-        kernels::turn(direction, preconditioned, residual, pressure, mean as f32, beta as f32);
-        kernels::dot(direction, residual)
+        kernels::turn(&mut self.direction, &self.preconditioned, &self.residual, mean as f32, beta as f32)
     }
 
     /// image = K d; returns d . K d.
@@ -119,23 +141,32 @@ impl<'a> State<'a> {
         kernels::dot(&self.direction, &self.image)
     }
 
-    /// p + step d without negative pressures, the load restored; u follows. False where that is not finite.
-    fn advance(&mut self, step: f64, load: f64) -> bool {
-        let changes = &mut self.preconditioned;
-        let moved = kernels::advance(&mut self.pressure, &self.direction, changes, step);
-        let scale = load / moved.sum;
-        if !scale.is_finite() {
+    /// p + step d without negative pressures, the load restored; g follows. What was before is kept where it is the
+    /// best. False where that is not finite.
+    fn advance(&mut self, step: f64, load: f64, is_best: bool) -> bool {
+        if is_best {
+            std::mem::swap(&mut self.pressure, &mut self.best);
+            self.best_scale = self.scale;
+            self.pressure.resize(self.best.len(), 0.0);
+        } else {
+            std::mem::swap(&mut self.pressure, &mut self.displacement);
+        }
+        let Self { contact, pressure, best, displacement, direction, preconditioned, image, work_single, .. } = self;
+        let before = if is_best { best } else { displacement };
+        let moved = kernels::advance(pressure, before, direction, preconditioned, self.scale, step);
+        self.exact = false;
+        self.scale = load / moved.sum;
+        if !self.scale.is_finite() {
             return false;
         }
-        let Self { contact, preconditioned, image, work_single, .. } = self;
         let mut share = step;
         if moved.clipped {
             contact.fourier_single.filter(preconditioned, &contact.compliance_single, image, work_single);
             self.fourier_pairs += 1;
             share = 1.0;
         }
-        kernels::settle(&mut self.pressure, &mut self.displacement, &self.image, share, scale);
-        self.exact = false;
+        let change = Settling { shift: self.found.shift, step: share, scale: self.scale };
+        self.found = kernels::settle(&mut self.gap, image, &contact.height_single, pressure, change);
         true
     }
 }
@@ -144,7 +175,7 @@ impl<'a> State<'a> {
 pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOptions, monitor: &dyn Monitor) -> Outcome {
     let mut state = State::new(contact, nominal);
     let load = nominal * contact.height.len() as f64;
-    let mut best = (f64::INFINITY, Vec::new());
+    let mut best_error = f64::INFINITY;
     let mut error_before = f64::INFINITY;
     let mut fit_before = f64::INFINITY;
     let mut refresh_at = FIRST_REFRESH.max(options.tolerance);
@@ -152,9 +183,8 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
     let mut iterations = 0;
     let mut area_before = None;
     let (status, error) = loop {
-        let gap = kernels::measure(&state.pressure, &state.displacement, &contact.height);
         // |sum (g - min g) p| / (sum p Sq), Sq = 1
-        let error = ((gap.work - gap.lowest * load) / load).abs();
+        let error = ((state.found.work - state.found.lowest * load) / load).abs();
         if error <= refresh_at && !state.exact {
             refresh_at = options.tolerance.max(NEXT_REFRESH * error);
             state.refresh();
@@ -172,17 +202,14 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
         if monitor.cancelled() {
             break (Status::Cancelled, error);
         }
-        if error < BEST_RATIO * best.0 {
-            best.0 = error;
-            best.1.clone_from(&state.pressure);
-        }
+        let is_best = error < best_error;
         restart |= error > RESTART_GROWTH * error_before;
         error_before = error;
 
         std::mem::swap(&mut state.residual, &mut state.previous_residual);
-        kernels::masked_gap(&mut state.residual, &state.pressure, &state.displacement, &contact.height, gap.shift);
+        kernels::masked_gap(&mut state.residual, &state.pressure, &state.gap, state.found.shift);
         state.precondition();
-        let fit = kernels::fit(&state.preconditioned, &state.residual, &state.previous_residual, &state.pressure);
+        let fit = kernels::fit(&state.preconditioned, &state.residual, &state.previous_residual);
         // beta = z.(r - r_before) / (z_before.r_before), Polak and Ribiere
         let mut beta = if restart { 0.0 } else { ((fit.now - fit.before) / fit_before).max(0.0) };
         if !beta.is_finite() {
@@ -204,36 +231,39 @@ pub(crate) fn minimize(contact: &RoughContact, nominal: f64, options: &SolveOpti
             continue;
         }
         restart = false;
-        if !state.advance(step, load) {
-            break (Status::Stalled, error);
+        best_error = best_error.min(error);
+        if !state.advance(step, load, is_best) {
+            break (Status::Stalled, f64::INFINITY);
         }
         iterations += 1;
     };
-    finish(state, (status, error, iterations), best, area_before)
+    finish(state, (status, error, iterations), best_error, area_before)
 }
 
 /// The last state, or the best one where the last is worse.
 fn finish(
     mut state: State,
     (status, mut error, iterations): (Status, f64, usize),
-    best: (f64, Vec<f64>),
+    best_error: f64,
     area_before: Option<ContactArea>,
 ) -> Outcome {
-    if best.0 < error && status != Status::Converged {
-        error = best.0;
-        state.pressure = best.1;
+    if best_error < error && status != Status::Converged {
+        error = best_error;
+        std::mem::swap(&mut state.pressure, &mut state.best);
+        state.scale = state.best_scale;
         state.exact = false;
     }
     if !state.exact {
         state.refresh();
     }
-    let State { pressure, displacement: mut gap, contact, fourier_pairs, .. } = state;
+    let State { mut pressure, scale, displacement: mut gap, contact, fourier_pairs, .. } = state;
     let mut lowest = f64::INFINITY;
     for (g, h) in gap.iter_mut().zip(&contact.height) {
-        *g -= h;
+        *g = scale * *g - h;
         lowest = lowest.min(*g);
     }
     gap.iter_mut().for_each(|g| *g -= lowest);
+    pressure.iter_mut().for_each(|p| *p *= scale);
     let convergence = Convergence { status, iterations, fourier_pairs, residual: error };
     Outcome { pressure, gap, convergence, area_before }
 }

@@ -1,4 +1,4 @@
-//! Plans of discrete Fourier transforms in single and double precision.
+//! Plans of discrete Fourier transforms in single and double precision, and filters of maps whose sides are powers of two.
 //!
 //! The transforms of rustfft are generic over the number: every crate that plans one compiles all of them, for every vector width
 //! that a processor may have, which took half of the time that `contact` and `topography` took to build. Here they are compiled
@@ -13,12 +13,19 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod convolution;
+mod number;
+mod splits;
+
 use std::sync::Arc;
 
+pub use convolution::Convolution;
 pub use realfft::{ComplexToReal, FftNum, RealToComplex};
 pub use rustfft::Fft;
 pub use rustfft::num_complex::Complex;
 
+use convolution::Filter;
+use number::Number;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 
@@ -41,12 +48,16 @@ pub struct ComplexPlans<T: FftNum> {
 }
 
 /// A precision in which transforms are compiled: f32 or f64.
-pub trait Precision: FftNum {
+pub trait Precision: Number {
     /// Transforms of real rows of `length` numbers, at least 1.
     fn real_plans(length: usize) -> RealPlans<Self>;
 
     /// Transforms of rows of `length` complex numbers, at least 1.
     fn complex_plans(length: usize) -> ComplexPlans<Self>;
+
+    /// `output` = `input` with every wave multiplied by its factor, in the order of [`Convolution::factors`]; `scratch` of
+    /// [`Convolution::scratch_len`].
+    fn filter(plan: &Convolution<Self>, input: &[Self], factors: &[Self], output: &mut [Self], scratch: &mut [Self]);
 }
 
 /// Compiles the transforms of one precision here, whoever plans them.
@@ -61,6 +72,16 @@ macro_rules! compiled {
             fn complex_plans(length: usize) -> ComplexPlans<Self> {
                 let mut planner = FftPlanner::<$number>::new();
                 ComplexPlans { forward: planner.plan_fft_forward(length), inverse: planner.plan_fft_inverse(length) }
+            }
+
+            fn filter(
+                plan: &Convolution<Self>,
+                input: &[Self],
+                factors: &[Self],
+                output: &mut [Self],
+                scratch: &mut [Self],
+            ) {
+                Filter { plan, input, factors, output, scratch }.run();
             }
         }
     };

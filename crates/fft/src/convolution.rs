@@ -1,0 +1,389 @@
+//! Filters of real periodic maps whose sides are powers of two: a transform, a real even factor for every wave, and the
+//! transform back.
+//!
+//! A filter does not ask in which order the waves stand, so that nothing is reordered. A sequence x is taken as the
+//! polynomial sum x_j y^j, and its transform as the remainders modulo the factors of y^n - 1, which splits by
+//!
+//! ```text
+//! y^2m - c^2 = (y^m - c)(y^m + c)
+//! ```
+//!
+//! down to y - c, c the wave; the inverse goes back up. With real numbers y^2m - 1 leaves y^m - 1, real again, and
+//! y^m + 1 = (y^(m/2) - i)(y^(m/2) + i), of which one complex remainder of m/2 numbers says all: real numbers cost half
+//! of complex ones, and no wave is computed from its mirror image.
+//!
+//! 1. Columns, some side by side in the lanes of vectors: real numbers to the waves along x, in place.
+//! 2. Each wave along x, a row of complex numbers: split as far as rows of [`LANES`] numbers, whose last splits take place
+//!    across rows after a tile of [`LANES`] by [`LANES`] numbers has been transposed; factor; back.
+//! 3. Columns back.
+//!
+//! Everything happens in the output but for one block of columns. Sums and products are those of single numbers in fixed
+//! order, none fused, whatever the width of the vectors: every machine returns the same bytes.
+
+use pulp::{Simd, WithSimd};
+
+use crate::number::{Number, vectorized};
+use crate::splits::{LANES, ROOTS, TILE, join_four, split_four, tile, transpose, twos};
+
+/// Bytes of the columns transformed together, as far as their number stays between the next two.
+const BLOCK: usize = 1 << 20;
+const NARROWEST: usize = 32;
+const WIDEST: usize = 128;
+/// Fewest rows.
+const LEAST_ROWS: usize = 8;
+
+/// Filters of maps of one size; see the module.
+#[derive(Clone, Debug)]
+pub struct Convolution<T> {
+    rows: usize,
+    cols: usize,
+    /// For block q of any level c, c^2 and c^3, where y^4m - c^4 is what the block is a remainder of.
+    roots: Vec<[[T; 2]; 3]>,
+    /// The same for the splits in tiles, a block a lane: of blocks of 16 numbers, then four times of 4.
+    tile_roots: Vec<T>,
+}
+
+/// The wave of block q among the splits of y^n - 1, as a share of all waves: q's binary digits mirrored at the point.
+fn share(block: usize) -> f64 {
+    (block as u64).reverse_bits() as f64 / 2f64.powi(64)
+}
+
+/// c, c^2, c^3 for block q.
+fn roots<T: Number>(block: usize) -> [[T; 2]; 3] {
+    // c = exp(2 pi i share/4)
+    [1.0, 2.0, 3.0].map(|power| {
+        let (sin, cos) = libm::sincos(power * share(block) * std::f64::consts::FRAC_PI_2);
+        [cos, sin].map(T::rounded)
+    })
+}
+
+impl<T: Number> Convolution<T> {
+    /// Filters of maps of `rows` x `cols`; `None` unless both are powers of two, of 8 rows and 256 columns or more.
+    #[must_use]
+    pub fn new(rows: usize, cols: usize) -> Option<Self> {
+        if !rows.is_power_of_two() || !cols.is_power_of_two() || rows < LEAST_ROWS || cols < TILE {
+            return None;
+        }
+        let tiles = (0..cols / TILE).flat_map(|tile| {
+            let blocks = move |level: usize, part: usize| {
+                let lanes: Vec<_> = (0..LANES).map(|lane| roots((tile * LANES + lane) * level + part)).collect();
+                (0..6).flat_map(move |n| lanes.clone().into_iter().map(move |root: [[T; 2]; 3]| root[n / 2][n % 2]))
+            };
+            blocks(1, 0).chain((0..4).flat_map(move |part| blocks(4, part)))
+        });
+        let count = (cols / LANES).max(rows);
+        Some(Self { rows, cols, roots: (0..count).map(roots).collect(), tile_roots: tiles.collect() })
+    }
+
+    /// Columns transformed together.
+    fn width(&self) -> usize {
+        (BLOCK / (self.rows * size_of::<T>())).clamp(NARROWEST, WIDEST)
+    }
+
+    /// Numbers that a running filter needs beside its output.
+    #[must_use]
+    pub fn scratch_len(&self) -> usize {
+        (self.rows * self.width()).max(self.cols)
+    }
+
+    /// The factors in the order in which [`Precision::filter`](crate::Precision::filter) wants them; `factor` tells that
+    /// of wave k along x and l along y, k up to rows/2 and l up to cols/2, with the 1/(rows cols) of the way back.
+    #[must_use]
+    pub fn factors(&self, factor: impl Fn(usize, usize) -> f64) -> Vec<T> {
+        let mut factors = Vec::with_capacity((self.rows / 2 + 1) * self.cols);
+        let mut row = vec![T::zero(); self.cols / 2 + 1];
+        let places: Vec<usize> = (0..self.cols)
+            .map(|n| {
+                let (tile, place) = (n / TILE, n % TILE);
+                let l = (share((tile * LANES + place % LANES) * LANES + place / LANES) * self.cols as f64) as usize;
+                l.min(self.cols - l)
+            })
+            .collect();
+        for k in self.waves() {
+            // A complex remainder stands for two waves, whose way back it halves.
+            let twins = if k == 0 || 2 * k == self.rows { 1.0 } else { 2.0 };
+            row.iter_mut().enumerate().for_each(|(l, value)| *value = T::rounded(twins * factor(k, l)));
+            factors.extend(places.iter().map(|&l| row[l]));
+        }
+        factors
+    }
+
+    /// The waves along x in the order of the rows that hold them: two real rows, then complex ones.
+    fn waves(&self) -> impl Iterator<Item = usize> {
+        let rows = self.rows;
+        let complex = self.halves().flat_map(move |half| {
+            (0..half / 2).map(move |part| {
+                // (1/4)/m + share, m = half/2
+                let k = rows / (2 * half) + (share(part) * rows as f64) as usize;
+                k.min(rows - k)
+            })
+        });
+        [0, rows / 2].into_iter().chain(complex)
+    }
+
+    /// Rows of each complex remainder, real parts and then imaginary ones, which begins as many rows below the first.
+    fn halves(&self) -> impl Iterator<Item = usize> {
+        (1..self.rows.ilog2()).map(|power| 1 << power)
+    }
+}
+
+/// A running filter.
+pub(crate) struct Filter<'a, T> {
+    pub(crate) plan: &'a Convolution<T>,
+    pub(crate) input: &'a [T],
+    pub(crate) factors: &'a [T],
+    pub(crate) output: &'a mut [T],
+    pub(crate) scratch: &'a mut [T],
+}
+
+impl<T: Number> Filter<'_, T> {
+    pub(crate) fn run(self) {
+        let points = self.plan.rows * self.plan.cols;
+        assert!(self.input.len() == points && self.output.len() == points, "a map of another size");
+        vectorized(self);
+    }
+}
+
+impl<T: Number> WithSimd for Filter<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { plan, input, factors, output, scratch } = self;
+        let (cols, half, width) = (plan.cols, plan.rows / 2, plan.width());
+        let columns = &mut scratch[..plan.rows * width];
+        for first in (0..cols).step_by(width) {
+            let (sums, differences) = columns.split_at_mut(half * width);
+            let both = sums.chunks_exact_mut(width).zip(differences.chunks_exact_mut(width));
+            for (row, (sum, difference)) in both.enumerate() {
+                let (upper, lower) = (&input[row * cols + first..], &input[(row + half) * cols + first..]);
+                let (upper, lower) = (T::vectors::<S>(&upper[..width]), T::vectors::<S>(&lower[..width]));
+                let both = T::vectors_mut::<S>(sum).iter_mut().zip(T::vectors_mut::<S>(difference));
+                for ((sum, difference), (&a, &b)) in both.zip(upper.iter().zip(lower)) {
+                    (*sum, *difference) = (T::sum(simd, a, b), T::difference(simd, a, b));
+                }
+            }
+            plan.columns_forward(simd, columns);
+            for (row, column) in columns.chunks_exact(width).enumerate() {
+                output[row * cols + first..][..width].copy_from_slice(column);
+            }
+        }
+        let (reals, complex) = output.split_at_mut(2 * cols);
+        let mut factors = factors.chunks_exact(cols);
+        for (real, factor) in reals.chunks_exact_mut(cols).zip(&mut factors) {
+            let imaginary = &mut scratch[..cols];
+            imaginary.fill(T::zero());
+            plan.row(simd, real, imaginary, factor);
+        }
+        let mut rest = complex;
+        for half in plan.halves() {
+            let (block, below) = rest.split_at_mut(half * cols);
+            let (re, im) = block.split_at_mut(half / 2 * cols);
+            for ((re, im), factor) in re.chunks_exact_mut(cols).zip(im.chunks_exact_mut(cols)).zip(&mut factors) {
+                plan.row(simd, re, im, factor);
+            }
+            rest = below;
+        }
+        let columns = &mut scratch[..plan.rows * width];
+        for first in (0..cols).step_by(width) {
+            for (row, column) in columns.chunks_exact_mut(width).enumerate() {
+                column.copy_from_slice(&output[row * cols + first..][..width]);
+            }
+            plan.columns_inverse(simd, columns);
+            let (upper, lower) = output.split_at_mut(half * cols);
+            let (sums, differences) = columns.split_at(half * width);
+            let both = sums.chunks_exact(width).zip(differences.chunks_exact(width));
+            for (row, (sum, difference)) in both.enumerate() {
+                let place = row * cols + first;
+                let upper = T::vectors_mut::<S>(&mut upper[place..][..width]);
+                let lower = T::vectors_mut::<S>(&mut lower[place..][..width]);
+                let both = T::vectors::<S>(sum).iter().zip(T::vectors::<S>(difference));
+                for ((upper, lower), (&a, &b)) in upper.iter_mut().zip(lower).zip(both) {
+                    (*upper, *lower) = (T::sum(simd, a, b), T::difference(simd, a, b));
+                }
+            }
+        }
+    }
+}
+
+impl<T: Number> Convolution<T> {
+    /// The remainders of `columns`, rows of equal length, whose first split is done.
+    #[inline(always)]
+    fn columns_forward<S: Simd>(&self, simd: S, columns: &mut [T]) {
+        let vectors = T::vectors_mut::<S>(columns);
+        let row = vectors.len() / self.rows;
+        let mut real = self.rows / 2;
+        while real > 1 {
+            real /= 2;
+            let (sums, differences) = vectors[..2 * real * row].split_at_mut(real * row);
+            for (a, b) in sums.iter_mut().zip(differences) {
+                (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
+            }
+        }
+        for half in self.halves() {
+            let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
+            self.split(simd, re, im, half / 2, 2);
+        }
+    }
+
+    /// Back from [`Self::columns_forward`].
+    #[inline(always)]
+    fn columns_inverse<S: Simd>(&self, simd: S, columns: &mut [T]) {
+        let vectors = T::vectors_mut::<S>(columns);
+        let row = vectors.len() / self.rows;
+        for half in self.halves() {
+            let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
+            self.join(simd, re, im, half / 2, 2);
+        }
+        let mut real = 1;
+        while real < self.rows / 2 {
+            let (sums, differences) = vectors[..2 * real * row].split_at_mut(real * row);
+            for (a, b) in sums.iter_mut().zip(differences) {
+                (*a, *b) = (T::sum(simd, *a, *b), T::difference(simd, *a, *b));
+            }
+            real *= 2;
+        }
+    }
+
+    /// One row of complex numbers: transform, `factor`, and back.
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, re: &mut [T], im: &mut [T], factor: &[T]) {
+        let length = self.cols / LANES;
+        self.split(simd, T::vectors_mut::<S>(re), T::vectors_mut::<S>(im), length, 0);
+        let tiles = re.as_chunks_mut::<TILE>().0.iter_mut().zip(im.as_chunks_mut::<TILE>().0);
+        let kept = factor.as_chunks::<TILE>().0.iter().zip(self.tile_roots.as_chunks::<{ 5 * ROOTS }>().0);
+        for ((re, im), (factor, roots)) in tiles.zip(kept) {
+            transpose(re);
+            transpose(im);
+            tile(simd, re, im, factor, roots);
+            transpose(re);
+            transpose(im);
+        }
+        self.join(simd, T::vectors_mut::<S>(re), T::vectors_mut::<S>(im), length, 0);
+    }
+
+    /// Splits `length` rows of complex numbers, block `first` of their level, to the last.
+    #[inline(always)]
+    fn split<S: Simd>(&self, simd: S, re: &mut [T::V<S>], im: &mut [T::V<S>], length: usize, first: usize) {
+        let (mut blocks, mut length) = (1, length);
+        while length > 1 {
+            let size = re.len() / blocks;
+            for (block, &root) in self.roots[first * blocks..][..blocks].iter().enumerate() {
+                let (re, im) = (&mut re[block * size..][..size], &mut im[block * size..][..size]);
+                if length == 2 {
+                    twos(simd, re, im, root[1], false);
+                } else {
+                    split_four(simd, re, im, root);
+                }
+            }
+            (blocks, length) = (blocks * 4, length / 4);
+        }
+    }
+
+    /// Back from [`Self::split`].
+    #[inline(always)]
+    fn join<S: Simd>(&self, simd: S, re: &mut [T::V<S>], im: &mut [T::V<S>], length: usize, first: usize) {
+        let levels = length.ilog2().div_ceil(2);
+        for level in (0..levels).rev() {
+            let blocks = 1 << (2 * level);
+            let size = re.len() / blocks;
+            for (block, &root) in self.roots[first * blocks..][..blocks].iter().enumerate() {
+                let (re, im) = (&mut re[block * size..][..size], &mut im[block * size..][..size]);
+                if length / blocks == 2 {
+                    twos(simd, re, im, root[1], true);
+                } else {
+                    join_four(simd, re, im, root);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers without symmetry.
+    fn uneven(count: usize) -> Vec<f64> {
+        (0..count).map(|n| ((n * n % 7919 * 7919 + 13 * n) % 1009) as f64 / 1009.0 - 0.4).collect()
+    }
+
+    fn factor(k: usize, l: usize) -> f64 {
+        1.0 / (1.0 + k as f64 + 0.3 * l as f64)
+    }
+
+    fn filtered<T: Number>(rows: usize, cols: usize, input: &[T]) -> Vec<T> {
+        let plan = Convolution::<T>::new(rows, cols).unwrap();
+        let factors = plan.factors(|k, l| factor(k, l) / (rows * cols) as f64);
+        let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+        Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch }.run();
+        output
+    }
+
+    #[test]
+    fn every_wave_is_multiplied_by_its_factor() {
+        for (rows, cols) in [(8, 256), (16, 512), (64, 256), (32, 2048)] {
+            let turn = |k: usize, n: usize, of: usize| (k * n % of) as f64 / of as f64;
+            let pairs = [(0, 0), (0, 1), (1, 0), (rows / 2, 0), (0, cols / 2), (rows / 2, cols / 2), (3, 77), (2, 128)];
+            for (k, l) in pairs {
+                // A wave that runs up and one that runs down: the mirror image shares the factor.
+                for l in [l, (cols - l) % cols] {
+                    let at =
+                        |n: usize| std::f64::consts::TAU * (turn(k, n / cols, rows) + turn(l, n % cols, cols)) + 0.7;
+                    let input: Vec<f64> = (0..rows * cols).map(|n| at(n).cos()).collect();
+                    let expected = factor(k, l.min(cols - l));
+                    for (a, b) in filtered(rows, cols, &input).iter().zip(&input) {
+                        assert!((a - expected * b).abs() < 1e-13, "{rows} x {cols}, wave {k}, {l}: {a}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn single_precision_rounds_as_little_as_its_digits() {
+        for (rows, cols) in [(8, 256), (128, 512), (512, 1024)] {
+            let input = uneven(rows * cols);
+            let rounded: Vec<f32> = input.iter().map(|&value| value as f32).collect();
+            let exact: Vec<f64> = rounded.iter().map(|&value| f64::from(value)).collect();
+            let (single, double) = (filtered(rows, cols, &rounded), filtered(rows, cols, &exact));
+            let square: f64 = double.iter().map(|a| a * a).sum();
+            let error: f64 = single.iter().zip(&double).map(|(&a, b)| (f64::from(a) - b).powi(2)).sum();
+            assert!((error / square).sqrt() < 3e-7, "{rows} x {cols}: {}", (error / square).sqrt());
+        }
+    }
+
+    #[test]
+    fn vectors_of_any_width_give_the_same_bytes() {
+        fn same<T: Number>(input: &[T], bits: impl Fn(T) -> u64) {
+            let plan = Convolution::<T>::new(16, 512).unwrap();
+            let factors = plan.factors(factor);
+            let with = |run: &dyn Fn(Filter<T>)| {
+                let (mut output, mut scratch) = (vec![T::zero(); input.len()], vec![T::zero(); plan.scratch_len()]);
+                run(Filter { plan: &plan, input, factors: &factors, output: &mut output, scratch: &mut scratch });
+                output.into_iter().map(&bits).collect::<Vec<u64>>()
+            };
+            let scalar = with(&|filter| Simd::vectorize(pulp::Scalar::new(), filter));
+            #[cfg(target_arch = "x86_64")]
+            {
+                if let Some(simd) = pulp::x86::V3::try_new() {
+                    assert_eq!(with(&|filter| Simd::vectorize(simd, filter)), scalar);
+                }
+                if let Some(simd) = pulp::x86::V4::try_new() {
+                    assert_eq!(with(&|filter| Simd::vectorize(simd, filter)), scalar);
+                }
+            }
+            assert_eq!(with(&|filter| filter.run()), scalar);
+        }
+        let input = uneven(16 * 512);
+        same(&input, f64::to_bits);
+        same(&input.iter().map(|&value| value as f32).collect::<Vec<_>>(), |value| u64::from(value.to_bits()));
+    }
+
+    #[test]
+    fn other_sizes_are_left_to_others() {
+        for (rows, cols) in [(4, 256), (8, 128), (12, 256), (8, 768)] {
+            assert!(Convolution::<f32>::new(rows, cols).is_none());
+        }
+    }
+}
