@@ -9,8 +9,8 @@ use crate::{HeightMap, Spikes};
 /// The limits of plausibility of maps, all of them.
 pub mod limits {
     /// A spike differs from the median about it by more than this many standard deviations of all such differences
-    /// (1.4826 times their median absolute value), and stands as far beyond every point around it. Of 33 million normal
-    /// differences the largest is 5.6; heights of machined surfaces have heavier tails.
+    /// (1.4826 times their median absolute value), and stands as far beyond every point around it. Of 67 million normal
+    /// differences the largest is 5.7; heights of machined surfaces have heavier tails.
     pub const SPIKE_DEVIATIONS: f64 = 8.0;
     /// Points from the middle of the square about a point to its sides: 5 x 5 points, so that clusters of up to twelve
     /// bad points lose the vote of the median.
@@ -20,7 +20,7 @@ pub mod limits {
     /// Fewest points present about a point, without itself, for a judgement on it: those about a corner of the map.
     pub const LEAST_SPIKE_NEIGHBOURS: usize = 8;
     /// Debris stands above the median height by more than this many standard deviations (1.4826 times the median
-    /// absolute deviation): heights of a worn or machined surface go to 4 or 5, of a normal one of 33 million points to 5.6.
+    /// absolute deviation): heights of a worn or machined surface go to 4 or 5, of a normal one of 67 million points to 5.7.
     pub const RAISED_DEVIATIONS: f64 = 12.0;
     /// Largest share of the map that is debris: more is what was measured (the land between wide cavities).
     pub const MOST_RAISED_SHARE: f64 = 0.05;

@@ -45,7 +45,7 @@ impl Regions {
             let left = if n % cols > 0 { label[n - 1] } else { 0 };
             label[n] = match (above, left) {
                 (0, 0) => {
-                    // At most 2^25 points: the cast is exact.
+                    // At most 2^26 points: the cast is exact.
                     parent.push(parent.len() as u32);
                     parent.len() as u32 - 1
                 }

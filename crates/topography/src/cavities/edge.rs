@@ -57,7 +57,7 @@ impl Edges {
             }
             for (behind, ends) in [false, true].into_iter().zip(&ends) {
                 for (region, ends) in ends.iter().enumerate() {
-                    // At most 2^25 regions: the cast is exact.
+                    // At most 2^26 regions: the cast is exact.
                     let region = region as u32;
                     if counts(axis, region) {
                         points.extend(

@@ -231,7 +231,7 @@ fn measure(found: &Found, sought: Sought) -> CavityMetrology {
                 width_m: sought.width_m[region],
                 depth_m: measured(found.floors[region].map(|floor| floor.depth_m)),
                 area_m2: points * pixel_m[0] * pixel_m[1],
-                // At most 2^25 regions: the cast is exact.
+                // At most 2^26 regions: the cast is exact.
                 rim_height_m: sought.rim_heights.get(&(region as u32)).copied(),
                 wall_angle_deg: measured(sought.walls.angle_deg[region]),
                 floor_sq_m: measured(sought.walls.floor_sq_m[region]),

@@ -422,7 +422,7 @@ fn bootstrap(profile: &Profile, fit: &Fit) -> [f64; 2] {
         let (mut length_m, mut sums) = (0.0, vec![0.0; profile.bins.len()]);
         for turn in 0..units.len() as u64 {
             let bits = splitmix64(splitmix64(draw << 32 | turn));
-            // At most 2^25 stretches: the remainder's bias is nil.
+            // At most 2^26 stretches: the remainder's bias is nil.
             let (unit_m, unit) = &units[(bits % units.len() as u64) as usize];
             length_m += unit_m;
             for (sum, term) in sums.iter_mut().zip(unit) {

@@ -91,7 +91,7 @@ impl HeightMap {
     /// Fills missing points with the harmonic surface through the points around them; the others stay as
     /// they are. At the map's sides the surface meets the side squarely.
     pub fn fill_missing(&mut self) -> Filling {
-        // A map has at most 2^25 points.
+        // A map has at most 2^26 points.
         let missing: Vec<u32> =
             self.heights_m().iter().enumerate().filter(|(_, h)| h.is_nan()).map(|(n, _)| n as u32).collect();
         if missing.is_empty() {
