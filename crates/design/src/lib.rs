@@ -76,6 +76,7 @@ mod flat_is_best;
 mod flat_sample;
 mod infeasibility;
 mod job;
+mod kept_round;
 mod lattice_table;
 mod learned;
 mod multi_fidelity;

@@ -233,7 +233,7 @@ impl DesignReport {
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
-            if self.rounds > 1 { ", corrected by an earlier run" } else { "" },
+            if self.rounds > 1 { ", each search after the first corrected by the run before it" } else { "" },
             self.confirmation()
         );
         text += &format!("  {}\n", self.errors.meaning);
