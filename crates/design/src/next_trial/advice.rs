@@ -5,7 +5,8 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_optimize::ModelFailure;
 
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::{Asked, Design, PredictedRatio, SERIES, Scope, Search, TrialCandidateReport, asked};
+use super::search::{Scope, Search};
+use super::{Asked, Design, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};
 use crate::chance_report::{numerical, percent};
@@ -144,12 +145,9 @@ impl MultiFidelityLoop<'_> {
         }
         let stage = self.stage("samples to cut rather");
         let scope = Scope::BESIDE;
-        let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
+        let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &stage);
         let found = interpolation.map(|nodes| {
-            // Half of what counts is left for what the interpolation is off.
-            let least = chance + 0.5 * CLEARLY;
-            let (mut best, _) =
-                Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, least, RATHER);
+            let (mut best, _) = Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, RATHER);
             best.retain(|of| of.score.chance > chance + CLEARLY);
             best
         });
