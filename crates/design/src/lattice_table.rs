@@ -219,9 +219,7 @@ impl TableReport {
     /// What the table says, one line each.
     #[must_use]
     pub fn lines(&self, seconds: f64) -> Vec<String> {
-        let at = |node: &NodeReport| {
-            format!("{} um", node.design.lengths_in_words())
-        };
+        let at = |node: &NodeReport| format!("{} um", node.design.lengths_in_words());
         let mut lines = vec![format!(
             "table of {} designs in {seconds:.1} s: {} respect every limit, {} of them do what is demanded, {} could not be computed",
             self.designs, self.feasible, self.meeting, self.failed
