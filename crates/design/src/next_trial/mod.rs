@@ -14,9 +14,9 @@ use slipgrid_discrepancy::{
 use slipgrid_export::{Division, LEAST_PERIODS, Removal, Sector};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_optimize::{ModelFailure, Quantity};
+use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION};
 use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
@@ -43,6 +43,9 @@ const DISC_SEED: u64 = 2;
 const MEASURED_STD: f64 = 0.01;
 /// Advice: a chance above this is worth a series.
 const SERIES: f64 = 0.5;
+/// Share of a burst by which a depth may be off a whole number of them: depths are written to a hundredth of a micrometre.
+const OF_A_BURST: f64 = 0.01;
+
 /// What is asked.
 #[derive(Clone, Debug, Default)]
 pub struct NextOptions {
@@ -174,6 +177,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
     report.one_disc = OneDiscReport::of(disc, &sectors);
     report.warnings = laser_warnings(&task, &patterns);
+    report.warnings.extend(options.own.iter().flat_map(|own| own_warnings(&task, own)));
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
@@ -311,6 +315,20 @@ fn laser_warnings(task: &DesignTask, patterns: &[Pattern]) -> Vec<String> {
         warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
     };
     patterns.iter().enumerate().flat_map(of).collect()
+}
+
+/// What keeps the laser of `task` from cutting `own`, which was asked for, as it is.
+fn own_warnings(task: &DesignTask, own: &Pattern) -> Vec<String> {
+    let limits = &task.constraints.limits;
+    let mut broken: Vec<String> = limits.violations(own).iter().map(ToString::to_string).collect();
+    if let Some(burst_m) = limits.depth_per_burst_m {
+        let bursts = own.depth_m() / burst_m;
+        if (bursts - bursts.round()).abs() > OF_A_BURST {
+            broken.push(format!("a depth of {bursts:.2} bursts: expected a whole number of bursts"));
+        }
+    }
+    let lengths = PatternReport::from(own).lengths_in_words();
+    broken.into_iter().map(|broken| format!("yours, {lengths} um: {broken}")).collect()
 }
 
 /// Why no design fits on a sector.
