@@ -263,7 +263,7 @@ impl ChanceReport {
     #[must_use]
     pub fn announced(&self, advice: Option<&AdviceReport>) -> String {
         match (self.value, self.beside(advice)) {
-            (Some(_), Some(advice)) => format!("{} {ON_TARGET}", percent(advice.chance)),
+            (_, Some(advice)) => format!("{} {ON_TARGET}", percent(advice.chance)),
             _ => self.words.clone(),
         }
     }
@@ -271,7 +271,10 @@ impl ChanceReport {
     /// What the chance announced counts, and what it would be if the model lacked nothing; `None` where the two are the same.
     #[must_use]
     pub fn with_and_without_trials(&self, advice: Option<&AdviceReport>) -> Option<String> {
-        let (share, advice) = (self.value?, self.beside(advice)?);
+        let advice = self.beside(advice)?;
+        let Some(share) = self.value else {
+            return Some(format!("the chance counts nothing but {}; for the model alone, {}", advice.known_of(), self.words));
+        };
         Some(format!(
             "the chance counts {}; if it lacked nothing, it would be {}{}",
             advice.known_of(),
@@ -283,7 +286,7 @@ impl ChanceReport {
     /// The chance that is announced.
     #[must_use]
     pub fn announced_value(&self, advice: Option<&AdviceReport>) -> Option<f64> {
-        self.value.map(|share| self.beside(advice).map_or(share, |advice| advice.chance))
+        self.beside(advice).map(|advice| advice.chance).or(self.value)
     }
 
     /// The advice, where the chance does not count what trials say.

@@ -214,7 +214,8 @@ fn tried_words(restriction: Restriction, loosest: f64, quantities: &[Limit]) -> 
     let what = words(restriction, quantities);
     let way = if is_least(restriction, quantities) { "down" } else { "up" };
     match restriction {
-        Restriction::Quantity(_) => what,
+        Restriction::Quantity(_) if !loosest.is_finite() => format!("{what} (without any limit)"),
+        Restriction::Quantity(place) => format!("{what} ({way} to {})", quantities[place].tell(loosest)),
         _ => format!("{what} ({way} to {} um)", length_in_words(LENGTH_UM.from_si(loosest))),
     }
 }
@@ -272,7 +273,9 @@ impl ExplanationReport {
                 ),
             });
         }
-        if let Some(together) = &self.together {
+        // Of one alone the line above says it.
+        let is_said = self.relaxed == 1 && !self.binding.is_empty();
+        if let Some(together) = self.together.as_ref().filter(|_| !is_said) {
             lines.push(if together.misfit <= 1.0 {
                 format!(
                     "with {} relaxed together the target is met: {}",
@@ -349,6 +352,19 @@ mod tests {
             "{lines:?}"
         );
         assert_eq!(lines[2], "the nearest design is as narrow as the laser's spot, 30 um, which is not relaxed");
+        // Of one limit alone the line with its number says it, once.
+        let relief = ReliefReport {
+            what: "peak pressure".into(),
+            unit: "MPa".into(),
+            limit: 60.0,
+            relaxed: 70.0,
+            suffices: false,
+            nearest: NearestReport { design: PatternReport::default(), misfit: 2.0 },
+        };
+        let tried = vec!["peak pressure (without any limit)".to_owned()];
+        let one = ExplanationReport { binding: vec![relief], relaxed: 1, tried, kept: None, ..report.clone() };
+        assert_eq!(one.lines().len(), 1, "{:?}", one.lines());
+        assert!(one.lines()[0].starts_with("with peak pressure 70 MPa instead of 60 MPa the nearest design"));
     }
 
     #[test]

@@ -1,12 +1,13 @@
 //! The job, from a task to a design: search, confirm, explain.
 
 use slipgrid_export::Removal;
+use slipgrid_material::Material;
 use slipgrid_monitor::{Monitor, Remembering};
 use slipgrid_optimize::{Candidate, ForwardModel, ModelFailure, Status, TradeOffs};
 use slipgrid_pattern::Pattern;
 use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION, load_reports, model_notes};
 use slipgrid_springblock::{Load, Scene, Simulation};
-use slipgrid_units::tidy;
+use slipgrid_units::{PRESSURE_MPA, tidy};
 
 use crate::chance::Chances;
 use crate::discrepancy_correction::DiscrepancyReport;
@@ -216,6 +217,7 @@ fn every_step(
     model.extend(found.condition_statements(design));
     model.extend(found.statements());
     model.extend(time_statement(&cut_short));
+    model.extend(measured_range(&material, &outside));
     model.extend(model_notes(sectioned, &material.provenance));
     let report = DesignReport {
         program: "slipgrid".into(),
@@ -286,4 +288,13 @@ fn every_step(
         material: KnownMaterial { material, uncertainty: uncertainty.clone() },
         task: task.clone(),
     })
+}
+
+/// From where to where friction was measured, where one of the pressures is `outside`.
+fn measured_range(material: &Material, outside: &[bool]) -> Option<String> {
+    let [low, high] = material.friction.measured_pressures_pa().filter(|_| outside.contains(&true))?;
+    let [low, high] = [low, high].map(|pressure_pa| tidy(PRESSURE_MPA.from_si(pressure_pa)));
+    Some(format!(
+        "friction was measured from {low} to {high} MPa; beyond that the nearest measurement's coefficients were taken"
+    ))
 }

@@ -70,9 +70,9 @@ impl From<&Candidate> for NodeReport {
     }
 }
 
-/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres; one more than a million at most.
+/// The widths, spacings and depths of whole blocks and bursts within the bounds of `design`, and their steps, in metres.
 #[must_use]
-pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
+pub fn axes(design: &DesignTask) -> ([Vec<f64>; 3], [f64; 3]) {
     let (space, limits) = (&design.space, &design.constraints.limits);
     let block_m = design.layer.block_m;
     let steps_m = [block_m, block_m, limits.depth_per_burst_m.unwrap_or(DEPTH_STEP_M)];
@@ -84,8 +84,16 @@ pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
         let (first, last) = ((lower_m / step_m - WHOLE).ceil().max(1.0), (upper_m / step_m + WHOLE).floor());
         (first as u64..=last as u64).map(|step| (step as f64 * step_m).clamp(lower_m, upper_m)).collect()
     };
-    let [widths, spacings, depths] =
+    let axes =
         [axis(space.width_m(), steps_m[0]), axis(space.spacing_m(), steps_m[1]), axis(space.depth_m(), steps_m[2])];
+    (axes, steps_m)
+}
+
+/// The designs of a lattice, widths slowest, with the steps of width, spacing and depth in metres; one more than a million at most.
+#[must_use]
+pub fn lattice(design: &DesignTask) -> (Vec<Pattern>, [f64; 3]) {
+    let (space, limits) = (&design.space, &design.constraints.limits);
+    let ([widths, spacings, depths], steps_m) = axes(design);
     let makeable = |pattern: &Pattern| limits.violations(pattern).is_empty();
     let patterns = widths
         .iter()
@@ -211,10 +219,7 @@ impl TableReport {
     /// What the table says, one line each.
     #[must_use]
     pub fn lines(&self, seconds: f64) -> Vec<String> {
-        let at = |node: &NodeReport| {
-            let design = &node.design;
-            format!("{} / {} / {} um", design.width_um, design.spacing_um, design.depth_um)
-        };
+        let at = |node: &NodeReport| format!("{} um", node.design.lengths_in_words());
         let mut lines = vec![format!(
             "table of {} designs in {seconds:.1} s: {} respect every limit, {} of them do what is demanded, {} could not be computed",
             self.designs, self.feasible, self.meeting, self.failed

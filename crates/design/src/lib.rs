@@ -76,6 +76,7 @@ mod flat_is_best;
 mod flat_sample;
 mod infeasibility;
 mod job;
+mod kept_round;
 mod lattice_table;
 mod learned;
 mod multi_fidelity;
@@ -141,12 +142,12 @@ pub mod records {
     pub use crate::reachable_range::ReachableReport;
     pub use crate::rim_sensitivity::{RimSensitivityReport, RimSlopeReport};
     pub use crate::robustness_report::{
-        Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport, ScatterReport,
-        SpreadReport,
+        BESIDE, Distribution, InputReport, OptimumReport, PressureParts, PressureReport, RobustnessReport,
+        ScatterReport, SpreadReport,
     };
     pub use crate::selection::SelectionReport;
     pub use crate::sensitivity::{Dimensions, SensitivityReport, SlopesReport};
     pub use crate::target_report::{GoalReport, TargetReport, Tolerance};
     pub use crate::timings::{ImprovementReport, Timings};
-    pub use crate::trade_offs::{ListedDesign, TradeOffsReport};
+    pub use crate::trade_offs::{BEFORE, ListedDesign, TradeOffsReport};
 }

@@ -3,7 +3,7 @@
 use slipgrid_material::Material;
 use slipgrid_optimize::{
     Candidate, Goal, LowFidelityCorrection, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome,
-    Status, search, search_multi_fidelity,
+    Status, least_evaluations, search, search_multi_fidelity,
 };
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
@@ -15,6 +15,7 @@ use crate::confirmation::warm_travel_m;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
+use crate::kept_round::KeptRound;
 use crate::operating_conditions::Further;
 use crate::robust_search::{self, RobustChoice};
 use crate::selection::Chosen;
@@ -27,7 +28,7 @@ use slipgrid_units::{LENGTH_UM, SPEED_MM_S, tidy};
 
 /// Searches made at most: each after the first takes what the confirming run before it found the
 /// steady model to miss. Two suffice where the miss hardly depends on the design.
-const MOST_ROUNDS: usize = 4;
+pub(super) const MOST_ROUNDS: usize = 4;
 
 /// Searches and confirmations in turn, until a confirmed design meets the target.
 pub(super) struct MultiFidelityLoop<'a> {
@@ -68,6 +69,10 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) excess: Vec<Option<Vec<f64>>>,
     /// What the best design was chosen from by its chance.
     pub(super) selection: Option<Chosen>,
+    /// The best round so far.
+    pub(super) kept: Option<KeptRound>,
+    /// The round whose design is reported, where later ones were worse.
+    pub(super) taken_back: Option<usize>,
 }
 
 /// How the names of confirming stages begin.
@@ -157,12 +162,33 @@ impl<'a> MultiFidelityLoop<'a> {
             missed: 0.0,
             excess: Vec::new(),
             selection: None,
+            kept: None,
+            taken_back: None,
         })
     }
 
     pub(super) fn run(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
-        while self.rounds < MOST_ROUNDS && self.evaluations < design.max_evaluations && !self.out_of_time {
+        self.run_rounds(design, timings)?;
+        self.take_the_kept();
+        // What is reported stands on them, too.
+        self.confirm_further(design, timings)
+    }
+
+    /// Whether a further round is allowed and can be paid: a search without its whole sample finds what chance would have it.
+    fn goes_on(&self, design: &DesignTask) -> bool {
+        let left = design.max_evaluations.saturating_sub(self.evaluations);
+        let is_paid = self.rounds == 0 || left >= least_evaluations(&design.space);
+        self.rounds < MOST_ROUNDS && left > 0 && is_paid && !self.out_of_time
+    }
+
+    fn run_rounds(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
+        while self.goes_on(design) {
             let outcome = self.search(design, timings)?;
+            let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
+            if !has_searched && !self.may_beat_the_kept(&outcome.best) {
+                self.status = Status::Budget;
+                break;
+            }
             let pattern = outcome.best.design;
             let misfit = outcome.best.misfit;
             let feasible = outcome.best.violations.is_empty();
@@ -179,6 +205,7 @@ impl<'a> MultiFidelityLoop<'a> {
             // What is even by the steady model need not be in time: searched again with what the first run taught.
             let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
             let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
+            self.keep_round(design, has_ended, is_whole);
             if feasible && has_ended && is_settled && is_whole && self.is_confirmed(design) {
                 self.status = Status::Met;
                 return Ok(());
@@ -200,9 +227,12 @@ impl<'a> MultiFidelityLoop<'a> {
             if !again || unchanged {
                 break;
             }
+            // What a further search could reach is not known where none can be paid.
+            if self.rounds < MOST_ROUNDS && !self.goes_on(design) {
+                self.status = Status::Budget;
+            }
         }
-        // What is reported stands on them, too.
-        self.confirm_further(design, timings)
+        Ok(())
     }
 
     /// Keeps every answer in `cache`, and begins with those that it holds.
@@ -238,6 +268,12 @@ impl<'a> MultiFidelityLoop<'a> {
             )
         });
         let mut statements: Vec<String> = slowed.into_iter().collect();
+        statements.extend(self.taken_back.map(|round| {
+            format!(
+                "the design of search {round}: what later searches found, of {} in all, is further from the target",
+                self.rounds
+            )
+        }));
         if !self.model.is_spatial() {
             return statements;
         }

@@ -14,6 +14,7 @@ use crate::discrepancy_correction::DiscrepancyReport;
 use crate::flat_is_best::FlatReport;
 use crate::infeasibility::ExplanationReport;
 use crate::lattice_table::TableReport;
+use crate::multi_fidelity::MOST_ROUNDS;
 use crate::next_trial::AdviceReport;
 use crate::reachable_range::ReachableReport;
 use crate::robustness_report::{MEANING, RobustnessReport};
@@ -47,7 +48,8 @@ pub struct DesignReport {
     pub status: Cow<'static, str>,
     /// The chance that a cut sample is on target; null where nothing is demanded.
     pub chance: Option<ChanceReport>,
-    /// Whether to cut it as a series or as a trial, by what trials say that the model lacks; null where nothing is demanded.
+    /// Whether to cut it as a series or as a trial, by what trials say that the model lacks; null where nothing is demanded, where the
+    /// flat surface is better than any pattern, and where the design does not slide evenly.
     pub advice: Option<AdviceReport>,
     /// Why the flat surface is better than any pattern; null where one is.
     pub flat: Option<FlatReport>,
@@ -233,7 +235,7 @@ impl DesignReport {
             self.target.quantity,
             if self.discrepancy.is_some() { ", aimed with what trials say that the model lacks" } else { "" },
             self.in_space(),
-            if self.rounds > 1 { ", corrected by an earlier run" } else { "" },
+            if self.rounds > 1 { ", each search after the first corrected by the run before it" } else { "" },
             self.confirmation()
         );
         text += &format!("  {}\n", self.errors.meaning);
@@ -354,7 +356,7 @@ impl DesignReport {
         if let Some(flat) = &self.flat {
             let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
             return format!(
-                "{name}{scope}: {}. What follows is the pattern that lowers it least, not an advice",
+                "{name}{scope}: {}. What follows is the pattern that lowers it least; cut none",
                 flat.words
             );
         }
@@ -362,10 +364,26 @@ impl DesignReport {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
             "met" => format!("met by the model{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
-            _ if self.goal.is_some() && self.misfit.predicted <= 1.0 => {
+            _ if self.goal.is_some() && self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0) => {
                 format!("best so far{scope}: {} before the search had ended", self.spent())
             }
-            _ => format!("not met{scope} before {}; nearest design:", self.spent()),
+            _ => format!("{}{scope}; nearest design:", self.unmet()),
+        }
+    }
+
+    /// Why a target that the search does not call out of reach was not met, in words that follow "target".
+    #[must_use]
+    pub fn unmet(&self) -> String {
+        let searches = if self.rounds == 1 { "one search".to_owned() } else { format!("{} searches", self.rounds) };
+        let is_found = self.misfit.predicted <= 1.0 && self.violations.is_empty();
+        if self.out_of_time {
+            format!("not met before {}", self.spent())
+        } else if is_found {
+            format!("met by the steady model, not confirmed in time after {searches}")
+        } else if self.rounds >= MOST_ROUNDS {
+            format!("not met after {searches}")
+        } else {
+            format!("not met before {}", self.spent())
         }
     }
 }
@@ -374,4 +392,26 @@ impl DesignReport {
 #[must_use]
 pub fn patterns<'a>(candidates: impl IntoIterator<Item = &'a Pattern>) -> Vec<PatternReport> {
     candidates.into_iter().map(PatternReport::from).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_ended_a_search_without_its_target_is_said_as_it_was() {
+        let missed = |predicted: f64, rounds: usize, out_of_time: bool| {
+            let misfit = MisfitReport { predicted, confirmed: Some(1.3) };
+            DesignReport { status: "budget".into(), misfit, rounds, out_of_time, ..DesignReport::default() }.verdict()
+        };
+        for (verdict, says) in [
+            (missed(0.8, 4, false), "met by the steady model, not confirmed in time after 4 searches; nearest design:"),
+            (missed(0.8, 1, false), "met by the steady model, not confirmed in time after one search; nearest design:"),
+            (missed(1.1, 4, false), "not met after 4 searches; nearest design:"),
+            (missed(1.1, 2, false), "not met before the evaluations allowed were spent; nearest design:"),
+            (missed(1.1, 2, true), "not met before the seconds allowed were spent; nearest design:"),
+        ] {
+            assert_eq!(verdict, says);
+        }
+    }
 }

@@ -12,6 +12,9 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
+/// Half a unit of the last digit that is shown.
+const LEAST_STD: f64 = 5e-5;
+
 /// What designs within bounds and limits can do at one pressure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReachableReport {
@@ -19,7 +22,7 @@ pub struct ReachableReport {
     pub pressure_mpa: f64,
     /// Lowest value.
     pub lowest: f64,
-    /// Its standard deviation by what is known of the material; null where nothing is, and where the target is met.
+    /// Its standard deviation by what is known of the material; null where nothing that moves it is, and where the target is met.
     pub lowest_std: Option<f64>,
     /// Highest value.
     pub highest: f64,
@@ -55,7 +58,8 @@ pub(super) fn of_search(
             Quantity::Ratio => of.ratio,
             Quantity::DynamicFriction => of.mu,
         })
-        .filter(|of| !of.parts.is_empty())
+        // An error that does not show says that what decides is not among its parts.
+        .filter(|of| of.std >= LEAST_STD)
         .map(|of| tidy(of.std))
     };
     let report = |(place, range): (usize, &ReachableRange)| ReachableReport {

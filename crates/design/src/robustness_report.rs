@@ -15,6 +15,10 @@ use slipgrid_units::tidy;
 pub const MEANING: &str = "Standard deviations of the dimensions are those of a sample's mean: samples differ by so much, \
                            and how the cavities of one sample scatter about its mean is averaged away by friction";
 
+/// How shares by the steady model stand to the chance that a design is announced with.
+pub const BESIDE: &str = "shares and chances by the steady model (here, among trade-offs and in the explorer) are to be compared with one \
+                          another, not with the chance above";
+
 /// What samples made after a design do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RobustnessReport {
@@ -160,15 +164,18 @@ impl RobustnessReport {
         };
         let mut text = format!("  ratio of samples made with {}\n", names(true));
         text += &format!(
-            "{table}  within the tolerance at all pressures: {}\n",
+            "{table}  within the tolerance at all pressures, from tolerances alone: {}\n",
             self.samples.words("of samples", self.how())
         );
         if let Some(material) = &self.with_material {
             text += &format!(
-                "  with what is not known of the material ({}), numerical error aside: {}\n",
+                "  from tolerances and what is not known of the material ({}), numerical error aside: {}\n",
                 names(false),
                 material.words("", "")
             );
+        }
+        if self.samples.probability.is_some() {
+            text += &format!("  {BESIDE}\n");
         }
         if let Some(optimum) = &self.optimum {
             text += &optimum.words();
@@ -198,10 +205,13 @@ impl InputReport {
 impl ScatterReport {
     /// The share in words, of what and by what.
     fn words(&self, of: &str, by: &str) -> String {
-        let mut words = percent(self.probability, self.probability_stderr);
-        if !of.is_empty() {
-            words += &format!(" {of} ({} {by})", self.draws);
-        }
+        let by = if by.is_empty() { "draws" } else { by };
+        let mut words = match self.probability {
+            Some(share) if share >= 1.0 => format!("all of {} {by}", self.draws),
+            Some(share) if share <= 0.0 => format!("none of {} {by}", self.draws),
+            share if of.is_empty() => percent(share, self.probability_stderr),
+            share => format!("{} {of} ({} {by})", percent(share, self.probability_stderr), self.draws),
+        };
         if self.failed > 0 {
             words += &format!("; {} draws could not be computed and count as outside", self.failed);
         }
@@ -219,11 +229,9 @@ impl OptimumReport {
             .nominal_probability
             .map_or_else(String::new, |share| format!(", {:.1} % of its samples within the tolerance", 100.0 * share));
         format!(
-            "  chosen for its samples: expected misfit {:.2} tolerances; the best design on paper, {} / {} / {} um, has {}{share}\n",
+            "  chosen for its samples: expected misfit {:.2} tolerances; the best design on paper, {} um, has {}{share}\n",
             self.expected_rms,
-            nominal.width_um,
-            nominal.spacing_um,
-            nominal.depth_um,
+            nominal.lengths_in_words(),
             fixed(self.nominal_expected_rms, 2),
         )
     }

@@ -85,7 +85,9 @@ impl Solved<'_> {
             mu: ErrorReport::new(mu, own_mu, material_mu),
             mu_flat: flat.map(|flat| {
                 let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
-                ErrorReport::new(flat.mu_dynamic, own, material.as_ref().map(|material| &material.flat))
+                // It is known as well where the patterned surface has no ratio.
+                let of = flat.mu_dynamic.map(|mu| Slopes::of_flat(place, mu, self.knowledge));
+                ErrorReport::new(flat.mu_dynamic, own, of.as_ref())
             }),
             mu_static: self.of_static(place, surface, drawn.mu),
             mu_static_flat: flat.and_then(|flat| self.of_static(place, flat, drawn.flat)),

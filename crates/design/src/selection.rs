@@ -207,7 +207,7 @@ impl Chosen {
         let [effort, unit] = self.effort.words();
         let words = format!(
             "chosen of {} designs on target by the model: it has the least {effort}, {} {unit}, of those whose chance{} is within \
-             {:.1} % of the greatest; the likeliest has {} {unit}",
+             {:.1} % of the greatest by the steady model; the likeliest of all takes {} {unit}",
             pool.len(),
             three(chosen.effort),
             if is_weighed { " to be confirmed in time and then on target" } else { "" },

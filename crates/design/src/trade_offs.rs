@@ -24,6 +24,10 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_results::PatternReport;
 use slipgrid_units::{PRESSURE_MPA, tidy};
 
+/// What the chances of trade-offs are.
+pub const BEFORE: &str = "chances by the steady model, before any confirming run, are to be compared with one another, not with the chance \
+                          above; those alike within the error of the choice count as one, of which less effort stands";
+
 /// Designs of the front that a report lists; the table beside it has all.
 const LISTED: usize = 12;
 
@@ -229,7 +233,7 @@ pub fn report(
         chosen_is_on_front: found.front.iter().any(|known| known.design == *chosen),
         on_target: !met.is_empty(),
         listed: listed(&shown),
-        best: (0..input.goals.len()).filter_map(|goal| best(&shown, &order, goal)).collect(),
+        best: (0..input.goals.len()).filter_map(|goal| best(&shown, &order, goal, chance_at)).collect(),
         model: model_words(model),
         none_because: None,
     };
@@ -352,8 +356,14 @@ fn listed(front: &[&TradeOff]) -> Vec<ListedDesign> {
     (0..most).map(|step| ListedDesign::new(front[place(step)])).collect()
 }
 
-/// The best by one goal as it was compared in `order`; the earliest of equals.
-fn best(front: &[&TradeOff], order: &[TradeOff], goal: usize) -> Option<ListedDesign> {
+/// The best by one goal as it was compared in `order`; the earliest of equals. Chances alike were compared as one: of these, by goal number
+/// `chance_at`, the greatest itself.
+fn best(front: &[&TradeOff], order: &[TradeOff], goal: usize, chance_at: Option<usize>) -> Option<ListedDesign> {
+    if chance_at == Some(goal) {
+        let greatest =
+            front.iter().reduce(|best, next| if next.goals[goal] > best.goals[goal] { next } else { best })?;
+        return Some(ListedDesign::new(greatest));
+    }
     let shown = |compared: &&TradeOff| front.iter().any(|known| known.design == compared.design);
     let best = order.iter().filter(shown).min_by(|a, b| a.goals[goal].total_cmp(&b.goals[goal]))?;
     front.iter().find(|known| known.design == best.design).map(|known| ListedDesign::new(known))
@@ -381,7 +391,7 @@ impl TradeOffsReport {
             let told = self.goals.iter().zip(goals).map(|(name, goal)| {
                 let [goal_name, unit] = words(name);
                 if *name == "chance" {
-                    format!("chance {}", percent(*goal))
+                    format!("chance by the steady model {}", percent(*goal))
                 } else {
                     format!("{goal_name} {goal:.3} {unit}")
                 }
@@ -397,11 +407,13 @@ impl TradeOffsReport {
             let design = &found.design;
             let told = numbers(&found.goals);
             text += &format!(
-                "    {}{among}: {} / {} / {} um: {told}\n",
-                if *name == "chance" { "greatest chance".to_owned() } else { format!("least {}", words(name)[0]) },
-                design.width_um,
-                design.spacing_um,
-                design.depth_um
+                "    {}{among}: {} um: {told}\n",
+                if *name == "chance" {
+                    "greatest chance of these".to_owned()
+                } else {
+                    format!("least {}", words(name)[0])
+                },
+                design.lengths_in_words(),
             );
         }
         if let Some(chosen) = &self.chosen {
@@ -410,6 +422,9 @@ impl TradeOffsReport {
                 if self.chosen_is_on_front { "" } else { ", beaten by others in these goals" },
                 numbers(chosen)
             );
+        }
+        if self.goals.iter().any(|name| name == "chance") {
+            text += &format!("    {BEFORE}\n");
         }
         text
     }

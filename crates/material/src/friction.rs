@@ -127,6 +127,16 @@ impl Friction {
         }
     }
 
+    /// Lowest and highest pressure at which coefficients were measured, at all conditions; `None` where one pair holds for all.
+    #[must_use]
+    pub fn measured_pressures_pa(&self) -> Option<[f64; 2]> {
+        let pressures = self.table().iter().map(|row| row.pressure_pa);
+        pressures.fold(None, |ends, pressure_pa| {
+            let [low, high] = ends.unwrap_or([pressure_pa; 2]);
+            Some([low.min(pressure_pa), high.max(pressure_pa)])
+        })
+    }
+
     /// What coefficients under `condition` are made of where it was not measured itself: measured conditions about it, in
     /// words; `None` where nothing is interpolated.
     #[must_use]
@@ -148,8 +158,8 @@ fn at_pressure(rows: &[&ConditionFriction], pressure_pa: f64) -> Option<Friction
     let mut rows = rows.to_vec();
     rows.sort_by(|a, b| a.pressure_pa.total_cmp(&b.pressure_pa));
     let (first, last) = (rows.first()?, rows.last()?);
-    // A pressure within a thousandth of an end counts as that end: pressures are written with three or four digits.
-    let margin_pa = 1e-3 * pressure_pa.abs();
+    // A pressure within a hundredth of an end counts as that end, as in trials: no tribometer holds it more exactly.
+    let margin_pa = 1e-2 * pressure_pa.abs();
     if pressure_pa <= first.pressure_pa {
         let outside = pressure_pa < first.pressure_pa - margin_pa;
         return Some(FrictionAt { friction: first.friction, outside_measured_range: outside });

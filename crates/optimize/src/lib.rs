@@ -14,6 +14,7 @@
 //! | [`DesignSpace`], [`Constraints`], [`Limit`] | bounds; manufacturing limits and limited quantities |
 //! | [`ForwardModel`], [`Response`], [`ModelFailure`] | the model: what it is asked, answers, or why not |
 //! | [`search`], [`SearchOptions`] | the search, and how it is made |
+//! | [`least_evaluations`] | what a search takes before it is cut in its first step |
 //! | [`search_near`] | the same about a design known to be near |
 //! | [`search_multi_fidelity`], [`LowFidelityCorrection`] | the search with a dear model along a cheap one, and what that taught |
 //! | [`SearchOutcome`], [`Candidate`], [`Status`] | what it found |
@@ -92,6 +93,7 @@ pub use chance::CommonDraws;
 pub use constraints::{Bound, Constraints, Limit, Violation};
 pub use error::SearchError;
 pub use infeasibility::{Dimension, Explanation, Relief, Restriction, explain_infeasibility};
+pub use low_discrepancy::least_evaluations;
 pub use low_fidelity_correction::LowFidelityCorrection;
 pub use model::{ForwardModel, ModelFailure, Response};
 pub use multi_fidelity::search_multi_fidelity;

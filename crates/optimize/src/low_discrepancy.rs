@@ -1,11 +1,28 @@
 //! Low-discrepancy points: the additive recurrence on the generalized golden ratio
 //! (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 
+use crate::DesignSpace;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
 /// Most dimensions of a point.
 pub(crate) const MOST_DIMENSIONS: usize = 3;
+/// Points of a search's sample by number of free dimensions, beside the corners of the box. More make the
+/// starts safer and cost what they cost: from 56 to 32 a search in three dimensions went from 100 to
+/// 75 evaluations, and no seed of any test fails with either.
+pub(crate) const SAMPLE: [usize; MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
+
+/// The corners and the sample of a search in `dimensions` free dimensions.
+pub(crate) const fn planned(dimensions: usize) -> usize {
+    (1 << dimensions) + SAMPLE[dimensions]
+}
+
+/// Evaluations below which a search of `space` takes less than its whole sample, which is half of all at most.
+#[must_use]
+pub fn least_evaluations(space: &DesignSpace) -> usize {
+    let free = [space.width_m(), space.spacing_m(), space.depth_m()].iter().filter(|[low, high]| low < high).count();
+    2 * planned(free) - 1
+}
 
 /// The first `count` points of the sequence in `dimensions` dimensions, shifted by `seed`; unused
 /// coordinates stay 0.

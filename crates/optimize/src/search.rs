@@ -24,10 +24,6 @@ impl Default for SearchOptions {
     }
 }
 
-/// Points of the sample by number of free dimensions, beside the corners of the box. More make the
-/// starts safer and cost what they cost: from 56 to 32 a search in three dimensions went from 100 to
-/// 75 evaluations, and no seed of any test fails with either.
-const SAMPLE: [usize; low_discrepancy::MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
 /// How thoroughly a search is made.
 #[derive(Clone, Copy, Debug)]
 struct Effort {
@@ -174,7 +170,7 @@ impl Search<'_> {
     fn sample(&mut self, known: &[Pattern], options: &SearchOptions) -> Result<bool, SearchError> {
         let free = self.grid.free_axes();
         let corners = 1_usize << free.len();
-        let (planned, most) = (corners + SAMPLE[free.len()], options.max_evaluations.div_ceil(2));
+        let (planned, most) = (low_discrepancy::planned(free.len()), options.max_evaluations.div_ceil(2));
         let is_whole = planned <= most;
         let mut shares = Vec::new();
         if is_whole {
@@ -185,7 +181,7 @@ impl Search<'_> {
                 }));
             }
         }
-        for point in low_discrepancy::points(free.len(), SAMPLE[free.len()].min(most), options.seed) {
+        for point in low_discrepancy::points(free.len(), low_discrepancy::SAMPLE[free.len()].min(most), options.seed) {
             shares.push(free.iter().zip(point).fold([0.0; 3], |mut shares, (&axis, t)| {
                 shares[axis] = t;
                 shares

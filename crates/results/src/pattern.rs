@@ -99,7 +99,8 @@ impl PatternReport {
     #[must_use]
     pub fn texture_words(&self) -> String {
         let lengths = [("long", self.length_um), ("between rows", self.spacing_across_um)];
-        let lengths = lengths.into_iter().filter_map(|(what, um)| um.map(|um| format!(", {um} um {what}")));
+        let lengths =
+            lengths.into_iter().filter_map(|(what, um)| um.map(|um| format!(", {} um {what}", length_in_words(um))));
         let angles = [
             ("grooves turned by", self.angle_deg),
             ("crossing at", self.crossing_angle_deg),

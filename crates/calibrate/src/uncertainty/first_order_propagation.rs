@@ -126,6 +126,17 @@ impl Slopes {
         slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
     }
 
+    /// What is not known of the flat surface's friction `mu_flat` at load number `load`, whatever a pattern does.
+    #[must_use]
+    pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Deviation {
+        let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
+        friction.map_or_else(Deviation::default, |variance| {
+            let std = mu_flat * variance.sqrt();
+            let (reach_68, reach_95) = ([std; 2], [NORMAL_95 * std; 2]);
+            Deviation { std, parts: vec![(Source::FlatFriction, std)], reach_68, reach_95 }
+        })
+    }
+
     /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
     /// `mu_flat`; `None` where the slopes are not known. With a discrepancy in `knowledge`, those of ratio and friction
     /// times its factor.
@@ -201,11 +212,7 @@ impl Slopes {
                 reach_95: reach(bent.map(|all| [all[0], all[3]]), NORMAL_95),
             }
         };
-        let flat = friction.map_or_else(Deviation::default, |variance| {
-            let std = mu_flat * variance.sqrt();
-            let (reach_68, reach_95) = ([std; 2], [NORMAL_95 * std; 2]);
-            Deviation { std, parts: vec![(Source::FlatFriction, std)], reach_68, reach_95 }
-        });
+        let flat = Self::of_flat(load, mu_flat, knowledge);
         Some(Deviations { ratio: deviation(ratio_slope, 1.0), mu: deviation(mu_slope, mu_flat), flat })
     }
 }

@@ -92,8 +92,11 @@ fn the_chance_comes_first_with_what_is_in_it_and_what_is_not() {
     let (told, _) = optimize(&place, "material.toml", 0);
     assert!(told.contains("from the material alone: tolerances are not given)"), "{told}");
     let (told, found) = optimize(&place, "nothing.toml", 0);
-    let said = "chance not known: neither tolerances nor errors of the material are given; target met by the model";
-    assert!(told.lines().next().unwrap().contains(said), "{told}");
+    // One number is said, that of the advice, and what it leaves out.
+    let first = told.lines().next().unwrap();
+    assert!(first.ends_with("% chance that a cut sample is on target; target met by the model"), "{told}");
+    let said = "for the model alone, chance not known: neither tolerances nor errors of the material are given";
+    assert!(told.contains(said) && told.contains("cut it as a trial: its chance, "), "{told}");
     assert_eq!((&found["chance"]["value"], &found["status"]), (&Value::Null, &Value::from("met")));
 }
 

@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_optimize::ModelFailure;
+use slipgrid_optimize::{ModelFailure, Status};
 
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::{Asked, Design, PredictedRatio, SERIES, Scope, Search, TrialCandidateReport, asked};
+use super::search::{Scope, Search};
+use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};
 use crate::chance_report::{numerical, percent};
@@ -15,7 +16,7 @@ use slipgrid_results::{ErrorsReport, Table};
 use slipgrid_units::tidy;
 
 /// By how much the chance of another texture must be greater to be worth a word.
-const CLEARLY: f64 = 0.005;
+pub(super) const CLEARLY: f64 = 0.005;
 /// Samples to cut rather that are listed.
 const RATHER: usize = 4;
 
@@ -33,7 +34,8 @@ pub struct AdviceReport {
     pub words: String,
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
-    /// Samples that are more likely on target, the most likely first, where this is a trial; empty in space, where
+    /// Samples that are clearly likelier on target, the most likely first, where this is a trial; before any trial those alone whose
+    /// median is near the target; empty in space, where
     /// `slipgrid next` looks for them.
     #[serde(default)]
     pub rather: Vec<TrialCandidateReport>,
@@ -82,7 +84,9 @@ impl MultiFidelityLoop<'_> {
         let (Some(best), Some(confirmed), Some(chances)) = (&self.best, &self.confirmed, &self.chances) else {
             return Ok(None);
         };
-        if !task.target.has_demands() {
+        // Where no pattern is needed or none helps, none is to be cut; and what does not slide evenly is no sample to measure.
+        let is_meant = task.target.has_demands() && self.confirmed_values().is_some();
+        if !is_meant || self.flat_is_best(task).is_some() {
             return Ok(None);
         }
         let asked = asked(task, material, &self.further, &self.model)?;
@@ -118,13 +122,25 @@ impl MultiFidelityLoop<'_> {
         let chance = aimed.unwrap_or(judged.score.chance);
         let (advice, trials) = (if chance > SERIES { "series" } else { "trial" }, asked.learned.trials().len());
         let side = if chance > SERIES { "above" } else { "below" };
-        let words = format!("cut it as a {advice}: its chance, {}, is {side} one half", percent(chance));
+        // Out of reach by the model, a sample says how far that is off.
+        let is_out = self.status == Status::Unreachable && chance <= SERIES;
+        let words = if is_out {
+            format!(
+                "not worth a series: its chance is {}; as a trial it would say how far the model is off",
+                percent(chance)
+            )
+        } else {
+            format!("cut it as a {advice}: its chance, {}, is {side} one half", percent(chance))
+        };
         let predicted = PredictedRatio::of(&asked, &judged);
         let rather = if chance > SERIES { None } else { self.rather(task, &asked, (&models, chances), chance) };
         let words = match &rather {
-            Some(rather) if rather.is_empty() => format!("{words}; no other texture within the bounds has more"),
-            Some(_) => format!("{words}; others are likelier on target"),
-            None => words,
+            Some(rather) if !rather.is_empty() && trials == 0 => {
+                format!("{words}; others may be likelier, by what is believed before any trial")
+            }
+            Some(rather) if !rather.is_empty() => format!("{words}; others are likelier on target"),
+            Some(_) if trials > 0 => format!("{words}; no other texture found within the bounds is clearly likelier"),
+            _ => words,
         };
         let rather = rather.unwrap_or_default();
         let advice = advice.to_owned();
@@ -144,13 +160,13 @@ impl MultiFidelityLoop<'_> {
         }
         let stage = self.stage("samples to cut rather");
         let scope = Scope::BESIDE;
-        let interpolation = Interpolation::new(task, models, scope.nodes, &stage);
+        let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &stage);
         let found = interpolation.map(|nodes| {
-            // Half of what counts is left for what the interpolation is off.
-            let least = chance + 0.5 * CLEARLY;
-            let (mut best, _) =
-                Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, least, RATHER);
+            let (mut best, _) = Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, RATHER);
             best.retain(|of| of.score.chance > chance + CLEARLY);
+            // Before any trial little is known of any texture: one whose own median misses by far is no better guess.
+            let is_guess = |of: &Judged| PredictedRatio::of(asked, of).iter().all(PredictedRatio::is_near);
+            best.retain(|of| !asked.learned.trials().is_empty() || is_guess(of));
             best
         });
         stage.finish();

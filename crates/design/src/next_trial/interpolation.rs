@@ -50,6 +50,16 @@ impl<'a> Models<'a> {
         })
     }
 
+    /// Loads of all conditions.
+    fn loads(&self) -> usize {
+        self.own.asked().loads.len()
+    }
+
+    /// Modelled ratios alone.
+    fn ratios(&self, design: &Pattern) -> Result<Vec<f64>, ModelFailure> {
+        self.own.ratios_made(design, design)
+    }
+
     /// What smaller blocks change of each ratio of `design`, and how far these are from vanishing blocks, as a standard deviation; `None`
     /// in space, in several directions, and where smaller blocks are dear.
     pub fn refined(&self, design: &Pattern) -> Option<(Vec<f64>, f64)> {
@@ -63,8 +73,14 @@ impl<'a> Models<'a> {
     }
 }
 
-/// The models at the nodes of a lattice.
+/// The models at the nodes of a lattice, and what smaller blocks change at those of a coarser one.
 pub struct Interpolation {
+    model: Nodes,
+    blocks: Nodes,
+}
+
+/// Numbers at the nodes of a lattice.
+struct Nodes {
     /// Logarithms of width, spacing and depth at the nodes.
     axes: [Vec<f64>; 3],
     /// Nodes, widths slowest; `None` where a design cannot be computed.
@@ -72,9 +88,69 @@ pub struct Interpolation {
 }
 
 impl Interpolation {
-    /// Asks `models` at the nodes of a lattice over the space of `task`, at most `most` along each length; `None` where `stage` ends
-    /// before that.
-    pub fn new(task: &DesignTask, models: &Models<'_>, most: [usize; 3], stage: &Stage<'_>) -> Option<Self> {
+    /// Asks `models` at the nodes of lattices over the space of `task`, at most `most` along each length, and at most `finer` of smaller
+    /// blocks; `None` where `stage` ends before that.
+    pub fn new(
+        task: &DesignTask,
+        models: &Models<'_>,
+        (most, finer): ([usize; 3], [usize; 3]),
+        stage: &Stage<'_>,
+    ) -> Option<Self> {
+        let model = Nodes::new(task, &|design| models.at(design).ok(), most, stage)?;
+        // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
+        let shift = |design: &Pattern| {
+            let nothing = || Modelled { log_ratio: vec![0.0; models.loads()], sensitivity: Vec::new() };
+            let Some((shifts, _)) = models.refined(design) else { return Some(nothing()) };
+            let ratios = models.ratios(design).ok()?;
+            let logs = ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p());
+            Some(Modelled { log_ratio: logs.collect(), sensitivity: Vec::new() })
+        };
+        let blocks = Nodes::new(task, &shift, finer, stage)?;
+        Some(Self { model, blocks })
+    }
+
+    /// What the models say of a design of these lengths, between the nodes about it; `None` where one of them cannot be computed.
+    pub fn at(&self, lengths_m: [f64; 3]) -> Option<Modelled> {
+        self.model.at(lengths_m)
+    }
+
+    /// What smaller blocks change of the logarithm of each ratio, so far as it is known there.
+    pub fn shifts(&self, lengths_m: [f64; 3]) -> Option<Vec<f64>> {
+        Some(self.blocks.at(lengths_m)?.log_ratio)
+    }
+
+    /// Covariance of ln R of samples whose lengths scatter by `std_m` about `lengths_m`, to first order: differences over a
+    /// standard deviation each way.
+    pub fn covariance(&self, lengths_m: [f64; 3], std_m: [f64; 3]) -> Option<Vec<f64>> {
+        let count = self.at(lengths_m)?.log_ratio.len();
+        let mut covariance = vec![0.0; count * count];
+        for axis in (0..3).filter(|axis| std_m[*axis] > 0.0) {
+            let moved = |side: f64| {
+                let mut lengths_m = lengths_m;
+                lengths_m[axis] = (lengths_m[axis] + side * std_m[axis]).max(0.1 * lengths_m[axis]);
+                self.at(lengths_m)
+            };
+            let (above, below) = (moved(1.0)?, moved(-1.0)?);
+            let slope: Vec<f64> =
+                above.log_ratio.iter().zip(&below.log_ratio).map(|(above, below)| 0.5 * (above - below)).collect();
+            for l in 0..count {
+                for m in 0..count {
+                    covariance[l * count + m] += slope[l] * slope[m];
+                }
+            }
+        }
+        Some(covariance)
+    }
+}
+
+impl Nodes {
+    /// Asks `of` at the nodes.
+    fn new(
+        task: &DesignTask,
+        of: &(dyn Fn(&Pattern) -> Option<Modelled> + Sync),
+        most: [usize; 3],
+        stage: &Stage<'_>,
+    ) -> Option<Self> {
         let space = &task.space;
         let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
         let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
@@ -91,7 +167,7 @@ impl Interpolation {
                 let lengths = [node / (spacings * depths), node / depths % spacings, node % depths];
                 let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| axes[axis][lengths[axis]].exp());
                 let design = Pattern::new(*space.texture(), width_m, spacing_m, depth_m).ok()?;
-                let found = if stage.cancelled() { None } else { models.at(&design).ok() };
+                let found = if stage.cancelled() { None } else { of(&design) };
                 stage.advance(share);
                 found
             })
@@ -101,7 +177,7 @@ impl Interpolation {
 
     /// What the models say of a design of these lengths, linear between the eight nodes about it in the logarithms; `None` where
     /// one of them cannot be computed. Beyond the lattice its edge stands.
-    pub fn at(&self, lengths_m: [f64; 3]) -> Option<Modelled> {
+    fn at(&self, lengths_m: [f64; 3]) -> Option<Modelled> {
         let place = |axis: usize| {
             let (nodes, x) = (&self.axes[axis], lengths_m[axis].ln());
             let low = nodes.partition_point(|node| *node <= x).clamp(1, nodes.len().max(2) - 1) - 1;
@@ -128,28 +204,5 @@ impl Interpolation {
             }
         }
         sum
-    }
-
-    /// Covariance of ln R of samples whose lengths scatter by `std_m` about `lengths_m`, to first order: differences over a
-    /// standard deviation each way.
-    pub fn covariance(&self, lengths_m: [f64; 3], std_m: [f64; 3]) -> Option<Vec<f64>> {
-        let count = self.at(lengths_m)?.log_ratio.len();
-        let mut covariance = vec![0.0; count * count];
-        for axis in (0..3).filter(|axis| std_m[*axis] > 0.0) {
-            let moved = |side: f64| {
-                let mut lengths_m = lengths_m;
-                lengths_m[axis] = (lengths_m[axis] + side * std_m[axis]).max(0.1 * lengths_m[axis]);
-                self.at(lengths_m)
-            };
-            let (above, below) = (moved(1.0)?, moved(-1.0)?);
-            let slope: Vec<f64> =
-                above.log_ratio.iter().zip(&below.log_ratio).map(|(above, below)| 0.5 * (above - below)).collect();
-            for l in 0..count {
-                for m in 0..count {
-                    covariance[l * count + m] += slope[l] * slope[m];
-                }
-            }
-        }
-        Some(covariance)
     }
 }

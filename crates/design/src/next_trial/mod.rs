@@ -1,8 +1,10 @@
 //! The samples to cut next: those likeliest to be on target by the model and by what trials say that it lacks.
 
 pub mod advice;
+mod climb;
 mod interpolation;
 mod report;
+mod search;
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
@@ -12,14 +14,13 @@ use slipgrid_discrepancy::{
 use slipgrid_export::{Division, LEAST_PERIODS, Removal, Sector};
 use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_optimize::{ModelFailure, Quantity};
+use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
+use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION};
 use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
-use crate::chance::{About, Chances};
-use crate::lattice_table::lattice;
+use crate::chance::Chances;
 use crate::learned::loads_of;
 use crate::operating_conditions::{Further, further};
 use crate::selection::Effort;
@@ -27,29 +28,10 @@ use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::{DesignError, TaskPart};
 use interpolation::{Interpolation, Modelled, Models};
+use search::{Scope, Search, is_same};
 
 pub use advice::AdviceReport;
 pub use report::{NextReport, OneDiscReport, PredictedRatio, SectorReport, TrialCandidateReport};
-
-/// How much is looked at.
-struct Scope {
-    /// Most nodes of the interpolated model's lattice along width, spacing and depth.
-    nodes: [usize; 3],
-    /// Designs that are compared by it, about.
-    designs: usize,
-    /// Of these the best by it, which the model itself judges.
-    judged: usize,
-    /// Of these the best by that, of which everything counts.
-    completed: usize,
-}
-
-impl Scope {
-    /// In the plane, where a node takes some milliseconds.
-    const PLANE: Self = Self { nodes: [13, 13, 9], designs: 20_000, judged: 48, completed: 16 };
-    const SPACE: Self = Self { nodes: [6, 6, 4], ..Self::PLANE };
-    /// Beside a design that was searched.
-    const BESIDE: Self = Self { nodes: [9, 9, 5], designs: 5000, judged: 16, completed: 6 };
-}
 
 /// Designs that a report lists.
 const LISTED: usize = 10;
@@ -61,8 +43,8 @@ const DISC_SEED: u64 = 2;
 const MEASURED_STD: f64 = 0.01;
 /// Advice: a chance above this is worth a series.
 const SERIES: f64 = 0.5;
-/// Lengths that differ by less are the same, relative.
-const SAME_LENGTH: f64 = 1e-3;
+/// Share of a burst by which a depth may be off a whole number of them: depths are written to a hundredth of a micrometre.
+const OF_A_BURST: f64 = 0.01;
 
 /// What is asked.
 #[derive(Clone, Debug, Default)]
@@ -85,6 +67,8 @@ struct Design {
     ratio: Vec<f64>,
     sensitivity: Vec<f64>,
     covariance: Vec<f64>,
+    /// The ratio in the layer's blocks.
+    in_blocks: Vec<f64>,
 }
 
 /// A design with its chance.
@@ -97,13 +81,22 @@ struct Judged {
 
 impl Design {
     fn new(pattern: Pattern, modelled: Modelled, covariance: Vec<f64>) -> Self {
+        let ratio: Vec<f64> = modelled.log_ratio.iter().map(|log| log.exp()).collect();
         Self {
             features: Features::from(&pattern),
-            ratio: modelled.log_ratio.iter().map(|log| log.exp()).collect(),
+            in_blocks: ratio.clone(),
+            ratio,
             sensitivity: modelled.sensitivity,
             covariance,
             pattern,
         }
+    }
+
+    /// The same with what smaller blocks change of the logarithms of its ratios.
+    fn in_smaller_blocks(mut self, shifts: Option<Vec<f64>>) -> Self {
+        let shifts = shifts.unwrap_or_default();
+        self.ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio *= shift.exp());
+        self
     }
 
     fn candidate(&self) -> Candidate<'_> {
@@ -166,7 +159,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
 
     let stage = Stage::new(monitor, "model", None);
     let scope = if model.is_spatial() { Scope::SPACE } else { Scope::PLANE };
-    let interpolation = Interpolation::new(&task, &models, scope.nodes, &stage);
+    let interpolation = Interpolation::new(&task, &models, (scope.nodes, scope.blocks), &stage);
     stage.finish();
     monitor.heed()?;
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
@@ -184,6 +177,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
     report.one_disc = OneDiscReport::of(disc, &sectors);
     report.warnings = laser_warnings(&task, &patterns);
+    report.warnings.extend(options.own.iter().flat_map(|own| own_warnings(&task, own)));
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
@@ -225,127 +219,6 @@ fn asked(
     Ok(Asked { loads, wanted: Wanted { lower, upper }, learned })
 }
 
-/// Designs of whole blocks and bursts within the bounds and the laser's limits, about `most` of them.
-fn designs(task: &DesignTask, most: usize) -> Vec<Pattern> {
-    let (all, _) = lattice(task);
-    let [spacings, depths] = [Pattern::spacing_m, Pattern::depth_m].map(|of| {
-        let mut lengths: Vec<u64> = all.iter().map(|design| of(design).to_bits()).collect();
-        lengths.sort_unstable();
-        lengths.dedup();
-        lengths.len()
-    });
-    // A stride that has no divisor with an axis in common spreads what is left out.
-    let shares = |step: usize, axis: usize| (2..=step).any(|by| step.is_multiple_of(by) && axis.is_multiple_of(by));
-    let least = all.len().div_ceil(most).max(1);
-    let step = (least..).find(|step| !shares(*step, spacings) && !shares(*step, depths)).unwrap_or(least);
-    all.into_iter().step_by(step).collect()
-}
-
-/// Whether two textures are one: trials know their features alone.
-fn is_same(a: &Features, b: &Features) -> bool {
-    let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
-    same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
-}
-
-/// What is asked, and what answers.
-struct Search<'a> {
-    task: &'a DesignTask,
-    asked: &'a Asked,
-    predictor: Predictor,
-    models: &'a Models<'a>,
-    interpolation: &'a Interpolation,
-    /// What is not known exactly beside what trials tell of.
-    chances: &'a Chances<'a>,
-    scope: &'a Scope,
-}
-
-impl<'a> Search<'a> {
-    fn new(
-        task: &'a DesignTask,
-        asked: &'a Asked,
-        models: &'a Models<'a>,
-        chances: &'a Chances<'a>,
-        (interpolation, scope): (&'a Interpolation, &'a Scope),
-    ) -> Self {
-        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope }
-    }
-
-    /// Covariance of the ratios of samples of `pattern` by their dimensions.
-    fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
-        let std_m = self.task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
-        self.interpolation.covariance([pattern.width_m(), pattern.spacing_m(), pattern.depth_m()], std_m)
-    }
-
-    /// `pattern` by the model itself in the layer's blocks, with the scatter of its dimensions.
-    fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
-        let covariance = self.covariance(pattern).unwrap_or_default();
-        let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
-        Ok(design.judged(&self.predictor, &self.asked.wanted))
-    }
-
-    /// `pattern` in blocks as small as the model can have, with everything that is not known exactly.
-    fn exactly(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
-        self.completed(self.drafted(pattern)?)
-    }
-
-    /// The same of a draft.
-    fn completed(&self, draft: Judged) -> Result<Judged, ModelFailure> {
-        let Judged { design: Design { pattern, mut ratio, sensitivity, .. }, .. } = draft;
-        let still = self.chances.still(&pattern)?;
-        let open = match self.models.refined(&pattern) {
-            Some((shifts, open)) => {
-                ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
-                vec![open; ratio.len()]
-            }
-            None => self.chances.numerical_of(&pattern, &still, &vec![0.0; ratio.len()])?,
-        };
-        let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
-        let covariance = self.chances.log_covariance(&about)?;
-        let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
-        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance);
-        Ok(design.judged(&self.predictor, &self.asked.wanted))
-    }
-
-    /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared; those whose chance is below `least_chance` before everything counts are passed by.
-    fn best(
-        &self,
-        open: &dyn Fn(&Pattern, &Features) -> bool,
-        least_chance: f64,
-        count: usize,
-    ) -> (Vec<Judged>, usize) {
-        let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
-        let is_open = |pattern: &Pattern| {
-            let own = Features::from(pattern);
-            !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
-        };
-        let patterns: Vec<Pattern> = designs(self.task, self.scope.designs).into_iter().filter(is_open).collect();
-        let between = |pattern: &Pattern| {
-            let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
-            Some(Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?))
-        };
-        let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
-        let left: Vec<Design> = drafts.into_iter().flatten().collect();
-        let candidate = |place: usize| Some(left[place].candidate());
-        let wanted = (self.scope.judged, least_chance);
-        let ranked = slipgrid_discrepancy::rank(&self.predictor, &self.asked.wanted, wanted, left.len(), &candidate);
-        let best: Vec<Pattern> = ranked.iter().map(|chosen| left[chosen.place].pattern).collect();
-        // The model itself at what looks best by the interpolated one.
-        let drafts: Vec<Result<Judged, ModelFailure>> = best.par_iter().map(|pattern| self.drafted(pattern)).collect();
-        let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
-        // Stable: of equal scores the earlier first.
-        let sort = |pool: &mut Vec<Judged>| pool.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()));
-        pool.retain(|of| of.score.chance >= least_chance);
-        sort(&mut pool);
-        pool.truncate(self.scope.completed.max(2 * count));
-        let whole: Vec<Result<Judged, ModelFailure>> =
-            pool.into_par_iter().map(|draft| self.completed(draft)).collect();
-        let mut pool: Vec<Judged> = whole.into_iter().flatten().collect();
-        sort(&mut pool);
-        (pool, left.len())
-    }
-}
-
 /// The samples of `search` to cut next, as `options` ask, on sectors of `division` where there is one.
 fn choose(
     search: &Search<'_>,
@@ -358,7 +231,7 @@ fn choose(
     let is_open = |pattern: &Pattern, own: &Features| {
         !pending.iter().any(|cut| is_same(cut, own)) && division.is_none_or(|division| division.holds(pattern))
     };
-    let (pool, compared) = search.best(&is_open, 0.0, options.count);
+    let (pool, compared) = search.best(&is_open, options.count);
     if pool.is_empty() {
         let reason = match division {
             Some(division) => coarse(division),
@@ -444,6 +317,20 @@ fn laser_warnings(task: &DesignTask, patterns: &[Pattern]) -> Vec<String> {
     patterns.iter().enumerate().flat_map(of).collect()
 }
 
+/// What keeps the laser of `task` from cutting `own`, which was asked for, as it is.
+fn own_warnings(task: &DesignTask, own: &Pattern) -> Vec<String> {
+    let limits = &task.constraints.limits;
+    let mut broken: Vec<String> = limits.violations(own).iter().map(ToString::to_string).collect();
+    if let Some(burst_m) = limits.depth_per_burst_m {
+        let bursts = own.depth_m() / burst_m;
+        if (bursts - bursts.round()).abs() > OF_A_BURST {
+            broken.push(format!("a depth of {bursts:.2} bursts: expected a whole number of bursts"));
+        }
+    }
+    let lengths = PatternReport::from(own).lengths_in_words();
+    broken.into_iter().map(|broken| format!("yours, {lengths} um: {broken}")).collect()
+}
+
 /// Why no design fits on a sector.
 fn coarse(division: &Division) -> String {
     format!(
@@ -464,4 +351,4 @@ fn laser_s(task: &DesignTask, pattern: &Pattern) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

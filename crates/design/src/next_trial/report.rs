@@ -6,6 +6,7 @@ use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
 
+use super::advice::CLEARLY;
 use super::{Asked, Judged, information_bits, laser_s};
 use crate::chance_report::percent;
 use crate::task::DesignTask;
@@ -172,6 +173,13 @@ fn end(ratio: f64) -> String {
 }
 
 impl PredictedRatio {
+    /// Whether the median misses what is accepted by no more than half its width.
+    pub(super) fn is_near(&self) -> bool {
+        let (lowest, highest) = (self.lowest.unwrap_or(0.0), self.highest.unwrap_or(f64::INFINITY));
+        let margin = if highest.is_finite() { 0.5 * (highest - lowest) } else { 0.0 };
+        self.ratio >= lowest - margin && self.ratio <= highest + margin
+    }
+
     /// What is predicted of `judged` at every load.
     pub(super) fn of(asked: &Asked, judged: &Judged) -> Vec<Self> {
         let predicted = asked.loads.iter().enumerate().map(|(load, at)| {
@@ -251,6 +259,14 @@ impl NextReport {
         next.chain(own).chain(others).collect()
     }
 
+    /// The likeliest of those that were asked for, where it is clearly likelier than all that were found.
+    #[must_use]
+    pub fn likelier_own(&self) -> Option<&TrialCandidateReport> {
+        let found = self.next.iter().chain(&self.best).map(|of| of.chance).fold(0.0, f64::max);
+        let own = self.own.iter().reduce(|best, next| if next.chance > best.chance { next } else { best })?;
+        (own.chance > found + CLEARLY).then_some(own)
+    }
+
     /// The samples in words.
     #[must_use]
     pub fn text(&self) -> String {
@@ -269,6 +285,9 @@ impl NextReport {
         } else {
             format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
         };
+        if let Some(own) = self.likelier_own() {
+            text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));
+        }
         if self.next.len() > 1 || self.pending > 0 {
             text += &format!("{} chance that one of those cut is on target\n", chance(self.one_on_target));
         }

@@ -7,7 +7,7 @@ use slipgrid_springblock::Layer;
 
 use super::*;
 
-fn task(planform: Planform) -> DesignTask {
+pub fn task(planform: Planform) -> DesignTask {
     let material = Material {
         elastic: Elastic::new(0.38e9, 900.0).unwrap(),
         friction: Friction::Single(LocalFriction::new(0.30, 0.27, 0.05).unwrap()),
@@ -41,7 +41,7 @@ fn between_its_nodes_the_model_is_off_by_less_than_a_tolerance() {
     let model = model(&task);
     let models = Models::new(&model, &known()).unwrap();
     let stage = Stage::new(&Unwatched, "model", None);
-    let found = Interpolation::new(&task, &models, Scope::PLANE.nodes, &stage).unwrap();
+    let found = Interpolation::new(&task, &models, (Scope::PLANE.nodes, [2; 3]), &stage).unwrap();
     let mut worst = [0.0_f64; 2];
     for width in [60.0, 85.0, 140.0, 222.0, 300.0] {
         for spacing in [100.0, 133.0, 270.0, 510.0, 700.0] {
@@ -162,4 +162,44 @@ fn the_chance_of_one_of_several_counts_what_one_disc_is_off_by() {
     assert_eq!(chance(0.0, true).to_bits(), chance(0.0, false).to_bits());
     let (little, much) = (chance(0.002, true), chance(0.04, true));
     assert!(little > 0.9 && much < 0.8, "{little} {much}");
+}
+
+/// A target that narrow grooves alone reach.
+fn reached_by(task: &mut DesignTask, lengths_m: [f64; 3]) {
+    let model = model(task);
+    let grooves = Pattern::new(Planform::Groove, lengths_m[0], lengths_m[1], lengths_m[2]).unwrap();
+    let reached = Models::new(&model, &MaterialUncertainty::default()).unwrap().at(&grooves).unwrap().log_ratio;
+    let points = [0.65e6, 2.6e6].into_iter().zip(reached);
+    let points = points.map(|(pressure_pa, log)| TargetPoint { pressure_pa, value: log.exp() }).collect();
+    task.target = Target::new(Quantity::Ratio, points, 0.01).unwrap();
+}
+
+#[test]
+fn no_narrower_bounds_and_no_neighbour_have_a_clearly_greater_chance() {
+    let mut task = task(Planform::Groove);
+    reached_by(&mut task, [80e-6, 120e-6, 28e-6]);
+    let chances = |task: &DesignTask, own: Vec<Pattern>| {
+        let found = next_trials(task, &NextOptions { own, ..NextOptions::default() }, &Unwatched).unwrap();
+        let own: Vec<f64> = found.report.own.iter().map(|own| own.chance).collect();
+        (found.report.next[0].chance, found.patterns[0], own)
+    };
+    let (chance, best, _) = chances(&task, Vec::new());
+    let block_m = task.layer.block_m;
+    let steps = [[block_m, 0.0, 0.0], [0.0, block_m, 0.0], [0.0, 0.0, 2e-6], [block_m, block_m, 0.0]];
+    let lengths_m = [best.width_m(), best.spacing_m(), best.depth_m()];
+    let moved = |by: [f64; 3], side: f64| {
+        let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| lengths_m[axis] + side * by[axis]);
+        let is_within = |[low, high]: [f64; 2], length_m: f64| (low..=high).contains(&length_m);
+        let space = &task.space;
+        let within = is_within(space.width_m(), width_m) && is_within(space.spacing_m(), spacing_m);
+        let within = within && is_within(space.depth_m(), depth_m);
+        within.then(|| Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap())
+    };
+    let neighbours = steps.into_iter().flat_map(|by| [moved(by, 1.0), moved(by, -1.0)]).flatten().collect();
+    let (again, _, own) = chances(&task, neighbours);
+    assert_eq!(again.to_bits(), chance.to_bits());
+    assert!(own.len() > 3 && own.iter().all(|own| *own < chance + 0.005), "{chance} {own:?}");
+    let narrower = DesignSpace::new(Planform::Groove, [60e-6, 120e-6], [100e-6, 200e-6], [20e-6, 30e-6]).unwrap();
+    let inside = chances(&DesignTask { space: narrower, ..task.clone() }, Vec::new()).0;
+    assert!(inside < chance + 0.005, "{inside} {chance}");
 }

@@ -4,11 +4,11 @@ use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, Tabl
 use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport, PredictedRatio};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::PatternReport;
+use slipgrid_results::{PatternReport, length_in_words};
 use slipgrid_springblock::Load;
 
 use super::first_screen::first_screen;
-use super::page::{Page, ends, estimate, known, length_um, number, percent, plain, sentence, with_error};
+use super::page::{Page, ends, estimate, known, number, percent, plain, sentence, with_error};
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -90,9 +90,9 @@ fn rather(page: &mut Page, advice: &AdviceReport) {
         "Likelier on target, by what trials say of their own texture. Ratios are medians, with what 95 % of samples lie between.",
         &advice.rather,
         &[
-            ("width in µm", |of| plain(of.design.width_um)),
-            ("spacing in µm", |of| plain(of.design.spacing_um)),
-            ("depth in µm", |of| plain(of.design.depth_um)),
+            ("width in µm", |of| length_in_words(of.design.width_um)),
+            ("spacing in µm", |of| length_in_words(of.design.spacing_um)),
+            ("depth in µm", |of| length_in_words(of.design.depth_um)),
             ("chance in %", |of| percent(of.chance, 1)),
             ("laser in min", |of| number(of.laser_s.map(|seconds| seconds / 60.0), 1)),
             ("ratio at the first load", |of| predicted(of.predicted.first())),
@@ -261,9 +261,9 @@ fn search(page: &mut Page, report: &DesignReport) {
         "Other designs that meet the target by the search's model.",
         &report.alternatives,
         &[
-            ("width in µm", |other| plain(other.width_um)),
-            ("spacing in µm", |other| plain(other.spacing_um)),
-            ("depth in µm", |other| plain(other.depth_um)),
+            ("width in µm", |other| length_in_words(other.width_um)),
+            ("spacing in µm", |other| length_in_words(other.spacing_um)),
+            ("depth in µm", |other| length_in_words(other.depth_um)),
             ("share in %", |other| percent(other.areal_density, 2)),
         ],
     );
@@ -307,7 +307,7 @@ fn why(page: &mut Page, explanation: &ExplanationReport) {
 
 /// Width, spacing and depth of a design, in micrometres.
 pub(super) fn three_lengths(design: &PatternReport) -> [String; 3] {
-    [design.width_um, design.spacing_um, design.depth_um].map(length_um)
+    [design.width_um, design.spacing_um, design.depth_um].map(length_in_words)
 }
 
 /// The same in one cell.

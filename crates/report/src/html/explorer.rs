@@ -242,7 +242,7 @@ impl Subject<'_> {
         let error = self.explorer.error;
         let corrected = if self.report.is_some() {
             "The pattern is taken as endless, corrected so that the design found has what was predicted of it. Error band and chance \
-             take the errors of the design found."
+             take the errors of the design found: compare chances here with one another, not with the chance above."
         } else {
             "The pattern is taken as endless; nothing was searched or confirmed in time, and no error of the material is drawn."
         };
@@ -357,7 +357,7 @@ fn controls(data: &Data) -> Markup {
                     }
                 }
                 dl class="readings" {
-                    (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target", "chance", ""))
+                    (reading(first, "first", "")) (reading(second, "second", "")) (reading("chance on target by the steady model", "chance", ""))
                     (reading("peak pressure", "peak", "MPa")) (reading("areal density", "density", "%"))
                     @if data.burst_um.is_some() { (reading(if data.has_passes { "depth, in whole passes" } else { "bursts (depth)" }, "bursts", "")) }
                     @if data.laser.is_some() { (reading("laser time", "minutes", "min")) }

@@ -62,17 +62,20 @@ fn verdict(page: &mut Page, report: &DesignReport) {
     }
     if let Some(flat) = &report.flat {
         let words = &flat.words;
-        page.marked(MISSED, &format!("No pattern: {words}. What follows is the pattern that lowers it least."));
+        page.marked(
+            MISSED,
+            &format!("No pattern: {words}. What follows is the pattern that lowers it least; cut none."),
+        );
         return;
     }
     let (class, words) = match report.status.as_ref() {
-        "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits"),
-        "met" => ("verdict", "Target met by the model"),
-        "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below"),
+        "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits".to_owned()),
+        "met" => ("verdict", "Target met by the model".to_owned()),
+        "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below".to_owned()),
         _ if report.out_of_time => {
-            (MISSED, "The seconds allowed were spent before the search had ended; best design so far below")
+            (MISSED, "The seconds allowed were spent before the search had ended; best design so far below".to_owned())
         }
-        _ => (MISSED, "Target not met before the evaluations allowed were spent; nearest design below"),
+        _ => (MISSED, format!("Target {}; nearest design below", report.unmet())),
     };
     page.marked(class, &format!("{words}{scope}."));
 }

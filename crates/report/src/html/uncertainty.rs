@@ -1,8 +1,8 @@
 //! How far a design's numbers are known, how they move with its dimensions, and what could be had for what.
 
 use slipgrid_design::records::{
-    Dimensions, DiscrepancyReport, FactorReport, PressureParts, Reading, RimSlopeReport, RobustnessReport,
-    SensitivityReport, SpreadReport, TradeOffsReport,
+    BEFORE, BESIDE, Dimensions, DiscrepancyReport, FactorReport, PressureParts, Reading, RimSlopeReport,
+    RobustnessReport, SensitivityReport, SpreadReport, TradeOffsReport,
 };
 use slipgrid_results::ErrorsReport;
 
@@ -117,6 +117,7 @@ pub(super) fn discrepancy(page: &mut Page, found: &DiscrepancyReport) {
 /// What samples made after the design do.
 pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
     let within = |share: Option<f64>, error: Option<f64>| match known(share).zip(known(error)) {
+        Some((share, _)) if share >= 1.0 => "all".to_owned(),
         Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
         None => "-".to_owned(),
     };
@@ -126,7 +127,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
     };
     let samples = &found.samples;
     page.paragraph(&format!(
-        "Within the tolerance at all pressures: {} of samples of the material as calibrated, by {} {how} ({} could not be \
+        "Within the tolerance at all pressures, from tolerances alone: {} of samples of the material as calibrated, by {} {how} ({} could not be \
          computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
         within(samples.probability, samples.probability_stderr),
         samples.draws,
@@ -135,9 +136,12 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
     ));
     if let Some(material) = &found.with_material {
         page.paragraph(&format!(
-            "{} with what is not known of the material as well, which all samples share.",
+            "The same from tolerances and what is not known of the material, which all samples share: {}.",
             within(material.probability, material.probability_stderr)
         ));
+    }
+    if samples.probability.is_some() {
+        page.paragraph(&sentence(BESIDE));
     }
     let shown = found.with_material.as_ref().unwrap_or(samples);
     let ratio = |spread: Option<&SpreadReport>| ends(spread.map(|spread| spread.ratio.band_95), 4);
@@ -220,6 +224,9 @@ pub(super) fn trade_offs(page: &mut Page, found: &TradeOffsReport, outputs: &Out
         "Of {} designs {} are not beaten by another in every goal ({} more could not be computed or break a limit). {chosen} By {}.",
         found.designs, found.front, found.left_out, found.model,
     ));
+    if found.goals.iter().any(|name| name == "chance") {
+        page.paragraph(&sentence(BEFORE));
+    }
     let header: Vec<&str> = ["width in µm", "spacing in µm", "depth in µm"]
         .into_iter()
         .chain(found.words.iter().map(AsRef::as_ref))

@@ -1,0 +1,164 @@
+//! From the best of a coarse look to the best of every whole block and burst about it.
+//!
+//! A step goes to the best of the neighbours of a design, `s` blocks and bursts away along one, two or three lengths, while that is
+//! better; then `s` is halved. Costs: 26 designs a step at most, those known before aside.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+use slipgrid_pattern::Pattern;
+
+use crate::lattice_table::axes;
+use crate::task::DesignTask;
+
+/// Steps in blocks and bursts, the longest first.
+const STEPS: [usize; 3] = [4, 2, 1];
+
+/// A place on the lattice: whole steps of width, spacing and depth.
+pub type Place = [usize; 3];
+
+/// All designs of whole blocks and bursts within the bounds.
+pub struct Steps<'a> {
+    task: &'a DesignTask,
+    axes: [Vec<f64>; 3],
+}
+
+impl<'a> Steps<'a> {
+    /// Those of `task`.
+    pub fn new(task: &'a DesignTask) -> Self {
+        Self { task, axes: axes(task).0 }
+    }
+
+    /// The place of `design`, where it is one of them.
+    pub fn place(&self, design: &Pattern) -> Option<Place> {
+        let lengths_m = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
+        Some([along(0)?, along(1)?, along(2)?])
+    }
+
+    /// The design at `place`, where the laser can cut it.
+    fn design(&self, place: Place) -> Option<Pattern> {
+        let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| self.axes[axis][place[axis]]);
+        let design = Pattern::new(*self.task.space.texture(), width_m, spacing_m, depth_m).ok()?;
+        self.task.constraints.limits.violations(&design).is_empty().then_some(design)
+    }
+
+    /// The places `step` away from `place` along some lengths.
+    fn about(&self, place: Place, step: usize) -> Vec<Place> {
+        let mut all = Vec::new();
+        for corner in 0..27_usize {
+            let moved = |axis: usize| -> Option<usize> {
+                match corner / 3_usize.pow(axis as u32) % 3 {
+                    0 => place[axis].checked_sub(step),
+                    1 => Some(place[axis]),
+                    _ => Some(place[axis] + step).filter(|moved| *moved < self.axes[axis].len()),
+                }
+            };
+            if let (Some(width), Some(spacing), Some(depth)) = (moved(0), moved(1), moved(2)) {
+                all.push([width, spacing, depth]);
+            }
+        }
+        all.retain(|other| *other != place);
+        all
+    }
+}
+
+/// What is known of designs, by their places.
+pub type Known<T> = BTreeMap<Place, Option<T>>;
+
+/// How far is climbed.
+#[derive(Clone, Copy, Debug)]
+pub struct Climb {
+    /// Longest step.
+    pub step: usize,
+    /// Designs asked for at most.
+    pub most: usize,
+}
+
+/// Climbs from `starts` by `value` of what `judge` says of designs that are `open`, until none about them is better or the designs
+/// allowed are spent. What was asked for is added to `known`. Returns where the climbs ended, each place once.
+pub fn climb<T: Send>(
+    steps: &Steps<'_>,
+    starts: &[Place],
+    climb: Climb,
+    known: &mut Known<T>,
+    (open, judge, value): (&dyn Fn(&Pattern) -> bool, &(dyn Fn(&Pattern) -> Option<T> + Sync), &dyn Fn(&T) -> f64),
+) -> Vec<Place> {
+    let mut at: Vec<Place> = starts.to_vec();
+    let mut left = climb.most;
+    for step in STEPS.into_iter().filter(|step| *step <= climb.step) {
+        let mut moving = at.clone();
+        while !moving.is_empty() && left > 0 {
+            let mut asked: Vec<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
+            asked.sort_unstable();
+            asked.dedup();
+            asked.retain(|place| !known.contains_key(place));
+            asked.truncate(left);
+            left -= asked.len();
+            let designs: Vec<Option<Pattern>> =
+                asked.iter().map(|place| steps.design(*place).filter(|design| open(design))).collect();
+            let found: Vec<Option<T>> =
+                designs.par_iter().map(|design| design.as_ref().and_then(|design| judge(design))).collect();
+            known.extend(asked.into_iter().zip(found));
+            let of = |place: &Place| known.get(place).and_then(Option::as_ref).map(value);
+            let mut next = Vec::new();
+            for place in &mut at {
+                if !moving.contains(place) {
+                    continue;
+                }
+                let mut best = (*place, of(place).unwrap_or(f64::NEG_INFINITY));
+                // Of equals the first.
+                for other in steps.about(*place, step) {
+                    if let Some(value) = of(&other).filter(|value| *value > best.1) {
+                        best = (other, value);
+                    }
+                }
+                if best.0 != *place {
+                    *place = best.0;
+                    next.push(best.0);
+                }
+            }
+            at.sort_unstable();
+            at.dedup();
+            next.sort_unstable();
+            next.dedup();
+            moving = next;
+        }
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::task;
+    use super::*;
+    use slipgrid_pattern::Planform;
+
+    #[test]
+    fn a_climb_ends_where_nothing_about_it_is_better() {
+        let task = task(Planform::Groove);
+        let steps = Steps::new(&task);
+        // A ridge across the axes.
+        let value = |design: &Pattern| {
+            let [width, spacing, depth] = [design.width_m(), design.spacing_m(), design.depth_m()].map(|m| 1e6 * m);
+            -((width - 140.0) / 20.0).powi(2)
+                - ((spacing - 2.0 * width) / 10.0).powi(2)
+                - ((depth - 16.0) / 2.0).powi(2)
+        };
+        let ended = |most: usize| {
+            let mut known = Known::new();
+            // The widest and deepest of the narrowest gaps.
+            let start = [steps.axes[0].len() - 1, 1, steps.axes[2].len() - 1];
+            assert_eq!(steps.place(&steps.design(start).unwrap()), Some(start));
+            known.insert(start, steps.design(start).map(|design| value(&design)));
+            let judge = |design: &Pattern| Some(value(design));
+            let found = climb(&steps, &[start], Climb { step: 4, most }, &mut known, (&|_| true, &judge, &|of| *of));
+            assert_eq!(found.len(), 1);
+            (steps.design(found[0]).unwrap(), known.len())
+        };
+        let (design, asked) = ended(1000);
+        assert!((design.width_m() - 140e-6).abs() < 1e-9 && (design.spacing_m() - 280e-6).abs() < 1e-9, "{design:?}");
+        assert!((design.depth_m() - 16e-6).abs() < 1e-9 && asked < 400, "{asked}");
+        assert_eq!(ended(26).1, 27);
+    }
+}

@@ -1,0 +1,237 @@
+//! The designs likeliest on target: all by the interpolated model, the best by the model itself, and what lies about them.
+
+use rayon::prelude::*;
+use slipgrid_discrepancy::{Features, Predictor};
+use slipgrid_optimize::ModelFailure;
+use slipgrid_pattern::Pattern;
+
+use super::climb::{Climb, Known, Place, Steps, climb};
+use super::interpolation::{Interpolation, Modelled, Models};
+use super::{Asked, Design, Judged};
+use crate::chance::{About, Chances};
+use crate::lattice_table::lattice;
+use crate::task::DesignTask;
+
+/// How much is looked at.
+pub struct Scope {
+    /// Most nodes of the interpolated model's lattice along width, spacing and depth.
+    pub nodes: [usize; 3],
+    /// The same of what smaller blocks change, some hundredths of a second each.
+    pub blocks: [usize; 3],
+    /// Designs that are compared by it, about.
+    designs: usize,
+    /// Of these the best by it, which the model itself judges, beside the best of every region.
+    judged: usize,
+    /// Of these the best of different regions, from which is climbed.
+    starts: usize,
+    /// Designs that the model judges while climbing, at most.
+    climbed: usize,
+    /// Of the best by that, of which everything counts.
+    completed: usize,
+    /// Designs of which everything counts while climbing once more, at most.
+    climbed_whole: usize,
+}
+
+impl Scope {
+    /// In the plane, where a node takes some milliseconds.
+    pub const PLANE: Self = Self {
+        nodes: [13, 13, 9],
+        blocks: [6, 6, 3],
+        designs: 20_000,
+        judged: 48,
+        starts: 6,
+        climbed: 900,
+        completed: 16,
+        climbed_whole: 80,
+    };
+    pub const SPACE: Self = Self { nodes: [6, 6, 4], climbed: 80, starts: 2, climbed_whole: 26, ..Self::PLANE };
+    /// Beside a design that was searched.
+    pub const BESIDE: Self =
+        Self { nodes: [9, 9, 5], blocks: [5, 5, 3], designs: 5000, judged: 24, completed: 8, ..Self::PLANE };
+}
+
+/// Regions along each length of which the best design is judged by the model itself: where the interpolated one is off by a tolerance it
+/// may rank a whole region too low.
+const REGIONS: usize = 3;
+/// Lengths that differ by less are the same, relative.
+const SAME_LENGTH: f64 = 1e-3;
+
+/// Designs of whole blocks and bursts within the bounds and the laser's limits, about `most` of them.
+fn designs(task: &DesignTask, most: usize) -> Vec<Pattern> {
+    let (all, _) = lattice(task);
+    let [spacings, depths] = [Pattern::spacing_m, Pattern::depth_m].map(|of| {
+        let mut lengths: Vec<u64> = all.iter().map(|design| of(design).to_bits()).collect();
+        lengths.sort_unstable();
+        lengths.dedup();
+        lengths.len()
+    });
+    // A stride that has no divisor with an axis in common spreads what is left out.
+    let shares = |step: usize, axis: usize| (2..=step).any(|by| step.is_multiple_of(by) && axis.is_multiple_of(by));
+    let least = all.len().div_ceil(most).max(1);
+    let step = (least..).find(|step| !shares(*step, spacings) && !shares(*step, depths)).unwrap_or(least);
+    all.into_iter().step_by(step).collect()
+}
+
+/// Whether two textures are one: trials know their features alone.
+pub fn is_same(a: &Features, b: &Features) -> bool {
+    let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
+    same(|of| of.width_m) && same(|of| of.pitch_m) && same(|of| of.depth_m) && same(|of| of.areal_density)
+}
+
+/// What is asked, and what answers.
+pub struct Search<'a> {
+    pub task: &'a DesignTask,
+    pub asked: &'a Asked,
+    predictor: Predictor,
+    models: &'a Models<'a>,
+    interpolation: &'a Interpolation,
+    /// What is not known exactly beside what trials tell of.
+    chances: &'a Chances<'a>,
+    scope: &'a Scope,
+}
+
+impl<'a> Search<'a> {
+    pub fn new(
+        task: &'a DesignTask,
+        asked: &'a Asked,
+        models: &'a Models<'a>,
+        chances: &'a Chances<'a>,
+        (interpolation, scope): (&'a Interpolation, &'a Scope),
+    ) -> Self {
+        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope }
+    }
+
+    /// Covariance of the ratios of samples of `pattern` by their dimensions.
+    fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
+        let std_m = self.task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
+        self.interpolation.covariance([pattern.width_m(), pattern.spacing_m(), pattern.depth_m()], std_m)
+    }
+
+    /// `pattern` by the model itself in the layer's blocks and what smaller ones change of its like, with the scatter of its dimensions.
+    fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
+        let covariance = self.covariance(pattern).unwrap_or_default();
+        let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
+        let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+        let design = design.in_smaller_blocks(self.interpolation.shifts(lengths_m));
+        Ok(design.judged(&self.predictor, &self.asked.wanted))
+    }
+
+    /// `pattern` in blocks as small as the model can have, with everything that is not known exactly.
+    pub fn exactly(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
+        self.completed(self.drafted(pattern)?)
+    }
+
+    /// The same of a draft.
+    fn completed(&self, draft: Judged) -> Result<Judged, ModelFailure> {
+        let Judged { design: Design { pattern, in_blocks: mut ratio, sensitivity, .. }, .. } = draft;
+        let still = self.chances.still(&pattern)?;
+        let open = match self.models.refined(&pattern) {
+            Some((shifts, open)) => {
+                ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio += shift);
+                vec![open; ratio.len()]
+            }
+            None => self.chances.numerical_of(&pattern, &still, &vec![0.0; ratio.len()])?,
+        };
+        let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
+        let covariance = self.chances.log_covariance(&about)?;
+        let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
+        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance);
+        Ok(design.judged(&self.predictor, &self.asked.wanted))
+    }
+
+    /// The region of the bounds that `pattern` lies in, by the logarithms of its lengths.
+    fn region(&self, pattern: &Pattern) -> usize {
+        let space = &self.task.space;
+        let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
+        let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+        bounds.into_iter().zip(lengths_m).fold(0, |region, ([low, high], length_m)| {
+            let share = if low < high { (length_m / low).ln() / (high / low).ln() } else { 0.0 };
+            REGIONS * region + ((share * REGIONS as f64) as usize).min(REGIONS - 1)
+        })
+    }
+
+    /// What looks best by the interpolated model, the best of every region among it, and how many were compared.
+    fn looked_over(&self, is_open: &dyn Fn(&Pattern) -> bool) -> (Vec<Pattern>, usize) {
+        let patterns: Vec<Pattern> = designs(self.task, self.scope.designs).into_iter().filter(is_open).collect();
+        let between = |pattern: &Pattern| {
+            let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+            let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
+            Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)))
+        };
+        let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
+        let left: Vec<Design> = drafts.into_iter().flatten().collect();
+        let ranked = |places: &[usize], most: usize| -> Vec<usize> {
+            let candidate = |place: usize| Some(left[places[place]].candidate());
+            let of = (&self.predictor, &self.asked.wanted);
+            let found = slipgrid_discrepancy::rank(of.0, of.1, (most, 0.0), places.len(), &candidate);
+            found.iter().map(|chosen| places[chosen.place]).collect()
+        };
+        let all: Vec<usize> = (0..left.len()).collect();
+        let mut best = ranked(&all, self.scope.judged);
+        let mut regions: Vec<Vec<usize>> = vec![Vec::new(); REGIONS.pow(3)];
+        all.iter().for_each(|place| regions[self.region(&left[*place].pattern)].push(*place));
+        for region in &regions {
+            let of_region = ranked(region, 1);
+            best.extend(of_region.into_iter().filter(|place| !best.contains(place)).collect::<Vec<_>>());
+        }
+        (best.into_iter().map(|place| left[place].pattern).collect(), left.len())
+    }
+
+    /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
+    /// first, and how many were compared.
+    ///
+    /// All are ranked by the interpolated model, the best are judged by the model itself, and from the best of these of different
+    /// regions is climbed over whole blocks and bursts: first by the model in the layer's blocks and what smaller ones change of their like, then with everything that counts.
+    pub fn best(&self, open: &dyn Fn(&Pattern, &Features) -> bool, count: usize) -> (Vec<Judged>, usize) {
+        let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
+        let is_open = |pattern: &Pattern| {
+            let own = Features::from(pattern);
+            !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
+        };
+        let (best, compared) = self.looked_over(&is_open);
+        // The model itself at what looks best by the interpolated one.
+        let drafts: Vec<Option<Judged>> = best.par_iter().map(|pattern| self.drafted(pattern).ok()).collect();
+        let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
+        let value = |of: &Judged| of.score.value();
+        // Stable: of equal scores the earlier first.
+        let sort = |pool: &mut Vec<Judged>| pool.sort_by(|a, b| value(b).total_cmp(&value(a)));
+        sort(&mut pool);
+
+        let steps = Steps::new(self.task);
+        let place = |of: &Judged| steps.place(&of.design.pattern);
+        let mut known: Known<Judged> = pool.iter().filter_map(|of| Some((place(of)?, Some(of.clone())))).collect();
+        let mut regions = Vec::new();
+        let mut starts: Vec<Place> = Vec::new();
+        for of in &pool {
+            let region = self.region(&of.design.pattern);
+            if starts.len() < self.scope.starts && !regions.contains(&region) {
+                regions.push(region);
+                starts.extend(place(of));
+            }
+        }
+        let climbed = Climb { step: 4, most: self.scope.climbed };
+        let draft = |pattern: &Pattern| self.drafted(pattern).ok();
+        let ends = climb(&steps, &starts, climbed, &mut known, (&is_open, &draft, &value));
+        // What the climbs ended at, before what was known: neighbours of one design would crowd out all others.
+        let is_known = |pool: &[Judged], of: &Judged| pool.iter().any(|own| own.design.pattern == of.design.pattern);
+        let ended = ends.iter().filter_map(|end| known.get(end).cloned().flatten());
+        let mut first: Vec<Judged> = ended.collect();
+        pool.retain(|of| !is_known(&first, of));
+        first.append(&mut pool);
+        sort(&mut first);
+        first.truncate(self.scope.completed.max(2 * count));
+        let whole: Vec<Option<Judged>> = first.into_par_iter().map(|draft| self.completed(draft).ok()).collect();
+        let mut pool: Vec<Judged> = whole.into_iter().flatten().collect();
+        sort(&mut pool);
+
+        let mut known: Known<Judged> = pool.iter().filter_map(|of| Some((place(of)?, Some(of.clone())))).collect();
+        let start: Vec<Place> = pool.first().and_then(place).into_iter().collect();
+        let climbed = Climb { step: 1, most: self.scope.climbed_whole };
+        let whole = |pattern: &Pattern| self.exactly(pattern).ok();
+        let ends = climb(&steps, &start, climbed, &mut known, (&is_open, &whole, &value));
+        let ended: Vec<Judged> = ends.iter().filter_map(|end| known.get(end).cloned().flatten()).collect();
+        pool.extend(ended.into_iter().filter(|of| !is_known(&pool, of)).collect::<Vec<_>>());
+        sort(&mut pool);
+        (pool, compared)
+    }
+}
