@@ -12,7 +12,7 @@
 //!
 //! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
 //! `BAD`, `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments,
-//! in UTF-8 or Latin-1.
+//! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
 //!
 //! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
 //! x = 0. Points x y z keep their axes. All formats but points x y z, the archive of an X3P and what is packed in a
