@@ -81,13 +81,28 @@ fn rows(path: &Path, text: &str) -> Result<Vec<(u32, Measurement)>, Diagnostic> 
     }
     for (column, (name, _, required)) in COLUMNS.iter().enumerate() {
         if *required && !order.contains(&column) {
+            let not_measured = match *name {
+                "humidity_pct" => "; of a humidity that was not measured one number in all rows, as 50",
+                _ => "",
+            };
             return Err(refuse(header_line, Some(name), None, "is missing".into())
-                .expected(format!("the columns {}", names()[..5].join(","))));
+                .expected(format!("the columns {}{not_measured}", names()[..5].join(","))));
         }
     }
 
     let mut rows = Vec::new();
     for (line, content) in lines {
+        // Tables that were joined repeat their header.
+        if cut(content, separator).first().is_some_and(|cell| unquoted(cell) == COLUMNS[order[0]].0) {
+            if filled(content).into_iter().map(unquoted).eq(filled(header).into_iter().map(unquoted)) {
+                continue;
+            }
+            return Err(refuse(line, None, None, format!("has a header again, another than line {header_line}"))
+                .expected(format!(
+                    "rows of numbers below {}",
+                    order.iter().map(|&column| COLUMNS[column].0).collect::<Vec<_>>().join(",")
+                )));
+        }
         let mut cells = cut(content, separator);
         // As many empty cells behind the last column as the header has, no more: a decimal comma would shift the others.
         if cells.len() == width && filled(content).len() <= order.len() {
@@ -211,6 +226,18 @@ mod tests {
         assert!(refused.contains("has 8 values") && refused.contains("semicolons"), "{refused}");
         let refused = parse(Path::new("a.csv"), &comma(";").replace("12,5", "1.012,5")).unwrap_err().to_string();
         assert!(refused.contains("force_n: \"1.012,5\" is no number"), "{refused}");
+    }
+
+    #[test]
+    fn the_header_of_a_joined_table_is_left_out_and_another_one_refused() {
+        let header = "force_n,speed_mm_s,humidity_pct,mu_dynamic,mu_dynamic_std";
+        let (one, two) = ("20,2,50,0.28,0.001", "50,2,50,0.27,0.001");
+        let joined = format!("# first\n{header}\n{one}\n# second\n{header}\n{two}\n");
+        assert_eq!(parse(Path::new("a.csv"), &joined), parse(Path::new("a.csv"), &format!("{header}\n{one}\n{two}\n")));
+        let other =
+            joined.replace(&format!("# second\n{header}"), &format!("# second\n{header},mu_static,mu_static_std"));
+        let refused = parse(Path::new("a.csv"), &other).unwrap_err().to_string();
+        assert!(refused.starts_with("a.csv:5: has a header again, another than line 2; expected rows"), "{refused}");
     }
 
     #[test]

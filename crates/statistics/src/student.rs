@@ -14,6 +14,9 @@ impl Confidence {
     pub const PERCENT_95: Self = Self { normal: 1.959_964, few: &[12.706_205, 4.302_653, 3.182_446] };
     /// 95.45 %: two standard errors of a normal deviate.
     pub const TWO_SIGMA: Self = Self { normal: 2.0, few: &[13.968, 4.527, 3.307, 2.869] };
+    /// 99.5 %: 2.81 standard errors of a normal deviate.
+    pub const PERCENT_99_5: Self =
+        Self { normal: 2.807_034, few: &[127.321_34, 14.089_05, 7.453_319, 5.597_568, 4.773_341, 4.316_827] };
 
     /// The quantile of Student's t that leaves as much to chance on both sides: tabulated for few degrees of freedom, by
     /// Fisher's expansion beyond. None at all count as one: nothing is known of the scatter.

@@ -1,6 +1,6 @@
 //! Repeats of one condition: means with their spread.
 
-use super::TraceFindings;
+use super::{TraceFindings, TracePeak};
 
 /// A mean with what spreads about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,8 +43,10 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
         MeanStd { mean, std: between.max(within) }
     };
     let dynamic: Vec<(f64, f64)> = repeats.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
+    // What sampling missed differs from repeat to repeat, and is in their scatter.
+    let error = |peak: &TracePeak| if count > 1 { peak.noise } else { peak.std };
     let peaks: Vec<(f64, f64)> =
-        repeats.iter().filter_map(|found| found.static_peak.map(|peak| (peak.mu, peak.std))).collect();
+        repeats.iter().filter_map(|found| found.static_peak.map(|peak| (peak.mu, error(&peak)))).collect();
     Some(Repeats {
         count,
         mu_dynamic: over(&dynamic),

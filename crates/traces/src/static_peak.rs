@@ -1,10 +1,15 @@
-//! The static peak: what friction reached before sliding settled.
+//! The static peak: what friction reached at the onset of sliding.
 //!
 //! A peak at the onset of sliding is over once the junctions that held it have slipped: within the memory distance of
 //! dry friction, a few to some tens of micrometres (Rabinowicz, Proc. Phys. Soc. 71, 668; Dieterich, J. Geophys. Res.
-//! 84, 2161). Run-in falls as well, but over millimetres to metres of sliding. The two are told apart by what friction
-//! loses within [`ONSET_SLIP_M`] behind its highest value, against what it loses within the same slip after that.
+//! 84, 2161). Run-in changes friction as well, but over millimetres to metres of sliding. The two are told apart by what
+//! friction loses within [`ONSET_SLIP_M`] behind its highest value, against what it loses within the same slip after that.
+//!
+//! A peak is looked for where friction rises to that of sliding, and within the same slip behind it. Higher values later are
+//! noise, of which the highest in seconds of sliding always stands out.
 
+use super::averaging_window::WindowMean;
+use super::run_in::{RunIn, run_in};
 use super::time_series::{median, median_of_three, sample_noise};
 
 /// The peak stands out by this multiple of the noise, or it is none.
@@ -26,15 +31,26 @@ const OVER_LATER: f64 = 1.25;
 const SLIPS_A_PEAK: f64 = 3.0;
 /// Samples near the top below which a peak may be blunted by the sampling.
 const FEWEST_AT_TOP: usize = 3;
+/// Share of steady friction from which a sample counts as sliding, and below which it rests.
+const SLIDES: f64 = 0.5;
+const RESTS: f64 = 0.1;
+/// Slips, and samples at least, within which friction rises on while the drive still loads what yields. Less than
+/// [`LEAST_RISE`] of steady friction in that time is no loading: it would take more than a centimetre of the drive.
+const SLIPS_A_RISE: f64 = 2.0;
+const FEWEST_A_RISE: usize = 5;
+const LEAST_RISE: f64 = 0.02;
 
 /// Friction at the onset of sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracePeak {
-    /// Highest friction before the window, single outliers apart.
+    /// Highest friction at the onset, single outliers apart.
     pub mu: f64,
-    /// Its deviation: the sample noise, and the smaller change to the next samples, which is what sampling may have
-    /// missed.
+    /// Its deviation: the sample noise, and what sampling may have missed.
     pub std: f64,
+    /// The sample noise alone.
+    pub noise: f64,
+    /// What sampling may have missed: the smaller change to the next samples.
+    pub missed: f64,
     /// When, in seconds since the first sample.
     pub time_s: f64,
     /// Samples in the upper quarter of its height over what follows.
@@ -49,74 +65,163 @@ impl TracePeak {
     }
 }
 
-/// A slow fall of friction before the window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunIn {
-    /// Fall from the highest friction to what it settles at.
-    pub fall: f64,
-    /// When friction was highest, in seconds since the first sample.
-    pub from_s: f64,
-    /// When half of the fall was over, in seconds since the first sample.
-    pub half_s: f64,
-}
-
-/// What stands out before the window.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BeforeWindow {
+/// What friction does before the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BeforeWindow {
     /// A peak at the onset of sliding.
-    Peak(TracePeak),
-    /// Run-in.
-    RunIn(RunIn),
+    pub peak: Option<TracePeak>,
+    /// Run-in behind the onset.
+    pub run_in: Option<RunIn>,
 }
 
-/// What friction does before the window, if it stands out there; `pause_s` is the usual time between samples.
+/// A trace up to the end of its window.
+struct UpToWindow<'a> {
+    time_s: &'a [f64],
+    mu: &'a [f64],
+    /// Medians of three.
+    smooth: Vec<f64>,
+    /// Samples before the window.
+    before: usize,
+    /// Deviation from sample to sample.
+    noise: f64,
+    /// Friction in the window.
+    steady: f64,
+    window_start_s: f64,
+}
+
+/// The rise of friction to that of sliding, by its samples.
+#[derive(Clone, Copy)]
+struct Onset {
+    /// The last one at rest, or the first of all.
+    rest: usize,
+    /// The first one that slides.
+    first: usize,
+    /// The end of the rise.
+    end: usize,
+}
+
+/// What friction does before the window over whose seconds it has the mean `window`; `pause_s` is the usual time between samples.
 pub fn before_window(
     time_s: &[f64],
     mu: &[f64],
-    window_start_s: f64,
+    (window_s, window): ([f64; 2], &WindowMean),
     speed_m_s: f64,
     pause_s: f64,
-) -> Option<BeforeWindow> {
-    let before = time_s.partition_point(|&t| t < window_start_s);
-    if before < 3 {
-        return None;
-    }
-    let noise = sample_noise(mu);
-    let smooth = median_of_three(&mu[..before]);
-    let top = (0..before).fold(0, |best, i| if smooth[i] > smooth[best] { i } else { best });
-    // What friction settles at: behind the peak, before the window.
-    let from = time_s[top] + AFTERMATH * (window_start_s - time_s[top]);
-    let after = time_s.partition_point(|&t| t < from);
-    let settled = median(mu[after.min(before - 1)..].iter().take((before - after).max(1)).copied().collect());
-    let stands_out = |fall: f64| fall >= (STANDS_OUT * noise).max(LEAST_RELATIVE * settled.abs());
-    let fall = smooth[top] - settled;
-    if !stands_out(fall) {
-        return None;
-    }
-    // Friction within one slip behind the top, from one to two, from two to three.
-    let slip_s = (ONSET_SLIP_M / speed_m_s).max(FEWEST_PAUSES * pause_s).min((window_start_s - time_s[top]) / 3.0);
-    let level = |slips: f64| {
-        let at = |slips: f64| time_s.partition_point(|&t| t < time_s[top] + slips * slip_s).min(before - 1);
-        median(mu[at(slips)..=at(slips + 1.0)].to_vec())
+) -> BeforeWindow {
+    let until = time_s.partition_point(|&t| t <= window_s[1]);
+    let (time_s, mu) = (&time_s[..until], &mu[..until]);
+    let trace = UpToWindow {
+        time_s,
+        mu,
+        smooth: median_of_three(mu),
+        before: time_s.partition_point(|&t| t < window_s[0]),
+        noise: sample_noise(mu),
+        steady: window.mu,
+        window_start_s: window_s[0],
     };
-    let (next, later) = (level(1.0), level(2.0));
-    let height = smooth[top] - next;
-    if !stands_out(height) || height < PROMPT * (next - later) {
-        // Under noise half is passed more than once: between the first time and the last.
-        let is_below = |&i: &usize| smooth[i] <= settled + fall / 2.0;
-        let first = (top..before).find(is_below).unwrap_or(before - 1);
-        let last = (top..before).rev().find(|i| !is_below(i)).unwrap_or(top);
-        let half_s = (time_s[first] + time_s[last]) / 2.0;
-        return Some(BeforeWindow::RunIn(RunIn { fall, from_s: time_s[top], half_s }));
+    let slip_s = (ONSET_SLIP_M / speed_m_s).max(FEWEST_PAUSES * pause_s);
+    let Some(onset) = trace.onset(slip_s) else { return BeforeWindow::default() };
+    let peak = trace.peak(onset, slip_s);
+    let end_s = time_s[onset.end];
+    let run_in = |from_s: f64| run_in(time_s, mu, from_s, (window_s, window), pause_s);
+    let run_in = match peak {
+        Some(peak) => run_in(peak.time_s + 3.0 * slip_s),
+        // What yields is loaded while friction rises; that this goes on for as long again is no run-in.
+        None => run_in(end_s).filter(|found| found.change < 0.0).or_else(|| run_in(2.0 * end_s - time_s[onset.rest])),
+    };
+    BeforeWindow { peak, run_in }
+}
+
+impl UpToWindow<'_> {
+    /// Where `smooth` is highest from one sample to another.
+    fn highest(&self, from: usize, to: usize) -> usize {
+        (from..=to).fold(from, |best, i| if self.smooth[i] > self.smooth[best] { i } else { best })
     }
-    if height < OVER_LATER * highest_later(&time_s[before..], &mu[before..], slip_s) {
-        return None;
+
+    /// The last sample before the window that is at most `seconds` behind `sample`; a few at least.
+    fn within(&self, sample: usize, seconds: f64, fewest: usize) -> usize {
+        let to = self.time_s.partition_point(|&t| t <= self.time_s[sample] + seconds);
+        (to - 1).max(sample + fewest).min(self.before - 1)
     }
-    let near = smooth[..before].iter().filter(|&&value| value > settled + 0.75 * fall).count();
-    // The median of three flattens the top: the change to the samples beyond its neighbours counts.
-    let step = [top.saturating_sub(2), (top + 2).min(before - 1)].map(|i| smooth[top] - smooth[i]);
-    let std = noise.hypot(step[0].min(step[1]));
-    Some(BeforeWindow::Peak(TracePeak { mu: smooth[top], std, time_s: time_s[top], samples_at_top: near }))
+
+    /// The onset of sliding; a trace that begins while the sample slides has it at its first sample.
+    fn onset(&self, slip_s: f64) -> Option<Onset> {
+        let ahead = |sample: usize| self.within(sample, SLIPS_A_RISE * slip_s, FEWEST_A_RISE);
+        let slides = SLIDES * self.steady;
+        // A knock while the load is set down is over at once.
+        let stays = |&i: &usize| self.smooth[i] >= slides && median(self.mu[i..=ahead(i)].to_vec()) >= slides;
+        let first = (0..self.before).find(stays)?;
+        let rest = (0..first).rev().find(|&i| self.smooth[i] < RESTS * self.steady).unwrap_or(0);
+        let mut end = first;
+        loop {
+            let next = self.highest(end, ahead(end));
+            if self.smooth[next] - self.smooth[end] < LEAST_RISE * self.steady || next == end {
+                return Some(Onset { rest, first, end });
+            }
+            end = next;
+        }
+    }
+
+    fn stands_out(&self, fall: f64, over: f64) -> bool {
+        fall >= (STANDS_OUT * self.noise).max(LEAST_RELATIVE * over.abs())
+    }
+
+    /// The highest sample of all, where it ends the rise rather than being an outlier.
+    fn end_of_rise(&self, onset: Onset, to: usize, smooth: f64) -> Option<usize> {
+        let mu = self.mu;
+        let top =
+            (onset.first.saturating_sub(1)..=to).fold(onset.first, |best, i| if mu[i] > mu[best] { i } else { best });
+        let (&last, &own) = (mu.get(top.checked_sub(1)?)?, mu.get(top)?);
+        let rise = top.checked_sub(2).map_or(0.0, |i| last - mu[i]).max(0.0);
+        let noise = STANDS_OUT * self.noise;
+        let ends = last < SLIDES * self.steady || own <= last + rise + noise;
+        (ends && own > smooth + noise).then_some(top)
+    }
+
+    /// The static peak at the onset.
+    fn peak(&self, onset: Onset, slip_s: f64) -> Option<TracePeak> {
+        let Self { time_s, mu, before, noise, .. } = *self;
+        let to = self.within(onset.end, slip_s, FEWEST_PAUSES as usize);
+        let flat = self.highest(onset.first, to);
+        // The median of three flattens a top that is a single sample.
+        let sharp = self.end_of_rise(onset, to, self.smooth[flat]);
+        let (top, values) = sharp.map_or((flat, &self.smooth[..]), |top| (top, mu));
+        let value = values[top];
+        let left_s = self.window_start_s - time_s[top];
+        // What friction settles at: behind the peak, before the window.
+        let after = time_s.partition_point(|&t| t < time_s[top] + AFTERMATH * left_s).min(before - 1);
+        let settled = median(mu[after..before].to_vec());
+        // Friction within one slip behind the top, from one to two, from two to three.
+        let slip_s = slip_s.min(left_s / 3.0);
+        let level = |slips: f64| {
+            let at = |slips: f64| time_s.partition_point(|&t| t < time_s[top] + slips * slip_s).min(before - 1);
+            median(mu[at(slips)..=at(slips + 1.0)].to_vec())
+        };
+        let (next, later) = (level(1.0), level(2.0));
+        let height = value - next;
+        let lowest = height.min(value - settled).min(value - self.steady);
+        if !self.stands_out(lowest, settled) || height < PROMPT * (next - later) {
+            return None;
+        }
+        if height < OVER_LATER * highest_later(&time_s[before..], &mu[before..], slip_s) {
+            return None;
+        }
+        let is_near = |value: &&f64| **value > next + 0.75 * height;
+        let near = values[top..before].iter().take_while(is_near).count()
+            + values[..top].iter().rev().take_while(is_near).count();
+        // The median of three flattens the top: the change to the samples beyond its neighbours counts.
+        let far = if sharp.is_some() { 1 } else { 2 };
+        let step = [top.saturating_sub(far), (top + far).min(before - 1)].map(|i| (value - values[i]).abs());
+        let missed = step[0].min(step[1]);
+        Some(TracePeak {
+            mu: value,
+            std: noise.hypot(missed),
+            noise,
+            missed,
+            time_s: time_s[top],
+            samples_at_top: near,
+        })
+    }
 }
 
 /// The most that friction is, in the steady part of a trace, above what follows from one to two slips of `slip_s` seconds later.
@@ -140,6 +245,7 @@ fn highest_later(time_s: &[f64], mu: &[f64], slip_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::averaging_window::window_mean;
     use slipgrid_statistics::Noise;
 
     fn trace(peak: f64, noise: f64) -> (Vec<f64>, Vec<f64>) {
@@ -155,12 +261,15 @@ mod tests {
         (time, mu)
     }
 
+    /// With the window from `window_start_s` to the end.
+    fn before(time: &[f64], mu: &[f64], window_start_s: f64, speed_m_s: f64, pause_s: f64) -> BeforeWindow {
+        let window_s = [window_start_s, time[time.len() - 1]];
+        before_window(time, mu, (window_s, &window_mean(time, mu, window_s)), speed_m_s, pause_s)
+    }
+
     /// The static peak at 50 um/s, at which a fall within 0.4 s is one within 20 um.
     fn static_peak(time: &[f64], mu: &[f64], window_start_s: f64) -> Option<TracePeak> {
-        match before_window(time, mu, window_start_s, 50e-6, 0.05)? {
-            BeforeWindow::Peak(peak) => Some(peak),
-            BeforeWindow::RunIn(_) => None,
-        }
+        before(time, mu, window_start_s, 50e-6, 0.05).peak
     }
 
     #[test]
@@ -200,12 +309,84 @@ mod tests {
                 .collect();
             let is_peak = |of: &dyn Fn(f64) -> f64| {
                 let mu: Vec<f64> = time.iter().zip(&noise).map(|(&t, noise)| of(t) + noise).collect();
-                matches!(before_window(&time, &mu, 8.0, 20e-3, 0.01), Some(BeforeWindow::Peak(_)))
+                before(&time, &mu, 8.0, 20e-3, 0.01).peak.is_some()
             };
             false_ones += usize::from(is_peak(&|_| 0.25));
             found += usize::from(is_peak(&|t| 0.25 + 0.1 * (-t / 0.02_f64).exp()));
         }
         assert!(false_ones <= 4 && found >= 196, "{false_ones} {found}");
+    }
+
+    /// Noise that remembers itself for `memory_s`, of deviation `std`.
+    fn red_noise(time: &[f64], std: f64, memory_s: f64, seed: u64) -> Vec<f64> {
+        let mut deviates = Noise::new(seed);
+        let memory = (-(time[1] - time[0]) / memory_s).exp();
+        let mut value = deviates.normal();
+        let mut next = || {
+            value = memory * value + (1.0 - memory * memory).sqrt() * deviates.normal();
+            std * value
+        };
+        time.iter().map(|_| next()).collect()
+    }
+
+    fn add(time: &[f64], noise: &[f64], friction: impl Fn(f64) -> f64) -> Vec<f64> {
+        time.iter().zip(noise).map(|(&t, noise)| friction(t) + noise).collect()
+    }
+
+    #[test]
+    fn steady_noise_has_neither_peak_nor_run_in_and_hides_neither() {
+        // 50 samples a second for 60 s at 2 mm/s: friction of 0.28 that wanders by 0.0048.
+        let time: Vec<f64> = (0..=3000).map(|i| f64::from(i) * 0.02).collect();
+        for (memory_s, start_s) in [(0.4, 10.0), (0.4, 20.0), (0.1, 10.0), (2.0, 10.0)] {
+            let [mut peaks, mut run_ins, mut found_peaks, mut rises, mut falls] = [0; 5];
+            for seed in 0..180 {
+                let noise = red_noise(&time, 0.0048, memory_s, seed);
+                let read = |friction: &dyn Fn(f64) -> f64| {
+                    before(
+                        &time[..=2000 + 1000 * usize::from(start_s > 10.0)],
+                        &add(&time, &noise, friction),
+                        start_s,
+                        2e-3,
+                        0.02,
+                    )
+                };
+                let steady = read(&|_| 0.28);
+                peaks += usize::from(steady.peak.is_some());
+                run_ins += usize::from(steady.run_in.is_some());
+                // At rest for a second, then a peak of 0.36 that is over within 40 um, whose first sample alone has most of it.
+                let peak = read(&|t| if t < 1.0 { -0.28 } else { 0.08 * (-(t - 1.0) / 0.02).exp() } + 0.28).peak;
+                found_peaks += usize::from(
+                    peak.is_some_and(|peak| (peak.mu - 0.36).abs() < 0.02 && (peak.time_s - 1.0).abs() < 0.03),
+                );
+                let rise = read(&|t| 0.28 * (1.0 - 0.08 * (-t / 4.0).exp())).run_in;
+                rises +=
+                    usize::from(rise.is_some_and(|found| found.change > 0.0 && (found.change - 0.022).abs() < 0.015));
+                let fall = read(&|t| 0.28 * (1.0 + 0.08 * (-t / 4.0).exp())).run_in;
+                falls += usize::from(fall.is_some_and(|found| found.change < 0.0));
+            }
+            let told = format!("{memory_s} {start_s}: {peaks} {run_ins} of 180; {found_peaks} {rises} {falls}");
+            assert!(peaks < 3 && run_ins < 9 && found_peaks >= 176, "{told}");
+            assert!(memory_s > 1.0 || (rises >= 160 && falls >= 160), "{told}");
+        }
+    }
+
+    #[test]
+    fn the_end_of_the_rise_is_a_peak_and_a_lone_sample_behind_it_none() {
+        let time: Vec<f64> = (0..=3000).map(|i| f64::from(i) * 0.02).collect();
+        for seed in 0..40 {
+            let noise = red_noise(&time, 0.001, 1e-3, seed);
+            let onset = |t: f64| if t < 3.01 { 0.0 } else { 0.28 + 0.09 * (-(t - 3.02) / 0.013).exp() };
+            let mu = add(&time, &noise, onset);
+            let peak = before(&time, &mu, 10.0, 2e-3, 0.02).peak.unwrap();
+            assert!((peak.mu - 0.37).abs() < 0.004 && peak.samples_at_top == 1, "{peak:?}");
+            assert!((peak.missed - 0.07).abs() < 0.01 && peak.std >= peak.missed && peak.noise < 0.0015, "{peak:?}");
+            // A spike of the electronics soon after the onset, or seconds later.
+            for spike in [155, 200, 400] {
+                let mut mu = add(&time, &noise, |t| if t < 3.01 { 0.0 } else { 0.28 });
+                mu[spike] += 0.1;
+                assert_eq!(before(&time, &mu, 10.0, 2e-3, 0.02).peak, None, "{spike}");
+            }
+        }
     }
 
     #[test]
@@ -220,17 +401,17 @@ mod tests {
                 time.iter().map(|&t| shape(t) + noise * deviates.normal()).collect()
             };
             let slow = sample(&|t| rise(t) * run_in(t));
-            let found = before_window(&time, &slow, 10.0, 2e-3, 0.01);
-            let Some(BeforeWindow::RunIn(slow)) = found else { panic!("{noise}: {found:?}") };
-            assert!((slow.half_s - slow.from_s - 1.8).abs() < 0.6 && (slow.fall - 0.05).abs() < 0.015, "{slow:?}");
+            let found = before(&time, &slow, 10.0, 2e-3, 0.01);
+            let BeforeWindow { peak: None, run_in: Some(slow) } = found else { panic!("{noise}: {found:?}") };
+            assert!((slow.half_s - slow.from_s - 1.8).abs() < 0.6 && (-slow.change - 0.05).abs() < 0.015, "{slow:?}");
             // A static peak on top of the same run-in falls within 20 um.
             let both = sample(&|t| rise(t) * (run_in(t) + 0.08 * (-(t - 0.2).max(0.0) / 0.01).exp()));
-            let found = before_window(&time, &both, 10.0, 2e-3, 0.01);
-            let Some(BeforeWindow::Peak(peak)) = found else { panic!("{noise}: {found:?}") };
+            let found = before(&time, &both, 10.0, 2e-3, 0.01);
+            let BeforeWindow { peak: Some(peak), run_in: Some(_) } = found else { panic!("{noise}: {found:?}") };
             assert!((peak.mu - 0.38).abs() < 0.02 && (peak.time_s - 0.2).abs() < 0.06, "{peak:?}");
         }
         // At 2 um/s the same fall takes 8 um: it is a static peak.
         let slow: Vec<f64> = time.iter().map(|&t| run_in(t)).collect();
-        assert!(matches!(before_window(&time, &slow, 20.0, 2e-6, 0.01), Some(BeforeWindow::Peak(_))));
+        assert!(before(&time, &slow, 20.0, 2e-6, 0.01).peak.is_some());
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::static_peak::RunIn;
+use super::run_in::RunIn;
 
 /// Why nothing can be read from a trace. Times are seconds since the first sample.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -219,8 +219,13 @@ pub enum TraceFlag {
         /// Gaps in all.
         count: usize,
     },
-    /// Friction falls slowly before the window: no static peak.
-    RunIn(RunIn),
+    /// Friction changes slowly before the window.
+    RunIn {
+        /// By how much, and when.
+        run_in: RunIn,
+        /// A static peak stands before it.
+        peak: bool,
+    },
     /// The sensor was at the end of its range before the window: no static peak is taken.
     PeakSaturated {
         /// The value, in the channel's SI unit.
@@ -230,6 +235,8 @@ pub enum TraceFlag {
     PeakCoarse {
         /// Samples in its upper quarter.
         samples: usize,
+        /// What sampling may have missed.
+        missed: f64,
     },
     /// The recorded numbers are rounded so much that few different ones occur.
     Coarse {
@@ -298,19 +305,28 @@ impl fmt::Display for TraceFlag {
             Self::Gap { from_s, to_s, count } => {
                 write!(f, "{count} gaps; the longest has no samples from {from_s:.2} to {to_s:.2} s")
             }
-            Self::RunIn(run_in) => write!(
+            Self::RunIn { run_in, peak } => write!(
                 f,
-                "friction falls by {:.4} after {:.2} s, half of it within {:.2} s: run-in, no static peak",
-                run_in.fall,
+                "friction {} by {:.4}, {:.0} %, after {:.2} s, half of it within {:.2} s: run-in{}",
+                if run_in.change < 0.0 { "falls" } else { "rises" },
+                run_in.change.abs(),
+                100.0 * run_in.relative.abs(),
                 run_in.from_s,
-                run_in.half_s - run_in.from_s
+                run_in.half_s - run_in.from_s,
+                match (*peak, run_in.change < 0.0) {
+                    (true, _) => " behind a static peak",
+                    (false, true) => ", no static peak",
+                    (false, false) => "",
+                }
             ),
             Self::PeakSaturated { value } => {
                 write!(f, "the sensor stood at {value} before the window: no static peak is taken")
             }
-            Self::PeakCoarse { samples } => {
-                write!(f, "the static peak rests on {samples} samples: it may have been higher")
-            }
+            Self::PeakCoarse { samples, missed } => write!(
+                f,
+                "the static peak rests on {samples} sample{} and may have been higher: friction changes by {missed:.4} beside it",
+                if *samples == 1 { "" } else { "s" }
+            ),
             Self::Coarse { levels } => write!(f, "only {levels} different values occur in the window"),
             Self::StrokesDiffer { offset, relative } => write!(
                 f,

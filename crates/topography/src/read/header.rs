@@ -1,7 +1,7 @@
 //! What comment lines before the data say: sizes, units, titles.
 
 use super::keep_comment;
-use super::lines::{Delimiter, excerpt, number};
+use super::lines::{Delimiter, excerpt, height, number};
 use crate::unit::UNIT_NAMES;
 use crate::{LengthUnit, ReadError};
 
@@ -38,7 +38,8 @@ impl Header {
         Ok(self.titles(text, line)? || self.units_below_titles(text, line)?)
     }
 
-    fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
+    /// Takes in what a comment says, or a line above the data that names a value as `Operator: Anna`.
+    pub(super) fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         keep_comment(&mut self.comments, comment);
         let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
         let value = value.trim();
@@ -174,9 +175,25 @@ fn unit(line: usize, key: &'static str, value: &str) -> Result<LengthUnit, ReadE
     value.parse().map_err(|_| ReadError::Header { line, key, value: excerpt(value), expected: UNIT_NAMES })
 }
 
+/// What lines above data without titles must be.
+pub(super) const ABOVE_DATA: &str =
+    "a number; lines above the data begin with #, or name a value, as \"Operator: Anna\"";
+
+/// Whether a line that begins with a word names a value behind it, as `Operator: Anna` or `Gain = 20`.
+pub(super) fn names_a_value(text: &str) -> bool {
+    text.split_once([':', '=']).is_some_and(|(key, _)| !key.contains([';', ',', '\t']))
+}
+
+/// Whether a line begins with a word other than those for a missing height.
+pub(super) fn begins_with_a_word(text: &str) -> bool {
+    let first = Delimiter::of(text).fields(text).next().unwrap_or_default();
+    first.starts_with(char::is_alphabetic) && height(first).is_none()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{MapFormat, ReadOptions, read_map};
 
     fn header(lines: &[&str]) -> Result<Header, ReadError> {
         let mut header = Header::default();
@@ -249,5 +266,30 @@ mod tests {
             let message = header(&["# File Format = ASCII", text]).unwrap_err().to_string();
             assert!(message.starts_with("line 2: ") && message.contains(needle), "{message}");
         }
+    }
+
+    #[test]
+    fn what_an_instrument_writes_above_the_titles_is_passed_over_and_nothing_else_is() {
+        let um = Some(LengthUnit::Micrometre);
+        let refused = |text: &str| {
+            let given =
+                ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: um, lateral_unit: um, ..ReadOptions::NONE };
+            read_map(text.as_bytes(), &given).unwrap_err().to_string()
+        };
+        let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n";
+        let text = format!("Measurement 17\nOperator,Anna\n\nX,Y,Z\num,um,nm\n{points}");
+        let read = read_map(text.as_bytes(), &ReadOptions::NONE).unwrap();
+        assert_eq!((read.format, read.map.dx_m()), (MapFormat::Xyz, 1e-6));
+        assert_eq!(read.map.heights_m(), [1e-9, 3e-9, 2e-9, 4e-9]);
+        // Lines that name a value are comments, and may say what comments do.
+        let named = "Instrument: Profiler 9\nOperator: AN\nWidth: 2 um\nHeight: 2 um\nValue units: nm\n1;2\n3;4\n";
+        let named = read_map(named.as_bytes(), &ReadOptions::NONE).unwrap();
+        assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 2e-9, 3e-9, 4e-9][..]));
+        assert_eq!(named.comments[0], "Instrument: Profiler 9");
+        assert!(refused(&format!("Measurement,17\n{points}")).contains("lines above the data begin with #"));
+        for text in [format!("Measurement,17\n{points}"), format!("a,b,c\n{points}"), "friction\n".to_owned()] {
+            assert!(refused(&text).starts_with("line 1, column "), "{text}: {}", refused(&text));
+        }
+        assert!(refused(&format!("X,Y,Z\nabout,these,points\n{points}")).starts_with("line 2"));
     }
 }

@@ -65,7 +65,10 @@ impl Delimiter {
     pub(crate) fn of(line: &str) -> Self {
         if line.contains(';') {
             Self::Semicolon
-        } else if line.contains(',') {
+        } else if line.contains(',')
+            && !(line.contains('\t') && Self::Comma.fields(line).any(|field| field.contains('\t')))
+        {
+            // Tabs inside of what commas part are the marks themselves, and the commas decimal ones.
             Self::Comma
         } else if line.contains('\t') {
             Self::Tab
@@ -168,6 +171,8 @@ mod tests {
         }
         assert_eq!(Delimiter::Semicolon.fields("1;;3").collect::<Vec<_>>(), ["1", "", "3"]);
         assert_eq!(Delimiter::of("1,5;2,5"), Delimiter::Semicolon);
+        assert_eq!(Delimiter::of("1,5\t2,5"), Delimiter::Tab);
+        assert_eq!(Delimiter::of("1,\t2,\t3"), Delimiter::Comma);
         assert_eq!(Delimiter::Comma.fields("\"1\", \"2\"").collect::<Vec<_>>(), ["1", "2"]);
     }
 

@@ -199,6 +199,8 @@ mod tests {
         ] {
             assert!(said.contains(part), "{part}: {said}");
         }
+        let said = refused("0,5\t0,25\t1\t2\n0,5\t0,25\t1\t2\n", &ReadOptions::NONE).unwrap();
+        assert!(said.contains("line 1, column 1: \"0,5\"") && said.contains("--decimal-comma"), "{said}");
         let given = ReadOptions { decimal_comma: true, ..ReadOptions::NONE };
         assert!(refused("0,0;0,0;1,5\n", &given).unwrap().starts_with("the unit of the heights and the unit of x"));
     }

@@ -12,7 +12,7 @@
 //!
 //! Units of text are m, cm, mm, um, nm, pm. Values stand between spaces, tabs, commas or semicolons; `NaN`,
 //! `BAD`, `---` and an empty field mark a missing point. Other lines that begin with `#` or `%` are comments,
-//! in UTF-8 or Latin-1.
+//! in UTF-8 or Latin-1, and so are lines above the data that name a value, as `Operator: Anna`; both may say sizes and units.
 //!
 //! Lines of a matrix, and what the instruments call x, run along our y (the file's width); the first line is
 //! x = 0. Points x y z keep their axes. All formats but points x y z, the archive of an X3P and what is packed in a
@@ -36,8 +36,8 @@ mod xyz;
 
 use std::io::{BufRead, Cursor, Read};
 
-use header::Header;
-use lines::{Delimiter, Lines, height};
+use header::{ABOVE_DATA, Header, begins_with_a_word, names_a_value};
+use lines::{Delimiter, Lines};
 use matrix::MatrixReader;
 use xyz::XyzReader;
 
@@ -242,14 +242,27 @@ impl Text<'_> {
             return Ok(true);
         }
         if before_data && !self.header.titled && begins_with_a_word(text) {
+            if names_a_value(text) {
+                self.header.comment(text, line)?;
+                return Ok(true);
+            }
             self.preamble.get_or_insert_with(|| (line, text.to_owned()));
             return Ok(true);
         }
         // Data without titles: what stands above them is no preamble, and is refused as what it is.
-        if let Some((line, text)) = self.preamble.take() {
-            self.push(&text, line)?;
-        }
+        self.push_preamble()?;
         self.push(text, line)
+    }
+
+    /// Refuses what stands above data without titles.
+    fn push_preamble(&mut self) -> Result<(), ReadError> {
+        let Some((line, text)) = self.preamble.take() else { return Ok(()) };
+        self.push(&text, line).map(|_| ()).map_err(|error| match error {
+            ReadError::NotANumber { line, column, value, .. } => {
+                ReadError::NotANumber { line, column, value, expected: ABOVE_DATA }
+            }
+            other => other,
+        })
     }
 
     /// A refused decimal comma with what would be refused next.
@@ -279,12 +292,6 @@ impl Text<'_> {
     }
 }
 
-/// Whether a line begins with a word other than those for a missing height.
-fn begins_with_a_word(text: &str) -> bool {
-    let first = Delimiter::of(text).fields(text).next().unwrap_or_default();
-    first.starts_with(char::is_alphabetic) && height(first).is_none()
-}
-
 fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, ReadError> {
     let mut lines = Lines::new(source);
     let mut text = Text { options, header: Header::default(), data: None, preamble: None };
@@ -296,9 +303,7 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
             break;
         }
     }
-    if let Some((line, first)) = text.preamble.take() {
-        text.push(&first, line)?;
-    }
+    text.push_preamble()?;
     let Text { header, data, .. } = text;
     let (map, whole, format) = match data {
         None => return Err(ReadError::NoData { lines: lines.line() }),
@@ -336,18 +341,6 @@ mod tests {
     fn refused(text: &str) -> String {
         let options = ReadOptions { pixel_m: Some([1e-6; 2]), height_unit: UM, lateral_unit: UM, ..ReadOptions::NONE };
         read_map(text.as_bytes(), &options).unwrap_err().to_string()
-    }
-
-    #[test]
-    fn what_an_instrument_writes_above_the_titles_is_passed_over_and_nothing_else_is() {
-        let points = "0,0,1\n1,0,2\n0,1,3\n1,1,4\n";
-        let read = read(&format!("Measurement 17\nOperator,Anna\n\nX,Y,Z\num,um,nm\n{points}")).unwrap();
-        assert_eq!((read.format, read.map.dx_m()), (MapFormat::Xyz, 1e-6));
-        assert_eq!(read.map.heights_m(), [1e-9, 3e-9, 2e-9, 4e-9]);
-        for text in [format!("Measurement,17\n{points}"), format!("a,b,c\n{points}"), "friction\n".to_owned()] {
-            assert!(refused(&text).starts_with("line 1, column "), "{text}: {}", refused(&text));
-        }
-        assert!(refused(&format!("X,Y,Z\nabout,these,points\n{points}")).starts_with("line 2"));
     }
 
     #[test]

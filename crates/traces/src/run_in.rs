@@ -1,0 +1,96 @@
+//! Run-in: what friction changes between the onset of sliding and the window.
+//!
+//! Friction that wanders differs between any two times. The mean of its first part behind the onset is run-in only where it departs
+//! from the mean over the window by more than means over parts as long do within the window, which hold whatever friction remembers.
+
+use slipgrid_statistics::Confidence;
+
+use super::averaging_window::WindowMean;
+use super::time_series::mean_between;
+
+/// The longest first part: this share of the time before the window, and of the window.
+const LONGEST_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
+/// Halvings of the first part that are tried: run-in may be over soon.
+const HALVINGS: i32 = 4;
+/// Pauses between samples that the shortest part takes.
+const FEWEST_PAUSES: f64 = 3.0;
+/// All of them together are taken for run-in, where there is none, twice in a hundred times.
+const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
+/// Drift over the window, in its standard errors, from which its mean is not what friction had settled at before.
+const DRIFTS: f64 = 3.36;
+/// Least change, relative to friction.
+const LEAST_RELATIVE: f64 = 0.01;
+
+/// A slow change of friction before the window.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunIn {
+    /// Change from the first part behind the onset to what friction settles at; below zero where it falls.
+    pub change: f64,
+    /// The same over what friction settles at.
+    pub relative: f64,
+    /// The middle of that first part, in seconds since the first sample.
+    pub from_s: f64,
+    /// When half of the change was over, in seconds since the first sample.
+    pub half_s: f64,
+}
+
+/// Run-in from `from_s` to the window over whose seconds friction has the mean `window`.
+pub fn run_in(
+    time_s: &[f64],
+    mu: &[f64],
+    from_s: f64,
+    (window_s, window): ([f64; 2], &WindowMean),
+    pause_s: f64,
+) -> Option<RunIn> {
+    let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);
+    let longest_s = (LONGEST_PART[0] * before_s).min(LONGEST_PART[1] * length_s);
+    let mean = |from: f64, to: f64| mean_between(time_s, mu, from, to);
+    let parts = |from: f64, to: f64, part_s: f64| -> Vec<f64> {
+        let count = ((to - from) / part_s * (1.0 + 1e-9)).floor() as u32;
+        (0..count).map(|i| from + f64::from(i) * part_s).map(|at| mean(at, (at + part_s).min(to))).collect()
+    };
+    let settled = mean(from_s + before_s / 2.0, window_s[0]);
+    let drifts = window.drift.abs() > DRIFTS * window.drift_stderr;
+    let (mut settled_variance, mut shortest_s) = (window.stderr.powi(2), None);
+    for halving in 0..HALVINGS {
+        let part_s = longest_s * 0.5_f64.powi(halving);
+        if part_s.is_nan() || part_s < FEWEST_PAUSES * pause_s {
+            break;
+        }
+        let steady = parts(window_s[0], window_s[1], part_s);
+        let variance = variance_about_line(&steady)?;
+        if drifts && halving == 0 {
+            settled_variance = variance * part_s / (before_s / 2.0);
+        }
+        let departs = mean(from_s, from_s + part_s) - if drifts { settled } else { window.mu };
+        let error = (variance + settled_variance).sqrt();
+        if departs.abs() > CONFIDENCE.student_t(steady.len() - 2) * error {
+            shortest_s = Some(part_s);
+        }
+    }
+    let part_s = shortest_s?;
+    let means = parts(from_s, window_s[0], part_s);
+    let change = settled - means.first()?;
+    if change.abs() < LEAST_RELATIVE * settled.abs() {
+        return None;
+    }
+    // Parts by what is left of the change, from 1.
+    let left: Vec<f64> = means.iter().map(|mean| (settled - mean) / change).collect();
+    let passed = left.iter().position(|left| *left <= 0.5).unwrap_or(left.len() - 1).max(1);
+    let share = ((left[passed - 1] - 0.5) / (left[passed - 1] - left[passed])).clamp(0.0, 1.0);
+    let middle_s = from_s + part_s / 2.0;
+    let half_s = middle_s + part_s * ((passed - 1) as f64 + share);
+    Some(RunIn { change, relative: change / settled, from_s: middle_s, half_s })
+}
+
+/// Variance of values about the line through them; `None` of fewer than three.
+fn variance_about_line(values: &[f64]) -> Option<f64> {
+    let count = values.len() as f64;
+    let freedom = values.len().checked_sub(2).filter(|freedom| *freedom > 0)?;
+    let x = |i: usize| i as f64 - (count - 1.0) / 2.0;
+    let mean = values.iter().sum::<f64>() / count;
+    let sum_xx: f64 = (0..values.len()).map(|i| x(i) * x(i)).sum();
+    let slope = values.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
+    let left: f64 = values.iter().enumerate().map(|(i, y)| (y - mean - slope * x(i)).powi(2)).sum();
+    Some(left / freedom as f64)
+}
