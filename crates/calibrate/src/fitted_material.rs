@@ -70,15 +70,20 @@ pub(crate) fn outcome(
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: warnings(&surface, area_law.as_ref()),
+        warnings: warnings(task, &surface, area_law.as_ref()),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
 }
 
-/// What makes the law doubtful, and what is odd about its table beside.
-fn warnings(surface: &SurfaceFindings, law: Option<&AreaLaw>) -> Vec<String> {
+/// What makes the law doubtful, what of the measurements is, and what is odd about the law's table beside.
+fn warnings(
+    task: &CalibrationTask,
+    surface: &SurfaceFindings,
+    law: Option<&AreaLaw>,
+) -> Vec<String> {
     let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(task.doubts.iter().cloned());
     // A measured law may rise: it is none of contact area.
     let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));
     let name = |warning: &str| warning.split(':').next().map(str::to_owned);

@@ -62,6 +62,7 @@
 //!     seed: 1,
 //!     selection: Selection::default(),
 //!     notes: Vec::new(),
+//!     doubts: Vec::new(),
 //! };
 //! let found = run(&task, &Unwatched)?;
 //! println!("mu_d = {}", found.fit.pairs[0].dynamic_mean);

@@ -268,6 +268,7 @@ mod tests {
             seed: 1,
             selection: Selection::default(),
             notes: Vec::new(),
+            doubts: Vec::new(),
         }
     }
 

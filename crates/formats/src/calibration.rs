@@ -76,6 +76,8 @@ pub struct Calibration {
     pub placed: Vec<Placed>,
     /// What is unusual, one sentence each.
     pub told: Vec<String>,
+    /// Measured numbers that are hardly meant, one sentence each.
+    pub doubts: Vec<String>,
     /// The files that it was read from.
     pub inputs: Vec<PathBuf>,
 }
@@ -126,6 +128,7 @@ impl Calibration {
             told.extend(measured::check(rows, &specimens)?);
         }
         told.extend(measured::check_partners(&patterned, &placed)?);
+        let mut doubts = measured::doubtful_ratios(&patterned, &placed);
         measured::refuse_repeated(&placed, coefficients)?;
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
@@ -136,7 +139,7 @@ impl Calibration {
         let first = pattern.filter(|_| !patterned.is_empty());
         let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
         let own = (&file.trial[..], file.trial_prior.as_ref());
-        let trials = trials::read_trials(document, own, (&outline, &specimens, &placed), first, &mut told)?;
+        let trials = trials::read_trials(document, own, (&outline, &specimens, &placed), first, [&mut told, &mut doubts])?;
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
@@ -167,6 +170,7 @@ impl Calibration {
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
             placed,
             told: told.iter().map(Diagnostic::to_string).collect(),
+            doubts: doubts.iter().map(|doubt| format!("measured ratio: {doubt}")).collect(),
         })
     }
 
@@ -201,6 +205,7 @@ impl Calibration {
             seed,
             selection,
             notes,
+            doubts: self.doubts.clone(),
         })
     }
 

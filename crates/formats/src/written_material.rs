@@ -36,7 +36,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
         slipgrid_version: Some(VERSION.to_owned()),
         synthetic_surface: Some(facts.synthetic),
         notes: provenance.notes.clone(),
-        warnings: provenance.warnings[..facts.warnings.len()].to_vec(),
+        warnings: provenance.warnings.clone(),
         youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
         youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
         density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
@@ -175,6 +175,7 @@ mod tests {
             seed: 1,
             selection: Selection::default(),
             notes: vec!["a \"note\"".into()],
+            doubts: vec!["measured ratio: a \"doubt\"".into()],
         }
     }
 
