@@ -79,6 +79,7 @@ mod flat_friction_law;
 mod flat_sample;
 mod flat_sample_emulator;
 mod least_squares;
+mod load_dependence;
 pub mod map_windows;
 mod marginal_uncertainty;
 mod patterned_samples;
