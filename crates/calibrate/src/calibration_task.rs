@@ -50,6 +50,8 @@ pub struct CalibrationTask {
     pub selection: Selection,
     /// What is known of the measurements beforehand, one sentence each, for the material's notes.
     pub notes: Vec<String>,
+    /// What of the measurements is hardly meant, one sentence each, for the material's warnings.
+    pub doubts: Vec<String>,
 }
 
 /// Where the area law of a calibration comes from.

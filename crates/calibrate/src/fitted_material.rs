@@ -11,6 +11,7 @@ use slipgrid_units::{
 
 use crate::area_law::table_warnings;
 use crate::calibration_task::{CalibrationError, CalibrationOutcome, CalibrationTask, FittedRow};
+use crate::load_dependence::follows_load;
 use crate::surface_findings::{AreaLawOrigin, SurfaceFindings};
 use crate::trials::note;
 use crate::uncertainty::{CoefficientEstimate, MaterialUncertainty};
@@ -70,15 +71,22 @@ pub(crate) fn outcome(
         source: task.source.clone(),
         synthetic_surface: surface.synthetic,
         notes,
-        warnings: warnings(&surface, area_law.as_ref()),
+        warnings: warnings(task, &surface, area_law.as_ref(), &by_condition),
     };
     let material = Material { elastic, friction, area_law, provenance };
     Ok(CalibrationOutcome { material, uncertainty, measurements, fit, by_condition, surface })
 }
 
-/// What makes the law doubtful, and what is odd about its table beside.
-fn warnings(surface: &SurfaceFindings, law: Option<&AreaLaw>) -> Vec<String> {
+/// What makes the law doubtful, what of the measurements is, and what is odd about the law's table beside.
+fn warnings(
+    task: &CalibrationTask,
+    surface: &SurfaceFindings,
+    law: Option<&AreaLaw>,
+    by_condition: &[(Condition, Vec<FittedRow>)],
+) -> Vec<String> {
     let mut warnings: Vec<String> = surface.warnings.iter().map(ToString::to_string).collect();
+    warnings.extend(task.doubts.iter().cloned());
+    warnings.extend(law.and_then(|_| follows_load(surface.origin, by_condition)));
     // A measured law may rise: it is none of contact area.
     let of_area = law.filter(|_| surface.origin != Some(AreaLawOrigin::Measured));
     let name = |warning: &str| warning.split(':').next().map(str::to_owned);

@@ -62,6 +62,7 @@
 //!     seed: 1,
 //!     selection: Selection::default(),
 //!     notes: Vec::new(),
+//!     doubts: Vec::new(),
 //! };
 //! let found = run(&task, &Unwatched)?;
 //! println!("mu_d = {}", found.fit.pairs[0].dynamic_mean);
@@ -78,6 +79,7 @@ mod flat_friction_law;
 mod flat_sample;
 mod flat_sample_emulator;
 mod least_squares;
+mod load_dependence;
 pub mod map_windows;
 mod marginal_uncertainty;
 mod patterned_samples;
@@ -97,4 +99,4 @@ pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
-pub use trials::{CutSample, TrialsTask, learn, learn_alone};
+pub use trials::{CutSample, LearnedSamples, TrialsTask, learn, learn_alone};

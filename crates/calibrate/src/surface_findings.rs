@@ -3,8 +3,8 @@
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, THRESHOLD_PRESSURE_PA};
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_topography::PreparedMap;
-use slipgrid_units::PRESSURE_MPA;
+use slipgrid_topography::{PreparedMap, SpectrumWindow};
+use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 use crate::area_law::{
     AreaLawRequest, CONTACT_TOLERANCE, DEFAULT_PRESSURES_MPA, SurfaceWarning, area_curve, area_law, persson_curve,
@@ -16,6 +16,8 @@ use crate::{AreaLawScale, Fit};
 
 /// Local pressures at which maps before and after a test are compared.
 const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
+/// Share of the squared slope in waves shorter than two of the shortest from which on pixels limit the slope.
+const LIMITED_BY_PIXELS: f64 = 0.4;
 /// Name of the fitted scale among the parameters of a fit.
 const SCALE_PARAMETER: &str = "area_law_scale_pa";
 /// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
@@ -167,6 +169,7 @@ fn of_map(
     let found = surface_area_law(map, request, monitor)?;
     let law = found.law.map_err(CalibrationError::NoAreaLaw)?;
     let mut notes = map.notes.clone();
+    notes.extend(limited_by_pixels(map));
     if found.unconverged > 0 {
         notes.push(format!("the contact area did not converge at {} pressures: best states taken", found.unconverged));
     }
@@ -190,6 +193,30 @@ fn of_map(
         notes,
         warnings: found.warnings,
         scale_bounds_pa: None,
+    })
+}
+
+/// Says that finer pixels would find a higher slope, and so another law: where more than 40 % of the squared slope lies in waves that are
+/// shorter than two of the shortest. A ring of N waves of the spectrum C has
+///
+/// ```text
+/// s^2 = N C q^2
+/// ```
+fn limited_by_pixels(map: &PreparedMap) -> Option<String> {
+    let spectrum = map.map.radial_spectrum(SpectrumWindow::None).ok()?;
+    let shortest_m = std::f64::consts::TAU / spectrum.iter().map(|ring| ring.q_per_m).fold(0.0, f64::max);
+    let squared_slope = |least_per_m: f64| -> f64 {
+        let rings = spectrum.iter().filter(|ring| ring.q_per_m > least_per_m);
+        rings.map(|ring| ring.waves * ring.psd_m4 * ring.q_per_m.powi(2)).sum()
+    };
+    let share = squared_slope(0.5 * std::f64::consts::TAU / shortest_m) / squared_slope(0.0);
+    (share > LIMITED_BY_PIXELS).then(|| {
+        let [from, to] = [1.0, 2.0].map(|times| LENGTH_UM.from_si(times * shortest_m));
+        format!(
+            "area law: {:.0} % of the map's squared slope lies in waves between {from:.2} and {to:.2} um, the shortest that it resolves: finer \
+             pixels would find a higher slope, and the law holds for these pixels",
+            100.0 * share
+        )
     })
 }
 

@@ -64,21 +64,42 @@ pub fn learn(
     Discrepancy::new(task.trials.prior.clone(), conditions(task), modulus, trials).map_err(CalibrationError::Trials)
 }
 
+/// What a calibration's samples say, and what is modelled of those that were cut and not yet measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LearnedSamples {
+    /// The discrepancy.
+    pub discrepancy: Discrepancy,
+    /// Pending samples at the flat sample's conditions: their modelled ratios, beside measured ones of 1, which nobody measured.
+    pub pending: Vec<Trial>,
+}
+
 /// The same without fitting anything to flat samples, but where the area law is fitted to them. Stages of the monitor: those of the
 /// area law, "calibration" where there is one, and "trials".
 ///
 /// # Errors
 /// As [`crate::run`].
-pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Discrepancy, CalibrationError> {
-    if matches!(task.surface, Surface::FittedScale { .. }) {
-        let learned = crate::run(task, monitor)?.uncertainty.learned;
-        return learned.ok_or(CalibrationError::Cancelled);
-    }
-    let surface = surface_findings(task, monitor)?;
+pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<LearnedSamples, CalibrationError> {
+    let (surface, learned) = if matches!(task.surface, Surface::FittedScale { .. }) {
+        let found = crate::run(task, monitor)?;
+        (found.surface, found.uncertainty.learned)
+    } else {
+        (surface_findings(task, monitor)?, None)
+    };
+    let law = (surface.law.as_ref(), &surface.curve[..]);
     let stage = Stage::new(monitor, "trials", None);
-    let learned = learn(task, (surface.law.as_ref(), &surface.curve), &stage);
+    let learned = learned.map_or_else(|| learn(task, law, &stage), Ok);
+    let pending = task.trials.samples.iter().filter(|sample| sample.measured.is_empty());
+    let pending = pending.map(|sample| {
+        // Each flat measurement beside itself: what is modelled there.
+        let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
+        trial(task, &sample, law, &Part::new(&stage, 0.0))
+    });
+    let pending = pending.collect::<Result<Vec<Trial>, CalibrationError>>();
     stage.finish();
-    if monitor.cancelled() { Err(CalibrationError::Cancelled) } else { learned }
+    if monitor.cancelled() {
+        return Err(CalibrationError::Cancelled);
+    }
+    Ok(LearnedSamples { discrepancy: learned?, pending: pending? })
 }
 
 /// What pressures and speeds count from: the measurements on flat samples.
@@ -268,6 +289,7 @@ mod tests {
             seed: 1,
             selection: Selection::default(),
             notes: Vec::new(),
+            doubts: Vec::new(),
         }
     }
 
@@ -281,11 +303,11 @@ mod tests {
                 measured(100.0, 0.15, 0.24),
                 measured(200.0, 0.4, 0.3),
             ];
-            let all = learn_alone(&task(flat.clone(), planform), &Unwatched).unwrap();
+            let all = learn_alone(&task(flat.clone(), planform), &Unwatched).unwrap().discrepancy;
             let all = &all.trials()[0];
             assert_eq!(all.of_dimensions.len(), 1);
             for (row, flat) in flat.iter().enumerate() {
-                let own = learn_alone(&task(vec![*flat], planform), &Unwatched).unwrap();
+                let own = learn_alone(&task(vec![*flat], planform), &Unwatched).unwrap().discrepancy;
                 let own = &own.trials()[0];
                 let (found, exact) = (&all.measured[row], &own.measured[0]);
                 assert!((found.modelled - exact.modelled).abs() < 5e-5, "{planform:?} {row}: {found:?} {exact:?}");
@@ -300,5 +322,17 @@ mod tests {
             let [most, _, least, heavy] = [0, 1, 2, 3].map(|row| all.measured[row].modelled);
             assert!((most - least).abs() > 1e-7 && heavy < most - 0.005, "{most} {least} {heavy}");
         }
+    }
+    #[test]
+    fn a_pending_sample_is_modelled_as_it_will_be_measured() {
+        let flat = vec![measured(100.0, 0.4, 0.27), measured(200.0, 0.4, 0.3)];
+        let mut task = task(flat, Planform::Groove);
+        let known = learn_alone(&task, &Unwatched).unwrap();
+        assert!(known.pending.is_empty());
+        task.trials.samples[0].measured.clear();
+        let found = learn_alone(&task, &Unwatched).unwrap();
+        assert!(found.discrepancy.trials().is_empty());
+        let modelled = |trial: &Trial| trial.measured.iter().map(|at| at.modelled).collect::<Vec<f64>>();
+        assert_eq!(modelled(&found.pending[0]), modelled(&known.discrepancy.trials()[0]));
     }
 }

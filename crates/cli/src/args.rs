@@ -291,7 +291,8 @@ pub struct AreaLawArgs {
 #[command(after_help = "Examples:\n  \
     slipgrid validate\n  \
     slipgrid validate --all --slope-factors 0.5,1,2 -o out/validation\n  \
-    slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n\n\
+    slipgrid validate calibration/ldpe-cast-iron/calibration.toml --depth-um 5.2 --json\n  \
+    slipgrid validate my-material/calibration.toml --trial cut-2\n\n\
     The model uses the flat measurements and the surface. It does not use the patterned measurements, which \
     are only compared with its results. The default pattern is the one that the source of the LDPE calibration \
     simulated, grooves 20 um deep; the cavities that it measured are squares, 5.2 um deep. With -o a page is written, \
@@ -300,9 +301,12 @@ pub struct AreaLawArgs {
     cannot explain.\n\n\
     Not modelled: plasticity, viscoelasticity, heating, wear.")]
 pub struct ValidateArgs {
-    /// Calibration file with measurements on patterned samples
+    /// Calibration file with measurements on patterned samples, or with measured trials
     #[arg(default_value = "calibration/ldpe-cast-iron/calibration.toml")]
     pub calibration: PathBuf,
+    /// Compare this [[trial]], by the lengths of its own pattern; without patterned samples the first measured one
+    #[arg(long, value_name = "NAME")]
+    pub trial: Option<String>,
     /// Width of a cavity along the sliding direction
     #[arg(long, default_value_t = 130.0, value_name = "UM")]
     pub width_um: f64,

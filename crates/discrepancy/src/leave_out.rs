@@ -24,6 +24,8 @@ pub struct Surprise {
     pub trial: usize,
     /// Number of the measurement in it, from 0.
     pub row: usize,
+    /// How many measurements it was predicted by: with none, by what is believed before any.
+    pub known: usize,
     /// Logarithm of the measured over the modelled ratio.
     pub measured: f64,
     /// Median of what was predicted, with the measurement's own errors.
@@ -72,6 +74,7 @@ pub fn leave_out(discrepancy: &Discrepancy, by: LeftOut) -> Vec<Surprise> {
             found.push(Surprise {
                 trial,
                 row: own,
+                known: known.len(),
                 measured: excess[row],
                 median: quantile(0.5),
                 interval_68: [quantile(0.16), quantile(0.84)],

@@ -47,6 +47,7 @@ mod error;
 mod features;
 mod form;
 mod hyperparameters;
+mod identified;
 mod leave_out;
 mod linear;
 mod mixture;

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use slipgrid_calibrate::area_law::AreaLawError;
-use slipgrid_calibrate::{CalibrationError, CalibrationOutcome, CalibrationTask, Selection, measured_friction};
+use slipgrid_calibrate::{
+    CalibrationError, CalibrationOutcome, CalibrationTask, LearnedSamples, Selection, measured_friction,
+};
 use slipgrid_design::KnownMaterial;
-use slipgrid_discrepancy::Discrepancy;
 use slipgrid_material::{Material, Provenance};
 use slipgrid_monitor::{Key, Monitor};
 use slipgrid_springblock::Layer;
@@ -141,7 +142,7 @@ pub fn learn(
     files: &Source,
     sample: (Layer, u64),
     monitor: &dyn Monitor,
-) -> Result<(CalibrationTask, Discrepancy), Uncalibrated> {
+) -> Result<(CalibrationTask, LearnedSamples), Uncalibrated> {
     let task = calibration.task(files, sample, Selection::default())?;
     let learned = slipgrid_calibrate::learn_alone(&task, monitor).map_err(|error| failed(&error, path, calibration))?;
     Ok((task, learned))

@@ -76,6 +76,10 @@ pub struct Calibration {
     pub placed: Vec<Placed>,
     /// What is unusual, one sentence each.
     pub told: Vec<String>,
+    /// Measured numbers that are hardly meant, one sentence each.
+    pub doubts: Vec<String>,
+    /// Tables that it names: of flat samples, patterned samples and trials.
+    pub tables: Vec<PathBuf>,
     /// The files that it was read from.
     pub inputs: Vec<PathBuf>,
 }
@@ -126,6 +130,7 @@ impl Calibration {
             told.extend(measured::check(rows, &specimens)?);
         }
         told.extend(measured::check_partners(&patterned, &placed)?);
+        let mut doubts = measured::doubtful_ratios(&patterned, &placed);
         measured::refuse_repeated(&placed, coefficients)?;
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
@@ -136,7 +141,8 @@ impl Calibration {
         let first = pattern.filter(|_| !patterned.is_empty());
         let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
         let own = (&file.trial[..], file.trial_prior.as_ref());
-        let trials = trials::read_trials(document, own, (&outline, &specimens, &placed), first, &mut told)?;
+        let trials =
+            trials::read_trials(document, own, (&outline, &specimens, &placed), first, [&mut told, &mut doubts])?;
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
@@ -145,6 +151,7 @@ impl Calibration {
             _ => None,
         };
         Ok(Self {
+            tables: tables(document, &file),
             inputs: inputs(document, &file, &surface, &traces),
             name: file.name,
             source: file.source,
@@ -167,6 +174,7 @@ impl Calibration {
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
             placed,
             told: told.iter().map(Diagnostic::to_string).collect(),
+            doubts: doubts.iter().map(|doubt| format!("measured ratio: {doubt}")).collect(),
         })
     }
 
@@ -201,6 +209,7 @@ impl Calibration {
             seed,
             selection,
             notes,
+            doubts: self.doubts.clone(),
         })
     }
 
@@ -358,16 +367,20 @@ pub(crate) fn read_fitting_pattern(
 
 /// The calibration's file, its tables, its map and its traces.
 fn inputs(document: &Document, file: &CalibrationFile, surface: &Surface, traces: &[ConditionTraces]) -> Vec<PathBuf> {
-    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
-    let tables = tables.flatten().map(|name| document.resolve(name.get_ref()));
     let maps: Vec<PathBuf> = match surface {
         Surface::Map { path, after, .. } => std::iter::once(path.clone()).chain(after.clone()).collect(),
         _ => Vec::new(),
     };
     let traces = traces.iter().flat_map(|traces| traces.condition.files.iter().cloned());
+    std::iter::once(document.path().to_owned()).chain(tables(document, file)).chain(maps).chain(traces).collect()
+}
+
+/// The tables that it names.
+fn tables(document: &Document, file: &CalibrationFile) -> Vec<PathBuf> {
+    let tables = file.measurements.iter().flat_map(|table| [&table.get_ref().flat, &table.get_ref().patterned]);
+    let tables = tables.flatten().map(|name| name.get_ref().as_str());
     let trials = file.trial.iter().filter_map(|trial| trial.get_ref().measurements());
-    let trials = trials.map(|name| document.resolve(name));
-    std::iter::once(document.path().to_owned()).chain(tables).chain(maps).chain(traces).chain(trials).collect()
+    tables.chain(trials).map(|name| document.resolve(name)).collect()
 }
 
 /// Measurements on flat and on patterned samples, from tables or from traces, and the traces.

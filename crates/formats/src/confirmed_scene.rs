@@ -150,6 +150,7 @@ impl DesignScene<'_> {
             yield_pressure_mpa: self.material.elastic.yield_pressure_pa().map(|pa| number(PRESSURE_MPA.from_si(pa))),
             friction: unplaced(self.friction(knowledge)),
             discrepancy: None,
+            made_from: None,
             learned: self.learned().map(|learned| unplaced(LearnedFile::new(learned))),
             area_law: self.material.area_law.as_ref().map(|law| {
                 unplaced(AreaLawFile {

@@ -210,7 +210,8 @@ impl Design {
         let limits = read_limits(&document, &file, &laser, (width_m, spacing_m, depth_m))?;
         check_fits(&document, &file.specimen, &specimen, &texture, (width_m, spacing_m, depth_m))?;
         let (measures, quantities) = read_limited(&document, &file.limits, &laser)?;
-        let (known, calibration) = read_material_input(&document, &file.material)?;
+        let mut told = Vec::new();
+        let (known, calibration) = read_material_input(&document, &file.material, &mut told)?;
         let max_evaluations = match &file.search.max_evaluations {
             None => DEFAULT_MAX_EVALUATIONS,
             Some(most) => {
@@ -262,7 +263,7 @@ impl Design {
         let drawing = file.pattern.get_ref().outline.as_ref().map(|outline| document.resolve(outline.get_ref()));
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
         let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
-        let told = unusual::of_rims(&document, task.space.texture().rim(), pattern, sample).into_iter().collect();
+        told.extend(unusual::of_rims(&document, task.space.texture().rim(), pattern, sample));
         let mut design = Self { task, calibration, inputs, told, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;

@@ -43,6 +43,7 @@ pub mod explored;
 pub mod file_kind;
 pub mod laser;
 pub mod limits;
+pub mod made_from;
 pub mod material;
 pub mod material_uncertainty;
 pub mod measured;

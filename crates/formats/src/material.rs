@@ -8,6 +8,7 @@ use slipgrid_material::{
 use toml::Spanned;
 
 use super::document::Document;
+use super::made_from::MadeFrom;
 use super::trials::LearnedFile;
 use super::values::{Number, NumberList, Numbers, for_each, increasing, list};
 use crate::diagnostic::Diagnostic;
@@ -68,6 +69,9 @@ pub struct MaterialFile {
     /// What was learned from trials, for any texture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub learned: Option<Spanned<LearnedFile>>,
+    /// The calibration that the file was made from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub made_from: Option<MadeFrom>,
 }
 
 /// Local friction coefficients as a file writes them: one pair, one pair per pressure, or tables

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use slipgrid_calibrate::{Coefficients, Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
-use crate::plausible::{FORCE, FRICTION, PRESSURE, RELATIVE_DEVIATION, SPEED, STRAIN};
+use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 /// Values that differ by less than this part are the same.
@@ -146,6 +146,24 @@ pub fn check_partners(rows: &[Placed], flat: &[Placed]) -> Result<Vec<Diagnostic
         return Err(named(&alone[0], "no row of this sample has a ratio"));
     }
     Ok(alone.iter().map(|row| named(row, "this row has no ratio and is left out")).collect())
+}
+
+/// Names the `rows` of a patterned sample whose friction over that of the `flat` sample beside it is hardly meant.
+#[must_use]
+pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
+    let doubtful = |row: &Placed| {
+        let partner = flat.iter().find(|other| other.measurement.is_at(&row.measurement))?;
+        let ratio = row.measurement.mu_dynamic / partner.measurement.mu_dynamic;
+        // To the digits that are said.
+        RATIO.tell((ratio * 1e3).round() / 1e3, || {
+            let (own, flat) = (row.measurement.mu_dynamic, partner.measurement.mu_dynamic);
+            let place = format!("{}:{}", partner.path.display(), partner.line);
+            let mut at = row.at("mu_dynamic", own);
+            at.value = Some(format!("{own} ({ratio:.3} times {flat} of the flat sample, {place})").into());
+            at
+        })
+    };
+    rows.iter().filter_map(doubtful).collect()
 }
 
 /// Refuses one condition twice where each has coefficients of its own.

@@ -117,6 +117,19 @@ pub const SPECIMEN: Plausible = Plausible {
     slips: &[("in um, that", 1e-3)],
 };
 
+/// Friction of a patterned sample over that of a flat one at the same load, speed and humidity. None is refused.
+pub const RATIO: Plausible = Plausible {
+    what: "ratios of patterned to flat friction",
+    unit: "",
+    measurable: [0.0, f64::INFINITY],
+    usual: [0.2, 1.3],
+    why: "published textures change dry friction by some tens of per cent at most",
+    slips: &[
+        ("with the decimal point one place to the left it", 0.1),
+        ("with the decimal point one place to the right it", 10.0),
+    ],
+};
+
 /// Every quantity that is judged.
 pub const ALL: [Plausible; 10] =
     [FRICTION, RATIO, MODULUS, DENSITY, SPEED, FORCE, PRESSURE, STRAIN, RELATIVE_DEVIATION, SPECIMEN];
@@ -206,6 +219,8 @@ mod tests {
             (FRICTION, 143.0, "would be 0.143"),
             (MODULUS, 380.0, "in MPa, that would be 0.38 GPa"),
             (MODULUS, 3.8e8, "in Pa, that would be 0.38 GPa"),
+            (RATIO, 8.199, "one place to the left it would be 0.8199"),
+            (RATIO, 0.08, "one place to the right it would be 0.8"),
             (DENSITY, 900.0, "in kg/m3, that would be 0.9 g/cm3"),
             (RATIO, 85.0, "in per cent, that would be 0.85"),
             (GIVEN_PRESSURE, 4e5, "in Pa, that would be 0.4 MPa"),
@@ -228,6 +243,7 @@ mod tests {
             (SPEED, &[0.001, 2.0, 500.0]),
             (FORCE, &[0.01, 50.0, 2000.0]),
             (PRESSURE, &[0.01, 0.65, 2.6, 20.0]),
+            (RATIO, &[0.4, 0.8, 1.0, 1.1]),
         ] {
             assert!(values.iter().all(|value| quantity.judge(*value) == Ok(None)), "{quantity:?}");
         }

@@ -123,7 +123,8 @@ impl PriorFile {
 }
 
 /// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample
-/// `first` that its own tables name; adds what is unusual to `told`.
+/// `first` that its own tables name; adds what is unusual to `told`, and
+/// ratios that are hardly meant to `doubts`.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in them.
@@ -132,7 +133,7 @@ pub fn read_trials(
     (trials, prior): (&[Spanned<TrialFile>], Option<&Spanned<PriorFile>>),
     (outline, specimens, flat): (&Outline, &Specimens, &[Placed]),
     first: Option<CutSample>,
-    told: &mut Vec<Diagnostic>,
+    [told, doubts]: [&mut Vec<Diagnostic>; 2],
 ) -> Result<TrialsTask, Diagnostic> {
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     for table in trials {
@@ -155,6 +156,7 @@ pub fn read_trials(
         told.extend(measured::check(&rows, &own_specimens)?);
         let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
         told.extend(measured::check_partners(&rows, flat)?);
+        doubts.extend(measured::doubtful_ratios(&rows, flat));
         let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
             Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
         };

@@ -67,6 +67,7 @@ pub fn of_material(document: &Document, file: &MaterialFile) -> Vec<Diagnostic> 
     for mean in pairs.flat_map(|(at_rest, sliding)| [at_rest, sliding]).flatten() {
         told.extend(numbers(document, FRICTION, mean));
     }
+    told.extend(file.made_from.as_ref().and_then(|made| made.changed(document)));
     told
 }
 

@@ -6,6 +6,7 @@ use slipgrid_calibrate::{
 use slipgrid_material::Condition;
 use toml::Spanned;
 
+use crate::made_from::MadeFrom;
 use crate::material::{AreaLawFile, ConditionTable, FrictionFile, MaterialFile};
 use crate::trials::LearnedFile;
 use crate::values::{Numbers, number, number_list};
@@ -28,6 +29,18 @@ pub enum UnwritableMaterial {
 /// # Errors
 /// [`UnwritableMaterial`] if the fit has not one pair, or one pair per measurement.
 pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, UnwritableMaterial> {
+    material_made_from(task, outcome, None)
+}
+
+/// The same with the calibration that it was made from.
+///
+/// # Errors
+/// As [`material_toml`].
+pub fn material_made_from(
+    task: &CalibrationTask,
+    outcome: &CalibrationOutcome,
+    made_from: Option<MadeFrom>,
+) -> Result<String, UnwritableMaterial> {
     let (provenance, facts) = (&outcome.material.provenance, &outcome.surface);
     let file = MaterialFile {
         name: Some(provenance.name.clone()),
@@ -36,7 +49,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
         slipgrid_version: Some(VERSION.to_owned()),
         synthetic_surface: Some(facts.synthetic),
         notes: provenance.notes.clone(),
-        warnings: provenance.warnings[..facts.warnings.len()].to_vec(),
+        warnings: provenance.warnings.clone(),
         youngs_modulus_gpa: number(MODULUS_GPA.from_si(task.elastic.youngs_modulus_pa())),
         youngs_modulus_std_gpa: task.youngs_modulus_std_pa.map(|std_pa| number(MODULUS_GPA.from_si(std_pa))),
         density_g_cm3: number(DENSITY_G_CM3.from_si(task.elastic.density_kg_m3())),
@@ -61,6 +74,7 @@ pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Re
             })
         }),
         discrepancy: None,
+        made_from,
         learned: outcome.uncertainty.learned.as_ref().map(|learned| unplaced(LearnedFile::new(learned))),
     };
     let body = toml::to_string(&file).map_err(UnwritableMaterial::Toml)?;
@@ -175,6 +189,7 @@ mod tests {
             seed: 1,
             selection: Selection::default(),
             notes: vec!["a \"note\"".into()],
+            doubts: vec!["measured ratio: a \"doubt\"".into()],
         }
     }
 

@@ -3,15 +3,19 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::CutSample;
-use slipgrid_discrepancy::{Discrepancy, LeftOut, Load, Surprise, leave_out};
-use slipgrid_results::{SCHEMA, Table, VERSION, fixed};
+use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
+use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_std, fixed};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
 use crate::{Outputs, ReportError, html};
+use effects::effects;
 
-/// A family of forms with more weight than this is what the trials say.
-const IDENTIFIED: f64 = 0.8;
+mod effects;
+mod pending;
+
+pub use pending::{PendingRatioReport, PendingReport};
+
 /// Metres in a millimetre, for edges per area.
 const PER_MM: f64 = 1e-3;
 
@@ -26,14 +30,23 @@ pub struct TrialsReport {
     pub schema: u32,
     /// Name of the calibration.
     pub name: String,
+    /// Measured numbers that are hardly meant.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// Trials, the earliest first.
     pub trials: Vec<TrialReport>,
     /// Names of trials that were cut and not yet measured.
     pub pending: Vec<String>,
+    /// The same with what is predicted of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub predicted: Vec<PendingReport>,
     /// How much each form is believed.
     pub forms: Vec<FormReport>,
-    /// What the trials say of one family of forms; null while they do not.
+    /// The family of forms that trials of textures which tell the forms apart say; null while they do not.
     pub identified: Option<String>,
+    /// Whether all trials are of one texture, which cannot tell the forms apart.
+    #[serde(default)]
+    pub one_texture: bool,
     /// What the discrepancy is at the texture measured last, and how it depends on the condition.
     pub effects: Vec<EffectReport>,
     /// Measured ratios within what was predicted for them.
@@ -88,7 +101,7 @@ pub struct MeasuredReport {
 }
 
 /// What was predicted of a measured ratio, with the measurement's own errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PredictedReport {
     /// Median.
     pub ratio: f64,
@@ -98,6 +111,9 @@ pub struct PredictedReport {
     pub interval_95: [f64; 2],
     /// The measured ratio in standard deviations from it.
     pub surprise: f64,
+    /// Measured ratios that it was predicted by: with none, by what is believed before any.
+    #[serde(default)]
+    pub known: usize,
 }
 
 /// How much a form is believed.
@@ -129,8 +145,11 @@ pub struct EffectReport {
 pub struct CoverageReport {
     /// By what.
     pub by: String,
-    /// Ratios.
+    /// Ratios that had a measured one to go by.
     pub ratios: usize,
+    /// Ratios that had none, and are not counted: any number lies in an interval that wide.
+    #[serde(default)]
+    pub without_any: usize,
     /// Of these within the interval of 68 %.
     pub within_68: usize,
     /// And within that of 95 %.
@@ -146,10 +165,9 @@ impl TrialsReport {
             let cut = samples.iter().find(|cut| cut.name == of.name);
             let row = |(row, at): (usize, &slipgrid_discrepancy::Measured)| {
                 let predicted = |all: &[Surprise]| {
-                    all.iter().find(|of| (of.trial, of.row) == (place, row)).map_or_else(
-                        || PredictedReport { ratio: 0.0, interval_68: [0.0; 2], interval_95: [0.0; 2], surprise: 0.0 },
-                        |of| PredictedReport::new(of, at.modelled),
-                    )
+                    all.iter()
+                        .find(|of| (of.trial, of.row) == (place, row))
+                        .map_or_else(PredictedReport::default, |of| PredictedReport::new(of, at.modelled))
                 };
                 MeasuredReport {
                     pressure_mpa: tidy(PRESSURE_MPA.from_si(at.load.pressure_pa)),
@@ -184,13 +202,15 @@ impl TrialsReport {
         forms.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         let names = ["the trials before it", "all other trials", "all other conditions"];
         let coverage = names.iter().zip(&by).map(|(by, all)| {
+            let predicted = || all.iter().filter(|of| of.known > 0);
             let inside = |interval: fn(&Surprise) -> [f64; 2]| {
                 let is_within = |of: &&Surprise| (interval(of)[0]..=interval(of)[1]).contains(&of.measured);
-                all.iter().filter(is_within).count()
+                predicted().filter(is_within).count()
             };
             CoverageReport {
                 by: (*by).to_owned(),
-                ratios: all.len(),
+                ratios: predicted().count(),
+                without_any: all.len() - predicted().count(),
                 within_68: inside(|of| of.interval_68),
                 within_95: inside(|of| of.interval_95),
             }
@@ -200,13 +220,22 @@ impl TrialsReport {
             version: VERSION.to_owned(),
             schema: SCHEMA,
             name: name.to_owned(),
+            warnings: Vec::new(),
             trials: learned.trials().iter().enumerate().map(trial).collect(),
             pending: samples.iter().filter(|cut| cut.measured.is_empty()).map(|cut| cut.name.clone()).collect(),
-            identified: identified(learned),
+            predicted: Vec::new(),
+            identified: learned.identified().map(str::to_owned),
+            one_texture: learned.has_one_texture(),
             forms,
             effects: effects(learned),
             coverage: coverage.collect(),
         }
+    }
+
+    /// The same with `warnings` of the measurements.
+    #[must_use]
+    pub fn with_warnings(self, warnings: Vec<String>) -> Self {
+        Self { warnings, ..self }
     }
 
     /// The ledger in words.
@@ -221,18 +250,17 @@ impl TrialsReport {
             if measured == 1 { "" } else { "s" },
             if self.pending.is_empty() { String::new() } else { format!("; pending: {}", self.pending.join(", ")) }
         );
+        self.warnings.iter().for_each(|warning| text += &format!("! {warning}\n"));
         if self.trials.is_empty() {
             text += "no trial was measured: what the model lacks is as wide as what is believed before\n";
         } else {
             text += "\nratios patterned / flat: measured, modelled, and predicted by the trials before\n";
             text += &self.table().to_string();
             for of in &self.coverage {
-                text += &format!(
-                    "predicted by {}: {} of {} within 68 %, {} within 95 %\n",
-                    of.by, of.within_68, of.ratios, of.within_95
-                );
+                text += &of.text();
             }
         }
+        text += &self.pending_text();
         text += "\nhow the discrepancy grows with the texture: weight now, and before any trial\n";
         let mut table = Table::new(["form", "weight", "before"]);
         for of in &self.forms {
@@ -241,13 +269,17 @@ impl TrialsReport {
         text += &table.to_string();
         text += &match &self.identified {
             Some(family) => format!("the trials say that it grows with {family}\n"),
+            None if self.one_texture => {
+                "one texture cannot tell the forms apart: their weights differ by how large each was believed to be there\n"
+                    .to_owned()
+            }
             None => "form not identified: trials of other densities, edge lengths and depths would tell forms apart\n"
                 .to_owned(),
         };
         text += "\nln(measured / modelled)\n";
         let mut table = Table::new(["of", "value", "+-", "+- before"]);
         for of in &self.effects {
-            table.row([of.of.clone(), fixed(Some(of.value), 3), fixed(Some(of.std), 3), fixed(Some(of.prior_std), 3)]);
+            table.row([of.of.clone(), fixed(Some(of.value), 3), believed_std(of.std), believed_std(of.prior_std)]);
         }
         text + &table.to_string()
     }
@@ -279,8 +311,8 @@ impl TrialsReport {
                     at.humidity_pct.to_string(),
                     fixed(Some(at.measured), 3),
                     fixed(Some(at.modelled), 3),
-                    fixed(Some(at.before.ratio), 3),
-                    format!("{:.3} to {:.3}", at.before.interval_95[0], at.before.interval_95[1]),
+                    believed(at.before.ratio, 3),
+                    at.before.interval(),
                     fixed(Some(at.before.surprise), 1),
                 ]);
             }
@@ -378,72 +410,30 @@ impl PredictedReport {
             interval_68: of.interval_68.map(ratio),
             interval_95: of.interval_95.map(ratio),
             surprise: tidy(of.surprise),
+            known: of.known,
         }
     }
-}
 
-/// The family of forms that the trials say; `None` while they do not.
-fn identified(learned: &Discrepancy) -> Option<String> {
-    let forms = learned.forms();
-    let share =
-        |family: &str| -> f64 { forms.iter().filter(|of| of.form.family() == family).map(|of| of.weight).sum() };
-    let family = forms.iter().map(|of| of.form.family()).find(|family| share(family) > IDENTIFIED)?;
-    Some(family.to_owned())
-}
-
-/// The discrepancy at the texture measured last, or at the reference, and how it depends on pressure, speed and humidity there.
-fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
-    let conditions = learned.conditions();
-    let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
-    let mut humidities: Vec<f64> =
-        learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
-    humidities.sort_by(f64::total_cmp);
-    humidities.dedup();
-    let at = Load {
-        pressure_pa: conditions.reference_pressure_pa,
-        speed_m_s: conditions.reference_speed_m_s,
-        humidity: humidities.first().copied().unwrap_or(0.4),
-    };
-    let before = learned.with_trials(Vec::new()).ok();
-    // Difference of two loads, of which the modulus and the sample's scatter are alike.
-    let effect = |of: String, to: Load, from: Option<Load>| {
-        let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
-        let moments = |known: &Discrepancy| {
-            let (mean, covariance) = known.at(&loads).predict(&features, &vec![0.0; loads.len()]).mixed();
-            match from {
-                None => (mean[0], covariance[0].sqrt()),
-                Some(_) => {
-                    let variance = covariance[0] - covariance[1] - covariance[2] + covariance[3];
-                    (mean[0] - mean[1], variance.max(0.0).sqrt())
-                }
-            }
-        };
-        let (value, std) = moments(learned);
-        let prior_std = before.as_ref().map_or(std, |before| moments(before).1);
-        EffectReport { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
-    };
-    let percent = |humidity: f64| tidy(HUMIDITY_PCT.from_si(humidity));
-    let where_to =
-        if learned.trials().is_empty() { "at the reference texture" } else { "at the texture of the last trial" };
-    let mut found = vec![effect(
-        format!(
-            "discrepancy {where_to}, {} MPa, {} mm/s, {} %",
-            fixed(Some(PRESSURE_MPA.from_si(at.pressure_pa)), 2),
-            fixed(Some(SPEED_MM_S.from_si(at.speed_m_s)), 2),
-            percent(at.humidity)
-        ),
-        at,
-        None,
-    )];
-    let faster = Load { speed_m_s: at.speed_m_s * std::f64::consts::E, ..at };
-    found.push(effect("a speed e times as high".to_owned(), faster, Some(at)));
-    let heavier = Load { pressure_pa: 2.0 * at.pressure_pa, ..at };
-    found.push(effect("twice the pressure".to_owned(), heavier, Some(at)));
-    for humidity in humidities.iter().skip(1) {
-        let of = format!("a humidity of {} % in place of {} %", percent(*humidity), percent(at.humidity));
-        found.push(effect(of, Load { humidity: *humidity, ..at }, Some(at)));
+    /// The interval of 95 % in words.
+    pub(crate) fn interval(&self) -> String {
+        let [low, high] = self.interval_95.map(|end| believed(end, 3));
+        format!("{low} to {high}")
     }
-    found
+}
+
+impl CoverageReport {
+    /// How many ratios lay within what was predicted, as a line.
+    fn text(&self) -> String {
+        let Self { by, ratios, without_any, within_68, within_95 } = self;
+        let mut parts = Vec::new();
+        if *ratios > 0 {
+            parts.push(format!("{within_68} of {ratios} within 68 %, {within_95} within 95 %"));
+        }
+        if *without_any > 0 {
+            parts.push(format!("{without_any} ratio{} had nothing to go by", if *without_any == 1 { "" } else { "s" }));
+        }
+        format!("predicted by {by}: {}\n", parts.join("; "))
+    }
 }
 
 #[cfg(test)]

@@ -23,6 +23,7 @@
 //! assert_eq!(table.to_string(), "  P MPa  ratio\n    2.6      -\n");
 //! ```
 
+mod believed;
 mod corrected;
 pub mod errors;
 mod pattern;
@@ -32,6 +33,7 @@ mod specimen;
 mod table;
 mod timings;
 
+pub use believed::{believed, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
 pub use pattern::{PatternReport, length_in_words};

@@ -25,7 +25,9 @@ pub fn run(args: &TrialsArgs, console: &mut Console<'_>) -> Result<u8, CliError>
     }
     let sample = (DEFAULT_SPECIMEN, DEFAULT_SEED);
     let (task, learned) = learn(&calibration, &args.calibration, &disk(), sample, &Job::new(console))?;
-    let report = TrialsReport::new(&calibration.name, &task.trials.samples, &learned);
+    let report = TrialsReport::new(&calibration.name, &task.trials.samples, &learned.discrepancy)
+        .with_pending(&learned)
+        .with_warnings(calibration.doubts.clone());
     if let Some(folder) = &args.output {
         console.keep(&report.files()?, folder)?;
     }

@@ -1,5 +1,6 @@
 //! `validate`: measured ratios patterned/flat beside the model's.
 
+use slipgrid_calibrate::CutSample;
 use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::DEFAULT_LAYER;
@@ -41,8 +42,18 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &args.output {
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
     }
-    let (patterns, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
-    let calibration = Calibration::read(&disk(), &args.calibration)?;
+    let slope_factors = slope_factors(&args.slope_factors)?;
+    let mut calibration = Calibration::read(&disk(), &args.calibration)?;
+    let patterns = match trial(args, &calibration)? {
+        None => patterns(args)?,
+        Some(cut) => {
+            console.note(&format!("trial \"{}\": its measurements, and grooves of its lengths", cut.name));
+            let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m()];
+            let groove = grooves(lengths_m, checked_depth("depth_um", LENGTH_UM.from_si(cut.pattern.depth_m()))?)?;
+            calibration.patterned.clone_from(&cut.measured);
+            Patterns { modelled: groove, measured: groove }
+        }
+    };
     let sliding_m = match args.sliding_um {
         0.0 => None,
         sliding_um => Some(checked("--sliding-um", sliding_um, TRAVEL_UM)?),
@@ -74,27 +85,49 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     Ok(exit_code::DONE)
 }
 
+/// The trial that is compared: the one that is asked for, or without patterned samples the first that was measured.
+fn trial(args: &ValidateArgs, calibration: &Calibration) -> Result<Option<CutSample>, Diagnostic> {
+    let samples = &calibration.trials.samples;
+    let mut measured = samples.iter().filter(|cut| !cut.measured.is_empty());
+    let Some(name) = &args.trial else {
+        return Ok(measured.next().filter(|_| calibration.patterned.is_empty()).cloned());
+    };
+    let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
+    match measured.find(|cut| cut.name == *name) {
+        Some(cut) => Ok(Some(cut.clone())),
+        None => {
+            let is_pending = samples.iter().any(|cut| cut.name == *name);
+            let reason = if is_pending { "is pending: it was not measured" } else { "is no trial of this calibration" };
+            let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
+            Err(Diagnostic::flag("--trial", name.clone(), reason).expected(expected))
+        }
+    }
+}
+
+/// A depth that leaves something of the layer, in metres.
+fn checked_depth(flag: &str, depth_um: f64) -> Result<f64, Diagnostic> {
+    let layer_um = LENGTH_UM.from_si(DEFAULT_LAYER.height_m);
+    let depth_m = checked(flag, depth_um, PATTERN_UM)?;
+    if depth_m < DEFAULT_LAYER.height_m {
+        Ok(depth_m)
+    } else {
+        Err(Diagnostic::flag(flag, depth_um.to_string(), format!("leaves nothing of the layer of {layer_um} um"))
+            .expected(format!("a depth below {layer_um}")))
+    }
+}
+
+fn grooves([width_m, spacing_m]: [f64; 2], depth_m: f64) -> Result<Pattern, Diagnostic> {
+    Pattern::new(Planform::Groove, width_m, spacing_m, depth_m)
+        .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
+}
+
 /// The pattern at both depths.
 fn patterns(args: &ValidateArgs) -> Result<Patterns, Diagnostic> {
-    let layer_um = LENGTH_UM.from_si(DEFAULT_LAYER.height_m);
-    let depth = |flag, depth_um: f64| {
-        let depth_m = checked(flag, depth_um, PATTERN_UM)?;
-        if depth_m < DEFAULT_LAYER.height_m {
-            Ok(depth_m)
-        } else {
-            Err(Diagnostic::flag(flag, depth_um.to_string(), format!("leaves nothing of the layer of {layer_um} um"))
-                .expected(format!("a depth below {layer_um}")))
-        }
-    };
-    let width_m = checked("--width-um", args.width_um, PATTERN_UM)?;
-    let spacing_m = checked("--spacing-um", args.spacing_um, PATTERN_UM)?;
-    let grooves = |depth_m| {
-        Pattern::new(Planform::Groove, width_m, spacing_m, depth_m)
-            .map_err(|error| Diagnostic { reason: error.to_string(), ..Diagnostic::default() })
-    };
+    let lengths_m =
+        [checked("--width-um", args.width_um, PATTERN_UM)?, checked("--spacing-um", args.spacing_um, PATTERN_UM)?];
     Ok(Patterns {
-        modelled: grooves(depth("--depth-um", args.depth_um)?)?,
-        measured: grooves(depth("--measured-depth-um", args.measured_depth_um)?)?,
+        modelled: grooves(lengths_m, checked_depth("--depth-um", args.depth_um)?)?,
+        measured: grooves(lengths_m, checked_depth("--measured-depth-um", args.measured_depth_um)?)?,
     })
 }
 

@@ -174,6 +174,67 @@ fn rows_of_a_trial_without_a_flat_partner_are_named() {
     );
 }
 
+/// A decimal point at the wrong place, with the ratio that it makes and what it would be.
+#[test]
+fn a_ratio_that_is_hardly_meant_is_named_with_its_line() {
+    let calibration = format!("{CALIBRATION}\n{}", trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n"));
+    let rows = table([8.2, 0.88, 0.86]);
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration), ("a.csv", &rows)]);
+    let said = place.succeed(&["trials", "calibration.toml"]);
+    assert!(
+        said.contains(
+            "! measured ratio: a.csv:2: mu_dynamic: 2.0336 (8.200 times 0.248 of the flat sample, flat.csv:2)"
+        ),
+        "{said}"
+    );
+    assert!(said.contains("it would be 0.82") && said.matches("! measured ratio").count() == 1, "{said}");
+    // One texture: nothing was predicted by a trial, and nothing is said of the form.
+    assert!(said.contains("predicted by the trials before it: 3 ratios had nothing to go by"), "{said}");
+    assert!(
+        said.contains("one texture cannot tell the forms apart") && said.contains("below 0.05 to above 2"),
+        "{said}"
+    );
+}
+
+/// A material file does not know a trial that was added later.
+#[test]
+fn a_material_is_told_from_its_calibration_that_has_changed_since() {
+    let place = place();
+    fs::write(place.path("design.toml"), design([0.85, 0.83, 0.8]).replace("\"calibration.toml\"", "\"m.toml\""))
+        .unwrap();
+    let told = || {
+        let output = place.run(&["next", "design.toml"]);
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8(output.stderr).unwrap()
+    };
+    assert!(!told().contains("has changed since"));
+    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
+    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
+    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    let said = told();
+    assert!(said.contains("m.toml: was made from calibration.toml, which has changed since"), "{said}");
+    assert!(said.contains("slipgrid calibrate calibration.toml -o m.toml"), "{said}");
+    // Made again it knows the trial; a row that is corrected in its table counts as a change too.
+    place.succeed(&["calibrate", "calibration.toml", "-o", "m.toml", "-q"]);
+    assert!(!told().contains("has changed since"));
+    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.87])).unwrap();
+    assert!(told().contains("has changed since"));
+    // A calibration that went elsewhere is not missed.
+    fs::remove_file(place.path("calibration.toml")).unwrap();
+    assert!(!told().contains("has changed since"));
+}
+
+/// A pending sample is predicted where flat ones were measured.
+#[test]
+fn a_pending_sample_stands_in_the_ledger_with_what_is_predicted() {
+    let calibration = format!("{CALIBRATION}\n{}", trial("to come", [100.0, 200.0, 10.4], ""));
+    let place = Place::with(&[("flat.csv", &table([1.0; 3])), ("calibration.toml", &calibration)]);
+    let said = place.succeed(&["trials", "calibration.toml", "-o", "ledger"]);
+    assert!(said.contains("pending: cut and not yet measured") && said.contains("to come    0.333"), "{said}");
+    let page = fs::read_to_string(place.path("ledger/report.html")).unwrap();
+    assert!(page.contains("Pending: cut and not yet measured"));
+}
+
 /// A pin of 2 mm radius needs 0.16 times the force on a disc of 5 mm for the same pressure; forces are set in round numbers.
 #[test]
 fn forces_on_a_sample_of_another_size_count_by_their_pressure() {

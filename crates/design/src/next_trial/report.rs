@@ -1,7 +1,7 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, fixed};
+use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, believed, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
@@ -157,21 +157,6 @@ pub struct PredictedRatio {
     pub highest: Option<f64>,
 }
 
-/// Ratios that are believed of a texture: beyond them the number says that little is known.
-const BELIEVED: [f64; 2] = [0.05, 2.0];
-
-/// The end of an interval in words.
-fn end(ratio: f64) -> String {
-    let [least, most] = BELIEVED;
-    if ratio < least {
-        format!("below {least}")
-    } else if ratio > most {
-        format!("above {most}")
-    } else {
-        format!("{ratio:.3}")
-    }
-}
-
 impl PredictedRatio {
     /// Whether the median misses what is accepted by no more than half its width.
     pub(super) fn is_near(&self) -> bool {
@@ -229,7 +214,7 @@ impl TrialCandidateReport {
         let at = |place: usize| self.predicted.get(place);
         let ratio = |at: Option<&PredictedRatio>| {
             at.map_or_else(String::new, |at| {
-                let [low, high] = at.interval_95.map(end);
+                let [low, high] = at.interval_95.map(|end| believed(end, 3));
                 format!("{:.3} ({low} to {high})", at.ratio)
             })
         };

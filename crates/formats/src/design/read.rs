@@ -134,6 +134,7 @@ pub(super) fn read_limits(
 pub(super) fn read_material_input(
     document: &Document,
     material: &Spanned<PathOr<MaterialFile>>,
+    told: &mut Vec<Diagnostic>,
 ) -> Result<(Option<KnownMaterial>, Option<PathBuf>), Diagnostic> {
     match material.get_ref() {
         PathOr::Table(table) => {
@@ -147,7 +148,9 @@ pub(super) fn read_material_input(
                 return Ok((None, Some(path)));
             }
             named.require(FileKind::Material)?;
-            let (material, uncertainty) = read_known(&named, &named.parse()?, &(0..0))?;
+            let file: MaterialFile = named.parse()?;
+            told.extend(file.made_from.as_ref().and_then(|made| made.changed(&named)));
+            let (material, uncertainty) = read_known(&named, &file, &(0..0))?;
             Ok((Some(KnownMaterial { material, uncertainty }), None))
         }
     }

@@ -67,9 +67,30 @@ pub fn json(fit: &Fit) -> Result<String, ReportError> {
     Ok(slipgrid_results::json(&FitDetails::new(fit))?)
 }
 
+/// A fitted number's name with the measurement that it belongs to: `dynamic_mean 200 N, 2 mm/s, 50 %` for the name `dynamic_mean 4`.
+pub fn in_words(outcome: &CalibrationOutcome, name: &str) -> String {
+    let of_row = || {
+        let (what, number) = name.rsplit_once(' ')?;
+        let at = outcome.measurements.get(number.parse::<usize>().ok()?.checked_sub(1)?)?;
+        let [speed, humidity] = [SPEED_MM_S.from_si(at.speed_m_s), HUMIDITY_PCT.from_si(at.humidity)];
+        Some(format!("{what} {} N, {speed} mm/s, {humidity} %", at.force_n))
+    };
+    of_row().unwrap_or_else(|| name.to_owned())
+}
+
+/// What the errors of fitted numbers have in them, beside those of the table of coefficients.
+pub fn which_errors(outcome: &CalibrationOutcome) -> &'static str {
+    if outcome.fit.pairs.iter().any(|pair| pair.dynamic_std_error_given_law.is_some()) {
+        "at the given area law and modulus, as flat friction is known; the errors of mu_d in the table above have those of the law and of \
+         Young's modulus in them"
+    } else {
+        "at the given area law and modulus"
+    }
+}
+
 /// Every number with its intervals.
-pub fn table(fit: &Fit) -> String {
-    let found = FitDetails::new(fit);
+pub fn table(outcome: &CalibrationOutcome) -> String {
+    let found = FitDetails::new(&outcome.fit);
     if found.parameters.is_empty() {
         return String::new();
     }
@@ -80,14 +101,15 @@ pub fn table(fit: &Fit) -> String {
             fixed(value, digits)
         };
         table.row([
-            parameter.name.clone(),
+            in_words(outcome, &parameter.name),
             cell(Some(parameter.value)),
             cell(parameter.std_error),
             cell(parameter.interval_95[0]),
             cell(parameter.interval_95[1]),
         ]);
     }
-    format!("\nby profile likelihood; a dash is an end that the data leave open\n{table}")
+    let which = which_errors(outcome);
+    format!("\nby profile likelihood, {which}; a dash is an end that the data leave open\n{table}")
 }
 
 /// Profiles as CSV.

@@ -3,6 +3,7 @@
 mod fit_details;
 mod pictures;
 
+pub(crate) use fit_details::{in_words, which_errors};
 pub(crate) use pictures::flat_friction_narrow;
 
 use slipgrid_calibrate::{CalibrationOutcome, CalibrationTask};
@@ -58,7 +59,7 @@ pub fn summary(
             fixed(fit.predictions.get(row).map(|predicted| predicted.residual), 4),
         ]);
     }
-    text += &format!("\n{table}{}", fit_details::table(fit));
+    text += &format!("\n{table}{}", fit_details::table(outcome));
     if let Some(ledger) = ledger {
         text += &format!("\n{}", ledger.text());
     } else if !calibration.patterned.is_empty() && calibration.pattern.is_none() {

@@ -12,7 +12,7 @@ use slipgrid_units::{HUMIDITY_PCT, MODULUS_GPA, PRESSURE_MPA, SPEED_MM_S};
 use super::page::{Page, number, percent, plain, sentence, with_error};
 use super::{background, trials};
 use crate::Outputs;
-use crate::calibration::flat_friction_narrow;
+use crate::calibration::{flat_friction_narrow, in_words, which_errors};
 use crate::trials::TrialsReport;
 
 /// Error of Young's modulus over itself above which it is worth a measurement.
@@ -257,7 +257,7 @@ fn open(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Vec<String> {
         };
         let bound =
             if parameter.at_bound { "; the fit ended at a bound, and the data ask for a value beyond it" } else { "" };
-        Some(format!("{}: it lies {ends} (95 %){bound}.", parameter.name))
+        Some(format!("{}: it lies {ends} (95 %){bound}.", in_words(outcome, &parameter.name)))
     }));
     if !fit.settled {
         all.push("The coefficients themselves: they still changed when the fit ended.".to_owned());
@@ -367,12 +367,21 @@ fn fit(page: &mut Page, task: &CalibrationTask, outcome: &CalibrationOutcome, ou
         .map(|parameter| {
             let [from, to] = parameter.interval.map(|end| cell(parameter, end));
             let error = Some(parameter.std_error).filter(|error| error.is_finite());
-            vec![parameter.name.clone(), value(parameter, parameter.value), cell(parameter, error), from, to]
+            vec![
+                in_words(outcome, &parameter.name),
+                value(parameter, parameter.value),
+                cell(parameter, error),
+                from,
+                to,
+            ]
         })
         .collect();
     let table = |page: &mut Page| {
         page.table(
-            "Fitted numbers with the ends of their 95 % intervals by profile likelihood; open where the data do not end it.",
+            &format!(
+                "Fitted numbers with the ends of their 95 % intervals by profile likelihood, {}. Open where the data do not end it.",
+                which_errors(outcome)
+            ),
             &["number", "value", "standard error", "95 % from", "to"],
             &rows,
         );

@@ -1,8 +1,13 @@
 //! The ledger of trials: what was predicted of samples before they were cut, what was measured, and what nobody knows yet.
 
-use super::page::{Column, Page, ends, number, percent, plain, sentence, yes_or_no};
+use slipgrid_results::{believed, believed_std};
+
+use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
-use crate::trials::{CoverageReport, EffectReport, MeasuredReport, PredictedReport, TrialReport, TrialsReport};
+use crate::trials::{
+    CoverageReport, EffectReport, MeasuredReport, PendingRatioReport, PendingReport, PredictedReport, TrialReport,
+    TrialsReport,
+};
 
 /// Share of its error before any trial above which an effect is as unknown as it was.
 const UNKNOWN: f64 = 0.9;
@@ -12,6 +17,9 @@ const ENOUGH: usize = 4;
 const TOO_FEW: f64 = 0.8;
 /// Standard deviations from which on a measured ratio surprises.
 const SURPRISING: f64 = 2.0;
+
+/// What the modelled ratio of a ledger is, beside those of a design's report.
+const MODELLED: &str = "The modelled ratio is that of one period of the texture as measured, in steady sliding, with the error of its blocks taken off where                         it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks, and confirmed                         is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
 
 const TERMS: [(&str, &str); 7] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
@@ -40,6 +48,7 @@ pub fn trials(report: &TrialsReport, outputs: &Outputs) -> String {
     page.title(&title);
     page.beside_picture(
         |page| {
+            page.doubts(report.warnings.iter().map(|doubtful| format!("Doubtful: {doubtful}.")).collect());
             verdict(page, report);
             page.named_list("What to measure next", &next(report));
             page.terms(&TERMS);
@@ -73,10 +82,7 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
         page.lead("No trial was measured: what the model lacks is as wide as what is believed before any.");
         return;
     };
-    page.lead(&format!(
-        "{} of {} measured ratios lay within what was predicted of 95 % of samples before they were cut.",
-        before.within_95, before.ratios
-    ));
+    page.lead(&headline(before));
     if let Some(effect) = report.effects.first() {
         // Of the logarithm, so that the ends are not as far from the middle.
         let times = |deviations: f64| number((effect.value + deviations * effect.std).exp(), 3);
@@ -88,12 +94,16 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
     }
     page.paragraph(&match &report.identified {
         Some(family) => format!("The trials say that what the model lacks grows with {family}."),
+        None if report.one_texture => "One texture cannot tell the forms apart: how what the model lacks depends on the texture is as unknown as it was, and other \
+                                       textures are predicted by the mixture of all forms."
+            .to_owned(),
         None => "The trials do not say how what the model lacks depends on the texture: several forms fit, and other textures are \
                  predicted by their mixture."
             .to_owned(),
     });
     let surprises = report.trials.iter().flat_map(|trial| trial.measured.iter().map(move |at| (trial, at)));
-    let largest = surprises.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));
+    let predicted = surprises.filter(|(_, at)| at.before.known > 0);
+    let largest = predicted.max_by(|a, b| a.1.before.surprise.abs().total_cmp(&b.1.before.surprise.abs()));
     if let Some((trial, at)) = largest.filter(|(_, at)| at.before.surprise.abs() >= SURPRISING) {
         page.warning(&format!(
             "The largest surprise: {} at {} MPa, {} measured where {} was predicted ({} standard deviations).",
@@ -103,6 +113,22 @@ fn verdict(page: &mut Page, report: &TrialsReport) {
             number(at.before.ratio, 3),
             number(at.before.surprise, 1)
         ));
+    }
+}
+
+/// How many ratios lay within what was predicted of them, of those that had a trial to go by.
+fn headline(before: &CoverageReport) -> String {
+    let first = match before.without_any {
+        0 => String::new(),
+        1 => " The first sample's one ratio had nothing to go by, and is not counted.".to_owned(),
+        many => format!(" The first sample's {many} ratios had nothing to go by, and are not counted."),
+    };
+    match before.ratios {
+        0 => format!("One sample was measured: nothing was predicted by a trial yet.{first}"),
+        ratios => format!(
+            "{} of {ratios} measured ratios lay within what the trials before predicted of 95 % of samples.{first}",
+            before.within_95
+        ),
     }
 }
 
@@ -162,9 +188,11 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("modelled", |(_, at)| number(at.modelled, 3)),
                 ("predicted before", |(_, at)| predicted(&at.before)),
                 ("surprise", |(_, at)| number(at.before.surprise, 1)),
-                ("within 95 %", |(_, at)| yes_or_no(is_within(at))),
+                ("within 95 %", |(_, at)| is_within(at)),
             ],
         );
+        page.paragraph(MODELLED);
+        pending(page, report);
         let mut columns: Vec<Column<TrialReport>> = vec![("trial", |trial| trial.name.clone())];
         if report.trials.iter().any(|trial| !trial.date.is_empty()) {
             columns.push(("date", |trial| trial.date.clone()));
@@ -183,11 +211,13 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
     page.part("How good the predictions were", |page| {
         page.records(
-            "How many measured ratios lie within the intervals that were predicted. If the intervals are right, about 68 and 95 % of them do.",
+            "How many measured ratios lie within the intervals that were predicted. If the intervals are right, about 68 and 95 % of them do. Ratios \
+             that had nothing to go by are not counted: before any trial an interval is so wide that any number lies in it.",
             &report.coverage,
             &[
                 ("predicted by", |of| of.by.clone()),
                 ("ratios", |of| of.ratios.to_string()),
+                ("nothing to go by", |of| of.without_any.to_string()),
                 ("within 68 %", |of| share(of, of.within_68)),
                 ("within 95 %", |of| share(of, of.within_95)),
             ],
@@ -217,8 +247,8 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 &[
                     ("of", |effect| sentence(&effect.of)),
                     ("value", |effect| number(effect.value, 3)),
-                    ("±", |effect| number(effect.std, 3)),
-                    ("± before any trial", |effect| number(effect.prior_std, 3)),
+                    ("±", |effect| believed_std(effect.std)),
+                    ("± before any trial", |effect| believed_std(effect.prior_std)),
                 ],
             );
         });
@@ -236,15 +266,36 @@ fn details(page: &mut Page, report: &TrialsReport) {
     });
 }
 
+/// What is predicted of samples that are not measured yet.
+fn pending(page: &mut Page, report: &TrialsReport) {
+    let rows: Vec<(&PendingReport, &PendingRatioReport)> =
+        report.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();
+    if rows.is_empty() {
+        return;
+    }
+    page.records(
+        "Pending: cut and not yet measured. Predicted: by all trials, with the interval of 95 % of such samples.",
+        &rows,
+        &[
+            ("trial", |(of, _)| of.name.clone()),
+            ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
+            ("speed in mm/s", |(_, at)| plain(at.speed_mm_s)),
+            ("humidity in %", |(_, at)| plain(at.humidity_pct)),
+            ("modelled", |(_, at)| number(at.modelled, 3)),
+            ("predicted", |(_, at)| format!("{} ({})", believed(at.ratio, 3), at.interval())),
+        ],
+    );
+}
+
 fn share(of: &CoverageReport, within: usize) -> String {
     format!("{within} ({} %)", percent((of.ratios > 0).then(|| within as f64 / of.ratios as f64), 0))
 }
 
 fn predicted(of: &PredictedReport) -> String {
-    format!("{} ({})", number(of.ratio, 3), ends(Some(of.interval_95), 3))
+    format!("{} ({})", believed(of.ratio, 3), of.interval())
 }
 
-fn is_within(at: &MeasuredReport) -> bool {
+fn is_within(at: &MeasuredReport) -> String {
     let [low, high] = at.before.interval_95;
-    (low..=high).contains(&at.measured)
+    if at.before.known == 0 { "nothing to go by".to_owned() } else { yes_or_no((low..=high).contains(&at.measured)) }
 }

@@ -1,0 +1,113 @@
+//! `[made_from]` of a material file: the calibration that it was made from, so that a calibration which has changed since is noticed.
+
+use std::path::{Component, Path};
+
+use serde::{Deserialize, Serialize};
+use slipgrid_monitor::Key;
+
+use crate::calibration::Calibration;
+use crate::diagnostic::Diagnostic;
+use crate::document::Document;
+use crate::source::{Entry, Source};
+
+/// Letters of a fingerprint: two files share them once in 10^19 times.
+const LETTERS: usize = 16;
+
+/// The calibration that a material was made from.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MadeFrom {
+    /// The calibration file, relative to the folder of this file.
+    calibration: String,
+    /// Tables that it names: of flat samples, patterned samples and trials.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    tables: Vec<String>,
+    /// What their contents come to; maps and traces are not in it.
+    fingerprint: String,
+}
+
+impl MadeFrom {
+    /// What the material at `output` remembers of the `calibration` that stands at `path`; nothing where no relative path leads from one
+    /// to the other, or where a file cannot be read.
+    #[must_use]
+    pub fn new(calibration: &Calibration, path: &Path, output: &Path, files: &Source) -> Option<Self> {
+        let folder = output.parent().unwrap_or_else(|| Path::new(""));
+        let name = |file: &Path| {
+            let canonical = || relative(&files.canonical(folder), &files.canonical(file));
+            relative(folder, file).or_else(canonical)
+        };
+        let tables = calibration.tables.iter();
+        let fingerprint = fingerprint(std::iter::once(path).chain(tables.clone().map(AsRef::as_ref)), files)?;
+        Some(Self {
+            calibration: name(path)?,
+            tables: tables.map(|table| name(table)).collect::<Option<_>>()?,
+            fingerprint,
+        })
+    }
+
+    /// Says that the calibration of the material `document` has changed since; nothing where it has not, or is not there any more.
+    #[must_use]
+    pub fn changed(&self, document: &Document) -> Option<Diagnostic> {
+        let (files, path) = (document.source(), document.resolve(&self.calibration));
+        files.entry(&path).ok().filter(|entry| *entry == Entry::File)?;
+        let tables: Vec<_> = self.tables.iter().map(|table| document.resolve(table)).collect();
+        let now = fingerprint(std::iter::once(path.as_path()).chain(tables.iter().map(AsRef::as_ref)), files);
+        if now.as_ref() == Some(&self.fingerprint) {
+            return None;
+        }
+        let (calibration, material) = (path.display(), document.path().display());
+        let reason = format!(
+            "was made from {calibration}, which has changed since, or a table that it names: what was added, as a trial, does not count. Run \
+             slipgrid calibrate {calibration} -o {material} again"
+        );
+        Some(Diagnostic::file(document.path(), reason))
+    }
+}
+
+/// What the contents of `paths` come to; nothing where one cannot be read.
+fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Option<String> {
+    let contents = paths.map(|path| files.read(path).ok()).collect::<Option<Vec<Vec<u8>>>>()?;
+    let key = Key::of("calibration", &contents);
+    let name = key.name();
+    Some(name[name.len().saturating_sub(LETTERS)..].to_owned())
+}
+
+/// The way from `folder` to `path`, by their names alone; nothing where one of them starts at the root and the other does not, or where they
+/// have no folder in common but the root.
+fn relative(folder: &Path, path: &Path) -> Option<String> {
+    if folder.is_absolute() != path.is_absolute() {
+        return None;
+    }
+    let named = |path: &'_ Path| -> Vec<String> {
+        let parts = path.components().filter(|part| !matches!(part, Component::CurDir));
+        parts.map(|part| part.as_os_str().to_string_lossy().into_owned()).collect()
+    };
+    let (from, to) = (named(folder), named(path));
+    let common = from.iter().zip(&to).take_while(|(a, b)| a == b).count();
+    if folder.is_absolute() && common < 2 || from[common..].iter().any(|part| part == "..") {
+        return None;
+    }
+    let up = std::iter::repeat_n("..", from.len() - common);
+    Some(up.chain(to[common..].iter().map(String::as_str)).collect::<Vec<_>>().join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_from_folder_to_file_names_nothing_beyond_what_they_share() {
+        for (folder, path, way) in [
+            ("", "my/calibration.toml", Some("my/calibration.toml")),
+            ("my", "my/calibration.toml", Some("calibration.toml")),
+            ("./out/m", "my/a.csv", Some("../../my/a.csv")),
+            ("my", "my/../out/b.csv", Some("../out/b.csv")),
+            ("../m", "a.toml", None),
+            ("", "/home/x/a.toml", None),
+            ("/home/x/m", "/home/x/c/a.toml", Some("../c/a.toml")),
+            ("/srv/m", "/home/x/a.toml", None),
+        ] {
+            assert_eq!(relative(Path::new(folder), Path::new(path)).as_deref(), way, "{folder} {path}");
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! What the discrepancy is at the texture measured last, and how it depends on the condition.
+
+use slipgrid_discrepancy::{Discrepancy, Load};
+use slipgrid_results::fixed;
+use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
+
+use super::EffectReport;
+
+/// The discrepancy at the texture measured last, or at the reference, and how it depends on pressure, speed and humidity there.
+pub(super) fn effects(learned: &Discrepancy) -> Vec<EffectReport> {
+    let features = learned.trials().last().map_or(learned.hyperparameters().reference, |trial| trial.features);
+    let mut humidities: Vec<f64> =
+        learned.trials().iter().flat_map(|trial| trial.measured.iter().map(|at| at.load.humidity)).collect();
+    humidities.sort_by(f64::total_cmp);
+    humidities.dedup();
+    let (at, first) = central(learned);
+    let before = learned.with_trials(Vec::new()).ok();
+    // Difference of two loads, of which the modulus and the sample's scatter are alike.
+    let effect = |of: String, to: Load, from: Option<Load>| {
+        let loads: Vec<Load> = std::iter::once(to).chain(from).collect();
+        let moments = |known: &Discrepancy| {
+            let (mean, covariance) = known.at(&loads).predict(&features, &vec![0.0; loads.len()]).mixed();
+            match from {
+                None => (mean[0], covariance[0].sqrt()),
+                Some(_) => {
+                    let variance = covariance[0] - covariance[1] - covariance[2] + covariance[3];
+                    (mean[0] - mean[1], variance.max(0.0).sqrt())
+                }
+            }
+        };
+        let (value, std) = moments(learned);
+        let prior_std = before.as_ref().map_or(std, |before| moments(before).1);
+        EffectReport { of, value: tidy(value), std: tidy(std), prior_std: tidy(prior_std) }
+    };
+    let mut found = vec![effect(first, at, None)];
+    let faster = Load { speed_m_s: at.speed_m_s * std::f64::consts::E, ..at };
+    found.push(effect("a speed e times as high".to_owned(), faster, Some(at)));
+    let heavier = Load { pressure_pa: 2.0 * at.pressure_pa, ..at };
+    found.push(effect("twice the pressure".to_owned(), heavier, Some(at)));
+    for humidity in humidities.iter().filter(|humidity| **humidity != at.humidity) {
+        let of = format!("a humidity of {} % in place of {} %", percent(*humidity), percent(at.humidity));
+        found.push(effect(of, Load { humidity: *humidity, ..at }, Some(at)));
+    }
+    found
+}
+
+/// The measured condition nearest to the middle of the flat sample's, in logarithms, at the least humidity; before any trial that middle,
+/// which nobody need have measured. With it the discrepancy's name.
+fn central(learned: &Discrepancy) -> (Load, String) {
+    let middle = learned.conditions();
+    // d^2 = ln(P / P0)^2 + ln(v / v0)^2
+    let away = |load: &Load| {
+        (load.pressure_pa / middle.reference_pressure_pa).ln().powi(2)
+            + (load.speed_m_s / middle.reference_speed_m_s).ln().powi(2)
+    };
+    let loads = learned.trials().last().into_iter().flat_map(|trial| trial.measured.iter().map(|at| at.load));
+    let nearest = loads.min_by(|a, b| a.humidity.total_cmp(&b.humidity).then(away(a).total_cmp(&away(b))));
+    match nearest {
+        Some(load) => {
+            let pressure = fixed(Some(PRESSURE_MPA.from_si(load.pressure_pa)), 2);
+            let [speed, humidity] = [tidy(SPEED_MM_S.from_si(load.speed_m_s)), percent(load.humidity)];
+            let name =
+                format!("discrepancy at the texture of the last trial, {pressure} MPa, {speed} mm/s, {humidity} %");
+            (load, name)
+        }
+        None => {
+            let (pressure_pa, speed_m_s) = (middle.reference_pressure_pa, middle.reference_speed_m_s);
+            let name = "discrepancy at the reference texture, in the middle of the flat sample's conditions".to_owned();
+            (Load { pressure_pa, speed_m_s, humidity: 0.4 }, name)
+        }
+    }
+}
+
+fn percent(humidity: f64) -> f64 {
+    tidy(HUMIDITY_PCT.from_si(humidity))
+}
