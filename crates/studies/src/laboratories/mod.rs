@@ -4,6 +4,8 @@
 //! is one of the discrepancy's forms or none of them, times each sample's own scatter. It cuts what a policy chooses, measures
 //! it with errors, and goes on until a sample is truly on target.
 
+mod draws;
+mod generator;
 mod physics;
 mod policy;
 mod report;
@@ -11,12 +13,14 @@ mod truth;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use slipgrid_discrepancy::Trial;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
 use crate::StudyError;
+use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
-use policy::{Known, candidate, covariances, learned, wanted};
+use policy::{Informed, Known, Told, candidate, covariances, learned, wanted};
 use truth::Laboratory;
 
 pub use policy::Policy;
@@ -131,7 +135,7 @@ impl TargetOf {
 pub struct Way {
     /// Trials until a sample was on target; `None` where none was.
     pub trials: Option<usize>,
-    /// Of every cut by the mixture, or by who knows the form: the chance that was said, and whether it came true.
+    /// Of every cut by the mixture, by who knows the form or by who knows how laboratories are made: the chance that was said, and whether it came true.
     pub chances: Vec<(f64, bool)>,
     /// Of every ratio measured then, the share of what was predicted that lay below it.
     pub below: Vec<f64>,
@@ -142,6 +146,20 @@ pub struct Bench {
     options: Options,
     textures: Vec<Solved>,
     covariances: Vec<Vec<f64>>,
+    /// What [`Policy::Generator`] knows.
+    generator: Generator,
+    told: Told,
+}
+
+/// A laboratory before its first cut for the target.
+struct Begun {
+    laboratory: Laboratory,
+    /// What each texture truly does.
+    truths: Vec<[f64; LOADS]>,
+    target: [f64; LOADS],
+    /// What was cut and measured before.
+    cut: Vec<usize>,
+    trials: Vec<Trial>,
 }
 
 /// Runs every policy in every laboratory from every start.
@@ -171,16 +189,27 @@ const ANY_TRIALS: usize = 3;
 /// Share of the tolerance within which some texture must truly reach a target.
 const REACHED: f64 = 0.7;
 
+/// Least ratio of a target at the middle pressures and by how much more it may be; how much it may fall with pressure.
+const MIDDLE: [f64; 2] = [0.65, 0.45];
+const FALL: f64 = 0.08;
+/// No target is as near to 1.
+const NEAR_FLAT: f64 = 0.03;
+
+/// What a `fall` with pressure does at a load.
+fn at_fall(fall: f64, load: usize) -> f64 {
+    fall * (0.5 - load as f64 / (LOADS - 1) as f64)
+}
+
 /// A target that says nothing of the truth, but that a texture reaches it where it is to be so: a ratio at the middle pressures
 /// and how much it falls with pressure, at random.
 fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64; LOADS] {
     let mut uniform = || normal_probability(normals.draw());
     for _ in 0..10_000 {
-        let (middle, fall) = (0.65 + 0.45 * uniform(), 0.08 * uniform());
-        if (middle - 1.0).abs() < 0.03 {
+        let (middle, fall) = (MIDDLE[0] + MIDDLE[1] * uniform(), FALL * uniform());
+        if (middle - 1.0).abs() < NEAR_FLAT {
             continue;
         }
-        let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + fall * (0.5 - load as f64 / (LOADS - 1) as f64));
+        let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + at_fall(fall, load));
         let is_near = |truth: &[f64; LOADS]| {
             truth.iter().zip(&wanted).all(|(truth, wanted)| (truth - wanted).abs() <= REACHED * truth::TOLERANCE)
         };
@@ -209,7 +238,8 @@ impl Bench {
         let textures = physics::textures(options.steps, &stage)?;
         stage.finish();
         let covariances = covariances(&textures);
-        Ok(Self { options: *options, textures, covariances })
+        let generator = Generator::new(&textures, &Mechanism::ALL, Sizes::Own);
+        Ok(Self { options: *options, textures, covariances, generator, told: Told::ALL })
     }
 
     /// How many textures there are.
@@ -218,19 +248,13 @@ impl Bench {
         self.textures.len()
     }
 
-    /// The way of one laboratory to its target.
-    ///
-    /// # Errors
-    /// [`StudyError::Failed`] where nothing can be learned from its trials.
-    pub fn way(&self, job: Job) -> Result<Way, StudyError> {
-        let (Self { options, textures, covariances }, Job { start, policy, number, .. }) = (self, job);
-        let mechanism = job.mechanism();
-        let mut laboratory = Laboratory::new(mechanism, number, options.seed);
+    /// A laboratory with its target, and what was measured at first.
+    fn begin(&self, job: Job) -> Begun {
+        let (Self { options, textures, .. }, Job { start, number, .. }) = (self, job);
+        let mut laboratory = Laboratory::new(job.mechanism(), number, options.seed);
         let mut normals = Normals::new(options.seed.wrapping_mul(31).wrapping_add(number as u64));
         let truths: Vec<[f64; LOADS]> = textures.iter().map(|of| laboratory.truth(of)).collect();
         let target = target(&truths, job.target, &mut normals);
-        let wanted = wanted(&target);
-        let (mut cut, mut trials) = (Vec::new(), Vec::new());
         let first = match start {
             Start::Nothing => None,
             Start::OneGroove => {
@@ -240,10 +264,18 @@ impl Bench {
             }
             Start::PublishedSquares => Some(textures.len() - 1),
         };
-        if let Some(place) = first {
-            trials.push(laboratory.cut(&textures[place]).trial);
-            cut.push(place);
-        }
+        let trials = first.map(|place| laboratory.cut(&textures[place]).trial);
+        Begun { laboratory, truths, target, cut: first.into_iter().collect(), trials: trials.into_iter().collect() }
+    }
+
+    /// The way of one laboratory to its target.
+    ///
+    /// # Errors
+    /// [`StudyError::Failed`] where nothing can be learned from its trials.
+    pub fn way(&self, job: Job) -> Result<Way, StudyError> {
+        let (Self { options, textures, covariances, .. }, policy) = (self, job.policy);
+        let Begun { mut laboratory, truths, target, mut cut, mut trials } = self.begin(job);
+        let (wanted, judged_from) = (wanted(&target), trials.len());
         let mut found = Way { trials: None, chances: Vec::new(), below: Vec::new() };
         let most = match job.target {
             TargetOf::Reached => options.most_trials,
@@ -258,12 +290,23 @@ impl Bench {
                 target: &target,
                 form: laboratory.form(),
                 truths: &truths,
+                noise: laboratory.noise,
+                judged_from,
             };
-            let place = policy.next(&known)?;
+            let told = Told { is_reached: self.told.is_reached && job.target == TargetOf::Reached, ..self.told };
+            let informed = (policy == Policy::Generator).then(|| Informed::new(&self.generator, told, &known));
+            let place = match &informed {
+                Some(informed) => informed.next(&known)?,
+                None => policy.next(&known)?,
+            };
             let of = &textures[place];
             let made = laboratory.cut(of);
             let is_on_target =
                 (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
+            if let Some(informed) = &informed {
+                found.chances.push((informed.chance(place), is_on_target));
+                found.below.extend(informed.below(place, &made.trial));
+            }
             if let Some(hyper) = policy.hyperparameters(laboratory.form()) {
                 let prediction = learned(&hyper, &trials)?.of(&candidate(of, &covariances[place]));
                 found.chances.push((wanted.score(&prediction, &of.ratio).chance, is_on_target));

@@ -34,7 +34,7 @@ pub struct Solved {
     /// g = d ln R / d ln E.
     pub sensitivity: [f64; LOADS],
     /// d2 ln R / d (ln E)2.
-    curvature: [f64; LOADS],
+    pub curvature: [f64; LOADS],
     /// ln of the ratio with rims over that without.
     pub of_rims: [f64; LOADS],
 }

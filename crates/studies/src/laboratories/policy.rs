@@ -5,6 +5,8 @@ use slipgrid_discrepancy::{
 };
 use slipgrid_statistics::Normals;
 
+use super::draws::{Draws, between};
+use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, of_dimensions};
 use crate::StudyError;
@@ -15,6 +17,9 @@ const PROCESS_FEATURES: usize = 128;
 const PROCESS_STD: f64 = 0.2;
 /// Draws behind the expected improvement.
 const DRAWS: usize = 64;
+/// Draws of laboratories behind the chances of [`Policy::Generator`], and more where those of equal weight are fewer than enough.
+const INFORMED_DRAWS: [usize; 3] = [2048, 8192, 32768];
+const ENOUGH_DRAWS: f64 = 600.0;
 
 /// How the next texture is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,13 +40,16 @@ pub enum Policy {
     Improvement,
     /// The mixture of the mechanism's own form alone, where that is one of the family: what cannot be had without knowing it.
     Form,
+    /// How laboratories are made is known, and that the target is reached, but not which laboratory this is: what no learner
+    /// knows better.
+    Generator,
     /// The truth is known but for each sample's own scatter: what no policy beats.
     Truth,
 }
 
 impl Policy {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Mixture,
         Self::Physics,
         Self::Constant,
@@ -50,6 +58,7 @@ impl Policy {
         Self::Process,
         Self::Improvement,
         Self::Form,
+        Self::Generator,
         Self::Truth,
     ];
 
@@ -65,6 +74,7 @@ impl Policy {
             Self::Process => "Gaussian process",
             Self::Improvement => "expected improvement",
             Self::Form => "the form known, not its size",
+            Self::Generator => "how laboratories are made known",
             Self::Truth => "the truth known",
         }
     }
@@ -131,6 +141,10 @@ pub struct Known<'a> {
     pub form: Option<Form>,
     /// What each texture truly does, for [`Policy::Truth`] alone.
     pub truths: &'a [[f64; LOADS]],
+    /// Standard error of one measurement over itself.
+    pub noise: f64,
+    /// How many of the trials were there at first: the others were cut for the target, and missed it.
+    pub judged_from: usize,
 }
 
 impl Policy {
@@ -171,6 +185,7 @@ impl Policy {
             Self::Mixture | Self::Form => by_chance(&self.hyperparameters(known.form).unwrap_or_default())?,
             Self::Process => by_chance(&process())?,
             Self::Improvement => improvement(known)?,
+            Self::Generator => None,
             Self::Truth => nearest(&|place, load| known.truths[place][load]),
             Self::Physics => by_factor(&|_| 1.0),
             Self::Constant => by_factor(&|_| mean(&at_load).exp()),
@@ -184,6 +199,69 @@ impl Policy {
             Self::Last => by_factor(&|load| excess(load).last().copied().unwrap_or(0.0).exp()),
         };
         found.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
+    }
+}
+
+/// What [`Policy::Generator`] is told beside how laboratories are made and what was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Told {
+    /// That some texture truly reaches the target, where one does.
+    pub is_reached: bool,
+    /// That no sample cut for the target was on it.
+    pub is_missed: bool,
+}
+
+impl Told {
+    /// Everything.
+    pub const ALL: Self = Self { is_reached: true, is_missed: true };
+}
+
+/// What [`Policy::Generator`] knows before a cut.
+pub struct Informed<'a> {
+    generator: &'a Generator,
+    draws: Draws,
+    chances: Vec<f64>,
+    noise: f64,
+}
+
+impl<'a> Informed<'a> {
+    /// From what was measured, and from what is `told` of the target.
+    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Self {
+        let seen = |(number, (trial, place)): (usize, (&Trial, &usize))| {
+            Seen::new(trial, *place, told.is_missed && number >= known.judged_from)
+        };
+        let seen: Vec<Seen> = known.trials.iter().zip(known.cut).enumerate().map(seen).collect();
+        let wanted = between(known.target, TOLERANCE);
+        let mut draws = Draws::default();
+        for count in INFORMED_DRAWS {
+            let all = generator.draws(&seen, known.noise, &wanted, count);
+            draws = if told.is_reached { all.of_reached(generator, known.target) } else { all };
+            if draws.effective() >= ENOUGH_DRAWS {
+                break;
+            }
+        }
+        let chances = draws.chances(generator, &wanted);
+        Self { generator, draws, chances, noise: known.noise }
+    }
+
+    /// The texture of the greatest chance that was not cut yet.
+    ///
+    /// # Errors
+    /// [`StudyError::Failed`] where every texture was cut.
+    pub fn next(&self, known: &Known<'_>) -> Result<usize, StudyError> {
+        let open = (0..self.chances.len()).filter(|place| !known.cut.contains(place));
+        let best = open.max_by(|a, b| self.chances[*a].total_cmp(&self.chances[*b]));
+        best.ok_or_else(|| StudyError::Failed("laboratories: every texture has been cut".to_owned()))
+    }
+
+    /// The chance that a sample is on target.
+    pub fn chance(&self, place: usize) -> f64 {
+        self.chances[place]
+    }
+
+    /// The share of what is predicted of a sample that lies below what was measured of it, at each load.
+    pub fn below(&self, place: usize, trial: &Trial) -> [f64; LOADS] {
+        self.draws.below(self.generator, place, self.noise, &logs(trial))
     }
 }
 

@@ -31,7 +31,7 @@ pub struct LaboratoriesReport {
     /// Stated chances beside what came true of them, over all starts.
     pub chances: Vec<Reliability>,
     /// What the mixture does by mechanism, over all starts: trials, and the share of the next trial's measured ratios within
-    /// its intervals.
+    /// its intervals. Last the same of who knows how laboratories are made.
     pub coverage: Vec<Coverage>,
 }
 
@@ -92,8 +92,8 @@ impl Reliability {
         Self { of: of.to_owned(), all: bin(said), bins }
     }
 
-    /// Those of `ways`: of targets that some texture reaches, the mixture's and with the form known; and the mixture's whatever the
-    /// target.
+    /// Those of `ways`: of targets that some texture reaches, the mixture's, with the form known, and with how laboratories are made
+    /// known; and the mixture's whatever the target.
     fn all(jobs: &[Job], ways: &[Way]) -> Vec<Self> {
         let said = |is_own: &dyn Fn(&Job) -> bool| -> Vec<(f64, bool)> {
             let own = jobs.iter().zip(ways).filter(|(job, _)| is_own(job));
@@ -104,8 +104,12 @@ impl Reliability {
             Self::new("targets that some texture reaches, which nobody is told", &said(&mixture)),
             Self::new("the same with the form known", &said(&|job| job.policy == Policy::Form)),
             Self::new(
+                "the same with how laboratories are made known, and that the target is reached",
+                &said(&|job| job.policy == Policy::Generator && job.target == TargetOf::Reached),
+            ),
+            Self::new(
                 "targets whether a texture reaches them or not, first three cuts",
-                &said(&|job| job.target == TargetOf::Any),
+                &said(&|job| job.policy == Policy::Mixture && job.target == TargetOf::Any),
             ),
         ];
         found.retain(|of| of.all.cuts > 0);
@@ -127,7 +131,7 @@ pub struct ChanceBin {
 /// Share of measured ratios within stated intervals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Coverage {
-    /// Mechanism; "all" of them.
+    /// Mechanism; "all" of them, of the mixture or of another policy that is named.
     pub mechanism: String,
     /// Measured ratios.
     pub ratios: usize,
@@ -159,9 +163,8 @@ impl LaboratoriesReport {
             }
             starts.push(StartReport { start: start.name().to_owned(), policies });
         }
-        let coverage = |name: &str, of: &dyn Fn(Mechanism) -> bool| {
-            let is_own =
-                |job: &Job| job.policy == Policy::Mixture && job.target == TargetOf::Reached && of(job.mechanism());
+        let coverage = |name: &str, policy: Policy, of: &dyn Fn(Mechanism) -> bool| {
+            let is_own = |job: &Job| job.policy == policy && job.target == TargetOf::Reached && of(job.mechanism());
             let below: Vec<f64> = jobs
                 .iter()
                 .zip(ways)
@@ -184,8 +187,12 @@ impl LaboratoriesReport {
                 within_3: tidy(trials.iter().filter(|trials| **trials <= 3).count() as f64 / count),
             }
         };
-        let mut coverages = vec![coverage("all", &|_| true)];
-        coverages.extend(Mechanism::ALL.iter().map(|own| coverage(own.name(), &|mechanism| mechanism == *own)));
+        let mut coverages = vec![coverage("all", Policy::Mixture, &|_| true)];
+        let of = |own: &Mechanism| coverage(own.name(), Policy::Mixture, &|mechanism| mechanism == *own);
+        coverages.extend(Mechanism::ALL.iter().map(of));
+        if jobs.iter().any(|job| job.policy == Policy::Generator) {
+            coverages.push(coverage(&format!("all, {}", Policy::Generator.name()), Policy::Generator, &|_| true));
+        }
         Self {
             program: "slipgrid".to_owned(),
             version: VERSION.to_owned(),

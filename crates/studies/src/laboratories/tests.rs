@@ -1,23 +1,25 @@
 use super::*;
 use slipgrid_monitor::Unwatched;
 
+mod ahead;
+
 /// A few laboratories: the same tables at every run, the mixture sooner on target than the physics alone, and never sooner than
-/// who knows the truth.
+/// who knows how laboratories are made, who is never sooner than who knows the truth.
 #[test]
 fn a_few_laboratories_reach_their_targets() {
     let options = Options { laboratories: 9, most_trials: 5, steps: 4, seed: 3 };
-    let policies = [Policy::Mixture, Policy::Physics, Policy::Truth];
+    let policies = [Policy::Mixture, Policy::Physics, Policy::Generator, Policy::Truth];
     let found = run(&options, &policies, &Unwatched).unwrap();
     assert_eq!(found, run(&options, &policies, &Unwatched).unwrap());
     for start in &found.starts {
         let mean = |policy: Policy| start.policies.iter().find(|of| of.policy == policy.name()).unwrap().mean;
         let means = policies.map(mean);
-        assert!(means[2] <= means[0] && means[0] < means[1], "{}: {means:?}", start.start);
+        assert!(means[3] <= means[2] && means[2] <= means[0] && means[0] < means[1], "{}: {means:?}", start.start);
     }
-    assert_eq!(found.coverage.len(), 1 + Mechanism::ALL.len());
+    assert_eq!(found.coverage.len(), 1 + Mechanism::ALL.len() + 1);
     assert!(found.lines().iter().any(|line| line.contains("physics alone")));
     // A target that nothing was asked of is met more rarely.
-    let [reached, any] = [0, 1].map(|place| found.chances[place].all);
+    let [reached, any] = [0, 2].map(|place| found.chances[place].all);
     assert!(any.cuts <= 3 * 27 && any.came_true < reached.came_true && any.said < reached.said, "{any:?} {reached:?}");
     let all: serde_json::Value = serde_json::from_str(&serde_json::to_string(&found).unwrap()).unwrap();
     assert_eq!(serde_json::from_value::<LaboratoriesReport>(all).unwrap(), found);
@@ -33,4 +35,87 @@ fn laboratories_end_when_they_are_cancelled() {
     }
     let found = run(&Options::default(), &Policy::ALL, &Pressed);
     assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
+}
+
+/// The share of all targets that textures reach, against targets drawn one by one.
+#[test]
+fn the_share_of_reached_targets_is_that_of_drawn_ones() {
+    let truths =
+        [[0.9, 0.89, 0.88, 0.87], [0.91, 0.9, 0.88, 0.86], [0.99, 0.98, 0.97, 0.96], [0.7; LOADS], [0.3; LOADS]];
+    let mut normals = Normals::new(3);
+    let count = 40_000;
+    let reached = (0..count).filter(|_| {
+        let target = target(&[], TargetOf::Any, &mut normals);
+        truths
+            .iter()
+            .any(|truth| (0..LOADS).all(|load| (truth[load] - target[load]).abs() <= REACHED * truth::TOLERANCE))
+    });
+    let (drawn, said) = (reached.count() as f64 / f64::from(count), draws::share_reached(truths.into_iter()));
+    assert!((drawn - said).abs() < 0.01, "{drawn} {said}");
+}
+
+/// Chances and intervals of who knows how laboratories are made come true as often as they say: of targets that are reached, and
+/// of any.
+#[test]
+fn who_knows_how_laboratories_are_made_says_chances_that_come_true() {
+    let options = Options { laboratories: 45, most_trials: 6, steps: 4, seed: 2 };
+    let bench = Bench::new(&options, &Unwatched).unwrap();
+    for target in TargetOf::ALL {
+        let jobs = Job::of_reached_targets(&options, &[Policy::Generator]);
+        let ways: Vec<Way> = jobs.par_iter().map(|job| bench.way(Job { target, ..*job }).unwrap()).collect();
+        let said: Vec<(f64, bool)> = ways.iter().flat_map(|way| way.chances.iter().copied()).collect();
+        // Those about one half, and all.
+        for least in [0.0, 0.2, 0.5] {
+            let own = || said.iter().filter(|(said, _)| *said >= least);
+            let expected: f64 = own().map(|(said, _)| said).sum();
+            let error = own().map(|(said, _)| said * (1.0 - said)).sum::<f64>().sqrt();
+            let found = own().filter(|(_, came_true)| *came_true).count() as f64;
+            assert!(expected > 5.0 && (found - expected).abs() < 3.0 * error, "{target:?}: {found} {expected} {error}");
+        }
+        let below: Vec<f64> = ways.iter().flat_map(|way| way.below.iter().copied()).collect();
+        for (half, share) in [(0.34, 0.68), (0.475, 0.95_f64)] {
+            let inside = below.iter().filter(|below| (**below - 0.5).abs() <= half).count() as f64 / below.len() as f64;
+            // The loads of a sample move together: a sample counts once.
+            let error = (share * (1.0 - share) / (below.len() / LOADS) as f64).sqrt();
+            assert!((inside - share).abs() < 3.0 * error, "{target:?}: {inside} of {share}, {error}");
+        }
+    }
+}
+
+/// A number of the environment, for studies that take long.
+fn asked(name: &str, or: usize) -> usize {
+    std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(or)
+}
+
+/// What each thing is worth that [`Policy::Generator`] knows: a table of `tests/accuracy/laboratories.md`, there of 207
+/// laboratories.
+#[test]
+#[ignore = "a minute for each three of LABORATORIES, 9 when absent"]
+#[expect(clippy::print_stdout, reason = "prints a table of tests/accuracy/laboratories.md")]
+fn what_each_thing_known_is_worth() {
+    let seed = asked("SEED", 1) as u64;
+    let options = Options { laboratories: asked("LABORATORIES", 9), seed, ..Options::default() };
+    let mut bench = Bench::new(&options, &Unwatched).unwrap();
+    let (all, inside) =
+        (Mechanism::ALL, [Mechanism::Density, Mechanism::Edge, Mechanism::Saturating, Mechanism::Depth]);
+    let nothing = Told { is_reached: false, is_missed: false };
+    for (name, mechanisms, sizes, told) in [
+        ("everything", all.as_slice(), Sizes::Own, Told::ALL),
+        ("not that the target is reached", &all, Sizes::Own, Told { is_reached: false, is_missed: true }),
+        ("nor that samples missed", &all, Sizes::Own, nothing),
+        ("broad sizes, all mechanisms", &all, Sizes::Broad, nothing),
+        ("own sizes, mechanisms inside alone", &inside, Sizes::Own, nothing),
+        ("broad sizes, mechanisms inside alone", &inside, Sizes::Broad, nothing),
+        ("broad sizes, but that the target is reached", &all, Sizes::Broad, Told::ALL),
+    ] {
+        bench.generator = Generator::new(&bench.textures, mechanisms, sizes);
+        bench.told = told;
+        let jobs = Job::of_reached_targets(&options, &[Policy::Generator]);
+        let ways: Vec<Way> = jobs.par_iter().map(|job| bench.way(*job).unwrap()).collect();
+        println!("{name}:");
+        let report = LaboratoriesReport::new(&options, bench.textures(), &jobs, &ways);
+        let lines = report.lines();
+        let is_own = |line: &&String| line.contains(Policy::Generator.name()) || line.starts_with("| all: ");
+        lines.iter().filter(is_own).for_each(|line| println!("{line}"));
+    }
 }

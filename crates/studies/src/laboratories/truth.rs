@@ -8,11 +8,15 @@ use super::physics::{LOADS, PRESSURES_PA, Solved, loads};
 /// Relative error of Young's modulus, as of the published polymer.
 pub const MODULUS_STD: f64 = 0.21;
 /// From one sample to the next of the same texture.
-const SAMPLE_STD: f64 = 0.005;
+pub const SAMPLE_STD: f64 = 0.005;
 /// Relative scatter of what a texture does, by its dimensions.
-const DIMENSIONS_STD: f64 = 0.03;
+pub const DIMENSIONS_STD: f64 = 0.03;
 /// Error of the flat sample's measurement over that of a patterned one.
 pub const FLAT_SHARE: f64 = 0.5;
+/// Young's modulus is off by no more than this: what the textures were solved for is not stretched further.
+pub const MOST_LOG_MODULUS: f64 = 0.5;
+/// Standard deviation of a mechanism's change with pressure over its size.
+pub const SLOPE_SHARE: f64 = 0.3;
 /// Half the band of ratios that a target accepts.
 pub const TOLERANCE: f64 = 0.02;
 
@@ -75,8 +79,25 @@ impl Mechanism {
         matches!(self, Self::Density | Self::Edge | Self::Saturating | Self::Depth)
     }
 
+    /// Its size is uniform from the first by as much as the second.
+    pub const fn sizes(self) -> [f64; 2] {
+        match self {
+            Self::Opposite => [0.02, 0.08],
+            Self::Bump => [-0.02, -0.08],
+            _ => [-0.03, -0.2],
+        }
+    }
+
+    /// The forms that it may be, alike likely, where it has a scale. Of others the first says nothing.
+    pub fn scales(self) -> [Form; 4] {
+        match self {
+            Self::Depth => [2e-6, 5e-6, 10e-6, 20e-6].map(|scale_m| Form::DepthDensity { scale_m }),
+            _ => [0.02, 0.04, 0.08, 0.16].map(|scale| Form::Saturating { scale }),
+        }
+    }
+
     /// How it grows with the texture, 1 at the reference; of rims nothing. `scale` is the form where it has a scale.
-    fn value(self, of: &Features, scale: Form) -> f64 {
+    pub fn value(self, of: &Features, scale: Form) -> f64 {
         let of_form = |form: Form| form.value(of) / form.value(&Hyperparameters::default().reference);
         match self {
             Self::Density | Self::Opposite => of_form(Form::Density),
@@ -90,6 +111,12 @@ impl Mechanism {
             Self::Rims | Self::None => 0.0,
         }
     }
+}
+
+/// Size of a mechanism at each load: `size` at the middle pressures, and how it changes from there.
+pub fn amplitude(size: f64, beta: f64, gamma: f64) -> [f64; LOADS] {
+    PRESSURES_PA
+        .map(|pressure_pa| size + beta * (pressure_pa - 1.5e6) / 1.5e6 + gamma * (PRESSURES_PA[0] / pressure_pa - 0.5))
 }
 
 /// A laboratory with its hidden truth.
@@ -122,24 +149,16 @@ impl Laboratory {
         // A stream of its own for every laboratory: a multiple of a large odd number.
         let mut normals = Normals::new(seed.wrapping_add((number as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)));
         let uniform = |normals: &mut Normals| slipgrid_statistics::normal_probability(normals.draw());
-        let size = match mechanism {
-            Mechanism::Opposite => 0.02 + 0.08 * uniform(&mut normals),
-            Mechanism::Bump => -0.02 - 0.08 * uniform(&mut normals),
-            _ => -0.03 - 0.2 * uniform(&mut normals),
-        };
-        let (beta, gamma) = (0.3 * size * normals.draw(), 0.3 * size * normals.draw());
-        let amplitude = PRESSURES_PA.map(|pressure_pa| {
-            size + beta * (pressure_pa - 1.5e6) / 1.5e6 + gamma * (PRESSURES_PA[0] / pressure_pa - 0.5)
-        });
+        let [from, by] = mechanism.sizes();
+        let size = from + by * uniform(&mut normals);
+        let (beta, gamma) = (SLOPE_SHARE * size * normals.draw(), SLOPE_SHARE * size * normals.draw());
+        let amplitude = amplitude(size, beta, gamma);
         let noise = 0.005 * 4_f64.powf(uniform(&mut normals));
-        let log_modulus = (MODULUS_STD * normals.draw()).clamp(-0.5, 0.5);
+        let log_modulus = (MODULUS_STD * normals.draw()).clamp(-MOST_LOG_MODULUS, MOST_LOG_MODULUS);
         let flat = [0; LOADS].map(|_| FLAT_SHARE * noise * normals.draw());
         // One of the family's four scales.
         let place = ((4.0 * uniform(&mut normals)) as usize).min(3);
-        let scale = match mechanism {
-            Mechanism::Depth => Form::DepthDensity { scale_m: [2e-6, 5e-6, 10e-6, 20e-6][place] },
-            _ => Form::Saturating { scale: [0.02, 0.04, 0.08, 0.16][place] },
-        };
+        let scale = mechanism.scales()[place];
         Self { mechanism, scale, log_modulus, amplitude, noise, flat, normals }
     }
 

@@ -1,0 +1,486 @@
+//! The learner that knows how laboratories are made: their mechanisms, sizes, scales, moduli and scatters as [`super::truth`]
+//! draws them, but not which of them this laboratory has. It is the exact Bayesian learner of the benchmark, so that no learner
+//! predicts better who is not told a laboratory's own truth.
+//!
+//! The size of the mechanism and the modulus are covered by narrow Gaussians; with each pair of these a linear regression finds
+//! what was measured, with its evidence. Draws of this mixture are weighted by what they truly do, so that neither the Gaussians
+//! nor the linearization count.
+
+use slipgrid_discrepancy::{Hyperparameters, Trial};
+use slipgrid_statistics::Normals;
+
+use super::draws::{Draw, Draws};
+use super::physics::{LOADS, Solved};
+use super::truth::{
+    DIMENSIONS_STD, FLAT_SHARE, MODULUS_STD, MOST_LOG_MODULUS, Mechanism, SAMPLE_STD, SLOPE_SHARE, amplitude,
+};
+
+/// Gaussians that cover the size of a mechanism, and the modulus.
+const SIZES: usize = 24;
+const MODULI: usize = 16;
+/// Their standard deviation over the distance between two: together they are flat to 0.2 %.
+const OVERLAP: f64 = 0.6;
+/// Coefficients of the regression: size, its two changes with pressure, modulus, the flat sample's errors.
+const N: usize = 4 + LOADS;
+
+type Vector = [f64; N];
+type Matrix = [[f64; N]; N];
+
+/// One of the Gaussians that cover a quantity, with its share of them.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    at: f64,
+    std: f64,
+    share: f64,
+}
+
+impl Node {
+    fn density(&self, x: f64) -> f64 {
+        let z = (x - self.at) / self.std;
+        self.share * (-0.5 * z * z).exp() / (self.std * std::f64::consts::TAU.sqrt())
+    }
+}
+
+/// What is believed of the sizes of mechanisms, and of how they change with pressure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sizes {
+    /// As laboratories are made.
+    Own,
+    /// As the mixture of forms does, which knows no sign and less of how they change with pressure.
+    Broad,
+}
+
+/// A mechanism with its scale.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    /// The mechanism.
+    pub mechanism: Mechanism,
+    /// Its share of all laboratories.
+    share: f64,
+    /// How it grows, at every texture.
+    values: Vec<f64>,
+    sizes: Vec<Node>,
+    /// Standard deviations of the two changes with pressure for each of these.
+    slopes: Vec<[f64; 2]>,
+}
+
+/// What a texture does by physics: ln R, its derivatives by ln E, and what rims add.
+#[derive(Clone, Copy, Debug)]
+struct Physics {
+    log: [f64; LOADS],
+    slope: [f64; LOADS],
+    curvature: [f64; LOADS],
+    of_rims: [f64; LOADS],
+}
+
+/// How laboratories are made.
+#[derive(Clone, Debug)]
+pub struct Generator {
+    physics: Vec<Physics>,
+    kinds: Vec<Kind>,
+    moduli: Vec<Node>,
+    of_sizes: Sizes,
+}
+
+/// A sample that was cut and measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Its place among the textures.
+    pub place: usize,
+    /// Logarithms of what was measured.
+    pub log: [f64; LOADS],
+    /// Whether it is known that it is not on target: it was judged, and the laboratory went on.
+    pub is_missed: bool,
+}
+
+impl Seen {
+    /// What `trial` says of the texture at `place`.
+    pub fn new(trial: &Trial, place: usize, is_missed: bool) -> Self {
+        Self { place, log: logs(trial), is_missed }
+    }
+}
+
+/// Logarithms of what was measured.
+pub fn logs(trial: &Trial) -> [f64; LOADS] {
+    std::array::from_fn(|load| trial.measured[load].measured.ln())
+}
+
+/// A regression at one kind, size and modulus.
+struct Component {
+    kind: usize,
+    size: Node,
+    modulus: Node,
+    /// ln of prior times evidence.
+    weight: f64,
+    /// Standard deviations of the coefficients before.
+    std: Vector,
+    mean: Vector,
+    /// Factor of the precision, in units of these.
+    factor: Matrix,
+}
+
+impl Generator {
+    /// Of these `mechanisms`, alike likely.
+    pub fn new(textures: &[Solved], mechanisms: &[Mechanism], of_sizes: Sizes) -> Self {
+        let physics = textures.iter().map(|of| Physics {
+            log: of.log_ratio(0.0),
+            slope: of.sensitivity,
+            curvature: of.curvature,
+            of_rims: of.of_rims,
+        });
+        let kinds = mechanisms.iter().flat_map(|&mechanism| {
+            let has_scale = matches!(mechanism, Mechanism::Saturating | Mechanism::Depth);
+            let scales = mechanism.scales().into_iter().take(if has_scale { 4 } else { 1 });
+            let share = 1.0 / (mechanisms.len() * scales.len()) as f64;
+            scales.map(move |scale| {
+                let (sizes, slopes) = sizes(mechanism, of_sizes).into_iter().unzip();
+                let values = textures.iter().map(|of| mechanism.value(&of.features, scale)).collect();
+                Kind { mechanism, share, values, sizes, slopes }
+            })
+        });
+        Self { physics: physics.collect(), kinds: kinds.collect(), moduli: moduli(), of_sizes }
+    }
+
+    /// Logarithms of what a sample of the texture at `place` does as it was designed.
+    pub fn log_truth(&self, of: &Draw, place: usize) -> [f64; LOADS] {
+        let (kind, physics) = (&self.kinds[of.kind], &self.physics[place]);
+        let (m, value) = (of.log_modulus, kind.values[place]);
+        let rims = if kind.mechanism == Mechanism::Rims { 1.0 } else { 0.0 };
+        std::array::from_fn(|load| {
+            physics.log[load]
+                + m * (physics.slope[load] + 0.5 * m * physics.curvature[load])
+                + value * of.amplitude[load]
+                + rims * physics.of_rims[load]
+        })
+    }
+
+    /// How many textures there are.
+    pub fn textures(&self) -> usize {
+        self.physics.len()
+    }
+
+    /// Draws from what is known after `seen`, measured to `noise`, each with its weight; `wanted` are the logarithms between which
+    /// a sample is on target.
+    pub fn draws(&self, seen: &[Seen], noise: f64, wanted: &[[f64; LOADS]; 2], count: usize) -> Draws {
+        let components = self.components(seen, noise);
+        let most = components.iter().map(|of| of.weight).fold(f64::NEG_INFINITY, f64::max);
+        let shares: Vec<f64> = components.iter().map(|of| (of.weight - most).exp()).collect();
+        let step = shares.iter().sum::<f64>() / count as f64;
+        let mut normals = Normals::new(1 + seen.len() as u64);
+        let (mut draws, mut reached, mut next) = (Vec::with_capacity(count), 0.0, 0.5 * step);
+        for (of, share) in components.iter().zip(&shares) {
+            reached += share;
+            while next < reached {
+                next += step;
+                draws.extend(self.draw(of, seen, noise, wanted, &mut normals));
+            }
+        }
+        Draws::new(draws)
+    }
+
+    fn draw(
+        &self,
+        of: &Component,
+        seen: &[Seen],
+        noise: f64,
+        wanted: &[[f64; LOADS]; 2],
+        normals: &mut Normals,
+    ) -> Option<Draw> {
+        let mut z: Vector = std::array::from_fn(|_| normals.draw());
+        solve_upper(&of.factor, &mut z);
+        let c: Vector = std::array::from_fn(|k| of.std[k] * (of.mean[k] + z[k]));
+        let (size, log_modulus) = (of.size.at + c[0], of.modulus.at + c[3]);
+        let amplitude = amplitude(size, c[1], c[2]);
+        let flat = std::array::from_fn(|load| c[4 + load]);
+        let mut draw = Draw { kind: of.kind, log_modulus, amplitude, flat, weight: 0.0 };
+        let kind = &self.kinds[of.kind];
+        // What the Gaussians say of the coefficients, against how they are drawn.
+        let mut log = 0.0;
+        if of.size.std > 0.0 && self.of_sizes == Sizes::Own {
+            let [from, by] = kind.mechanism.sizes();
+            let share = (size - from) / by;
+            if !(0.0..=1.0).contains(&share) {
+                return None;
+            }
+            log -= (by.abs() * kind.sizes.iter().map(|node| node.density(size)).sum::<f64>()).ln();
+            // ln N(b; 0, s) - ln N(b; 0, s0)
+            let (own, node) = (SLOPE_SHARE * size, of.std[1]);
+            let square = c[1] * c[1] + c[2] * c[2];
+            log += -0.5 * square * (own.powi(-2) - node.powi(-2)) - 2.0 * (own.abs() / node).ln();
+        }
+        if of.modulus.std > 0.0 {
+            if log_modulus.abs() > MOST_LOG_MODULUS {
+                return None;
+            }
+            let prior = Node { at: 0.0, std: MODULUS_STD, share: 1.0 };
+            let inner = self.moduli.iter().filter(|node| node.std > 0.0);
+            log += (prior.density(log_modulus) / inner.map(|node| node.density(log_modulus)).sum::<f64>()).ln();
+        }
+        // What was measured, against what the linear regression says of it.
+        for at in seen {
+            let physics = &self.physics[at.place];
+            let own = self.log_truth(&draw, at.place);
+            let square = 0.5 * (log_modulus - of.modulus.at).powi(2);
+            let linear: [f64; LOADS] = std::array::from_fn(|load| own[load] - square * physics.curvature[load]);
+            let rest = |truth: &[f64; LOADS]| std::array::from_fn(|load| at.log[load] - truth[load] + flat[load]);
+            log -= Scatter::new(&at.log, noise).log_density(&rest(&linear));
+            let (scatter, rest) = (Scatter::new(&own, noise), rest(&own));
+            log += scatter.log_density(&rest);
+            if at.is_missed {
+                log += (1.0 - scatter.chance(&own, &rest, wanted)).ln();
+            }
+        }
+        draw.weight = log;
+        log.is_finite().then_some(draw)
+    }
+
+    fn components(&self, seen: &[Seen], noise: f64) -> Vec<Component> {
+        let mut found = Vec::new();
+        for (place, kind) in self.kinds.iter().enumerate() {
+            for modulus in &self.moduli {
+                let sums = self.sums(kind, modulus, seen, noise);
+                found.extend(kind.sizes.iter().zip(&kind.slopes).map(|(size, [beta, gamma])| {
+                    let mut std = [FLAT_SHARE * noise; N];
+                    std[..4].copy_from_slice(&[size.std, *beta, *gamma, modulus.std]);
+                    let prior = kind.share * size.share * modulus.share;
+                    let (mean, factor, evidence) = sums.regression(&std, size.at);
+                    Component {
+                        kind: place,
+                        size: *size,
+                        modulus: *modulus,
+                        weight: prior.ln() + evidence,
+                        std,
+                        mean,
+                        factor,
+                    }
+                }));
+            }
+        }
+        found
+    }
+
+    fn sums(&self, kind: &Kind, modulus: &Node, seen: &[Seen], noise: f64) -> Sums {
+        let mut sums = Sums::default();
+        for at in seen {
+            let (value, physics) = (kind.values[at.place], &self.physics[at.place]);
+            let rims = if kind.mechanism == Mechanism::Rims { 1.0 } else { 0.0 };
+            let [of_beta, of_gamma] = [amplitude(0.0, 1.0, 0.0), amplitude(0.0, 0.0, 1.0)];
+            let m = modulus.at;
+            let rest: [f64; LOADS] = std::array::from_fn(|load| {
+                at.log[load]
+                    - physics.log[load]
+                    - m * (physics.slope[load] + 0.5 * m * physics.curvature[load])
+                    - rims * physics.of_rims[load]
+            });
+            // Columns: what each coefficient does at each load.
+            let mut columns = [[0.0; LOADS]; N];
+            for load in 0..LOADS {
+                columns[0][load] = value;
+                columns[1][load] = value * of_beta[load];
+                columns[2][load] = value * of_gamma[load];
+                columns[3][load] = physics.slope[load] + m * physics.curvature[load];
+                columns[4 + load][load] = -1.0;
+            }
+            sums.add(&columns, &rest, &Scatter::new(&at.log, noise));
+        }
+        sums
+    }
+}
+
+/// Sums over all samples: X^T W X, X^T W y and y^T W y of the columns X and of what is left without them, y.
+#[derive(Default)]
+struct Sums {
+    matrix: Matrix,
+    right: Vector,
+    square: f64,
+}
+
+impl Sums {
+    fn add(&mut self, columns: &[[f64; LOADS]; N], rest: &[f64; LOADS], scatter: &Scatter) {
+        let weighted = columns.map(|column| scatter.solve(&column));
+        for ((sums, right), column) in self.matrix.iter_mut().zip(&mut self.right).zip(columns) {
+            *right += dot(column, &scatter.solve(rest));
+            sums.iter_mut().zip(&weighted).for_each(|(sum, weighted)| *sum += dot(column, weighted));
+        }
+        self.square += dot(rest, &scatter.solve(rest));
+    }
+
+    /// Mean and factor of the precision of the coefficients, in units of `std`, and the logarithm of the evidence but for what is
+    /// common to all components. The size is `size` before.
+    fn regression(&self, std: &Vector, size: f64) -> (Vector, Matrix, f64) {
+        // A = 1 + S X^T W X S,  b = S X^T W (y - x0 size)
+        let mut factor: Matrix =
+            std::array::from_fn(|row| std::array::from_fn(|column| std[row] * self.matrix[row][column] * std[column]));
+        (0..N).for_each(|row| factor[row][row] += 1.0);
+        let mut mean: Vector = std::array::from_fn(|row| std[row] * (self.right[row] - size * self.matrix[row][0]));
+        let square = self.square - 2.0 * size * self.right[0] + size * size * self.matrix[0][0];
+        cholesky(&mut factor);
+        solve_lower(&factor, &mut mean);
+        // ln evidence = -(y^T W y - b^T A^-1 b) / 2 - ln det A / 2
+        let known: f64 = mean.iter().map(|x| x * x).sum();
+        let determinant: f64 = (0..N).map(|row| factor[row][row].ln()).sum();
+        solve_upper(&factor, &mut mean);
+        (mean, factor, -0.5 * (square - known) - determinant)
+    }
+}
+
+/// Scatter of a sample's measured logarithms, but for the flat sample's errors: s^2 I + t^2 1 1^T + (d L) (d L)^T, of the noise s,
+/// the sample's own t and its dimensions d, L the logarithm of its ratio.
+pub struct Scatter {
+    variance: f64,
+    /// t^2 / (s^2 + LOADS t^2)
+    own: f64,
+    /// d L
+    dimensions: [f64; LOADS],
+    /// V^-1 d L without the dimensions, and 1 + (d L)^T V^-1 d L.
+    solved: [f64; LOADS],
+    precision: f64,
+}
+
+impl Scatter {
+    /// About the logarithms `log`.
+    pub fn new(log: &[f64; LOADS], noise: f64) -> Self {
+        let (variance, own) = (noise * noise, SAMPLE_STD * SAMPLE_STD);
+        let mut found = Self {
+            variance,
+            own: own / (variance + LOADS as f64 * own),
+            dimensions: log.map(|log| DIMENSIONS_STD * log),
+            solved: [0.0; LOADS],
+            precision: 1.0,
+        };
+        found.solved = found.inner(&found.dimensions);
+        found.precision += dot(&found.dimensions, &found.solved);
+        found
+    }
+
+    /// Without the dimensions: V^-1 x = (x - k sum x) / s^2
+    fn inner(&self, x: &[f64; LOADS]) -> [f64; LOADS] {
+        let sum: f64 = x.iter().sum();
+        x.map(|x| (x - self.own * sum) / self.variance)
+    }
+
+    fn solve(&self, x: &[f64; LOADS]) -> [f64; LOADS] {
+        let (inner, along) = (self.inner(x), dot(&self.solved, x) / self.precision);
+        std::array::from_fn(|load| inner[load] - along * self.solved[load])
+    }
+
+    /// Logarithm of the density of `rest` but for a constant that all textures share.
+    pub fn log_density(&self, rest: &[f64; LOADS]) -> f64 {
+        -0.5 * (dot(rest, &self.solve(rest)) + self.precision.ln())
+    }
+
+    /// The chance that the sample of which `rest` was measured is on target: its logarithms, `log` as designed, within `wanted`.
+    pub fn chance(&self, log: &[f64; LOADS], rest: &[f64; LOADS], wanted: &[[f64; LOADS]; 2]) -> f64 {
+        // Of the dimensions, in standard deviations.
+        let (mean, std) = (dot(&self.solved, rest) / self.precision, self.precision.powf(-0.5));
+        // Of the sample's own, where the dimensions are known.
+        let of_own = |z: f64| {
+            let left: f64 = (0..LOADS).map(|load| rest[load] - z * self.dimensions[load]).sum();
+            (self.own * left, (self.own * self.variance).sqrt())
+        };
+        within(log, wanted, (mean, std), &of_own)
+    }
+}
+
+/// Steps of the deviate of the dimensions over which chances are summed, in standard deviations.
+const STEP: f64 = 0.5;
+const STEPS: i32 = 7;
+
+/// The chance that (1 + d z) `log` + t lies within `wanted` at every load; z is normal of this mean and standard deviation, and
+/// `of_own` gives those of t where z is known.
+pub fn within(
+    log: &[f64; LOADS],
+    wanted: &[[f64; LOADS]; 2],
+    (mean, std): (f64, f64),
+    of_own: &dyn Fn(f64) -> (f64, f64),
+) -> f64 {
+    let [lower, upper] = wanted;
+    let mut sum = 0.0;
+    for step in -STEPS..=STEPS {
+        let deviate = STEP * f64::from(step);
+        let z = mean + std * deviate;
+        let more = 1.0 + DIMENSIONS_STD * z;
+        let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
+        for load in 0..LOADS {
+            least = least.max(lower[load] - more * log[load]);
+            most = most.min(upper[load] - more * log[load]);
+        }
+        if least < most {
+            let (own, own_std) = of_own(z);
+            let below = |x: f64| slipgrid_statistics::normal_probability((x - own) / own_std);
+            sum += (-0.5 * deviate * deviate).exp() * (below(most) - below(least));
+        }
+    }
+    (sum * STEP / std::f64::consts::TAU.sqrt()).clamp(0.0, 1.0)
+}
+
+/// Gaussians of equal distance from `from` to `to`, a share each.
+fn cover(from: f64, to: f64, count: usize, share: &dyn Fn(f64) -> f64) -> Vec<Node> {
+    let step = (to - from) / count as f64;
+    (0..count)
+        .map(|place| {
+            let at = from + (place as f64 + 0.5) * step;
+            Node { at, std: OVERLAP * step.abs(), share: share(at) }
+        })
+        .collect()
+}
+
+/// Gaussians of the size of `mechanism`, with the standard deviations of its two changes with pressure.
+fn sizes(mechanism: Mechanism, of_sizes: Sizes) -> Vec<(Node, [f64; 2])> {
+    if matches!(mechanism, Mechanism::Rims | Mechanism::None) {
+        return vec![(Node { at: 0.0, std: 0.0, share: 1.0 }, [0.0; 2])];
+    }
+    if of_sizes == Sizes::Broad {
+        let of = Hyperparameters::default();
+        let scaled = |(scale, share): &(f64, f64)| {
+            let node = Node { at: 0.0, std: scale * of.amplitude_std, share: *share };
+            (node, [scale * of.pressure_std, scale * of.inverse_pressure_std])
+        };
+        return of.scales.iter().map(scaled).collect();
+    }
+    let [from, by] = mechanism.sizes();
+    let nodes = cover(from, from + by, SIZES, &|_| 1.0 / SIZES as f64);
+    nodes.into_iter().map(|node| (node, [SLOPE_SHARE * node.at.abs(); 2])).collect()
+}
+
+/// Between the least and the most modulus, and what lies beyond at these.
+fn moduli() -> Vec<Node> {
+    let beyond = slipgrid_statistics::normal_probability(-MOST_LOG_MODULUS / MODULUS_STD);
+    let step = 2.0 * MOST_LOG_MODULUS / MODULI as f64;
+    let prior = Node { at: 0.0, std: MODULUS_STD, share: 1.0 };
+    let mut nodes = cover(-MOST_LOG_MODULUS, MOST_LOG_MODULUS, MODULI, &|at| step * prior.density(at));
+    nodes.extend([-MOST_LOG_MODULUS, MOST_LOG_MODULUS].map(|at| Node { at, std: 0.0, share: beyond }));
+    nodes
+}
+
+fn dot(a: &[f64; LOADS], b: &[f64; LOADS]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The lower factor of a matrix that is positive definite, in its place.
+fn cholesky(matrix: &mut Matrix) {
+    for row in 0..N {
+        for column in 0..=row {
+            let known: f64 = (0..column).map(|k| matrix[row][k] * matrix[column][k]).sum();
+            let left = matrix[row][column] - known;
+            matrix[row][column] = if row == column { left.sqrt() } else { left / matrix[column][column] };
+        }
+    }
+}
+
+fn solve_lower(factor: &Matrix, values: &mut Vector) {
+    for row in 0..N {
+        let known: f64 = (0..row).map(|k| factor[row][k] * values[k]).sum();
+        values[row] = (values[row] - known) / factor[row][row];
+    }
+}
+
+fn solve_upper(factor: &Matrix, values: &mut Vector) {
+    for row in (0..N).rev() {
+        let known: f64 = (row + 1..N).map(|k| factor[k][row] * values[k]).sum();
+        values[row] = (values[row] - known) / factor[row][row];
+    }
+}
+
+#[cfg(test)]
+mod tests;
