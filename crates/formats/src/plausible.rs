@@ -33,15 +33,6 @@ pub const FRICTION: Plausible = Plausible {
     why: "graphite slides at 0.01, rubber at 3, clean metals in vacuum at 10",
     slips: &[("a torque in N mm or mN m read as N m, or a force in mN as N: that", 1e-3), ("in per cent, that", 1e-2)],
 };
-/// Friction of patterned over that of flat samples.
-pub const RATIO: Plausible = Plausible {
-    what: "friction ratios of patterned over flat samples",
-    unit: "",
-    measurable: [0.01, 5.0],
-    usual: [0.2, 1.5],
-    why: "dry textures change friction by some tens of per cent",
-    slips: &[("in per cent, that", 1e-2)],
-};
 /// Young's moduli of specimens.
 pub const MODULUS: Plausible = Plausible {
     what: "Young's moduli",
@@ -125,6 +116,7 @@ pub const RATIO: Plausible = Plausible {
     usual: [0.2, 1.3],
     why: "published textures change dry friction by some tens of per cent at most",
     slips: &[
+        ("in per cent, that", 1e-2),
         ("with the decimal point one place to the left it", 0.1),
         ("with the decimal point one place to the right it", 10.0),
     ],
