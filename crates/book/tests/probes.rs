@@ -183,6 +183,7 @@ fn calibrations() -> Vec<String> {
     let traces =
         "[traces]\n[[traces.condition]]\nforce_n = 1.0\nspeed_mm_s = 1.0\nhumidity_pct = 1.0\nfiles = [\"none.csv\"]\n";
     let trial = "[[trial]]\nname = \"cut-1\"\n[trial.pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let of_trial = traces.replace("[traces]\n", "").replace("traces.condition", "trial.traces");
     let rims = "rim_height_um = 0.1\nrim_width_um = 20.0\n";
     let mapped = calibration.replace("persson_rms_slope = 0.0137", "map = \"flat-map.asc\"");
     let ring = "outer_diameter_mm = 30.0\ninner_diameter_mm = 20.0";
@@ -192,6 +193,7 @@ fn calibrations() -> Vec<String> {
         format!("{calibration}{patterned}{rims}"),
         format!("{calibration}{trial}"),
         format!("{calibration}{trial}{rims}"),
+        format!("{calibration}{trial}{of_trial}"),
         format!("{calibration}[trial_prior]\n"),
         calibration
             .replace("[measurements]", "[measurements_]")

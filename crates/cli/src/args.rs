@@ -196,7 +196,7 @@ pub struct CalibrateArgs {
     Takes a calibration file with a table [traces], or the repeats of one condition. An export is a \
     table with a header that names time, torque (or friction force) and normal force, with units; comma, \
     semicolon or tab, decimal point or comma. mu = torque / (normal force x effective radius). \
-    Writes flat.csv and patterned.csv, which `calibrate` takes, traces.csv and a picture of each condition. \
+    Writes flat.csv, patterned.csv and a table of each trial, which `calibrate` takes, traces.csv and a picture of each condition. \
     A trace that cannot be used (saturated, gap, no load, wrong sign, clock going back) is refused.")]
 pub struct TracesArgs {
     /// Calibration file, or exports of one condition
@@ -211,7 +211,7 @@ pub struct TracesArgs {
     /// Sliding speed
     #[arg(long, value_name = "MM/S")]
     pub speed_mm_s: Option<f64>,
-    /// Relative humidity
+    /// Relative humidity; where it was not measured, one number in all conditions, as 50
     #[arg(long, value_name = "PCT")]
     pub humidity_pct: Option<f64>,
     /// Specimens that share the recorded normal force

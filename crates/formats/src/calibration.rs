@@ -23,7 +23,8 @@ use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
 use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
-use super::traces::{self, ConditionTraces, SurfaceKind, TraceCondition};
+use super::trace_table::TraceReader;
+use super::traces::{self, ConditionTraces, SurfaceKind};
 use super::trials;
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
@@ -125,7 +126,8 @@ impl Calibration {
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
         let mut told = bulk_told(document, bulk)?;
         told.extend(outline_told(document, &file.specimen, &outline)?);
-        let Measured { flat: placed, patterned, traces } = read_measured(document, &file)?;
+        let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref))?;
+        let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, &mut reader)?;
         for rows in [&placed, &patterned] {
             told.extend(measured::check(rows, &specimens)?);
         }
@@ -141,8 +143,14 @@ impl Calibration {
         let first = pattern.filter(|_| !patterned.is_empty());
         let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
         let own = (&file.trial[..], file.trial_prior.as_ref());
-        let trials =
-            trials::read_trials(document, own, (&outline, &specimens, &placed), first, [&mut told, &mut doubts])?;
+        let (trials, of_trials) = trials::read_trials(
+            document,
+            own,
+            (&outline, &specimens, &placed),
+            (first, &mut reader),
+            [&mut told, &mut doubts],
+        )?;
+        traces.extend(of_trials);
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
             (Surface::Measured { extrapolation }, Some(table)) => {
@@ -390,7 +398,11 @@ struct Measured {
     traces: Vec<ConditionTraces>,
 }
 
-fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured, Diagnostic> {
+fn read_measured(
+    document: &Document,
+    file: &CalibrationFile,
+    reader: &mut TraceReader<'_>,
+) -> Result<Measured, Diagnostic> {
     let mut tables = [Vec::new(), Vec::new()];
     if let Some(measurements) = &file.measurements {
         let names = [measurements.get_ref().flat.as_ref(), measurements.get_ref().patterned.as_ref()];
@@ -403,20 +415,16 @@ fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured
     }
     let mut read = Vec::new();
     if let Some(table) = &file.traces {
-        let (setup, conditions) = traces::read_table(document, table.get_ref())?;
+        let needed = !file.trial.iter().any(|trial| trial.get_ref().has_traces());
+        let conditions = reader.table(table, needed)?;
         for kind in SurfaceKind::ALL {
             if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {
                 let reason = format!("has {} samples, and so has [measurements]", kind.name());
                 return Err(document.refuse(table.span(), reason).expected("one of the two"));
             }
         }
-        let only: Vec<TraceCondition> = conditions.iter().map(|(_, condition)| condition.clone()).collect();
-        for (traces, (span, condition)) in
-            traces::analyse_conditions(document.source(), &setup, &only)?.into_iter().zip(&conditions)
-        {
-            let line = document.refuse(span.clone(), "").line.unwrap_or(1);
-            let (measurement, path) = (traces.measurement(), document.path().to_owned());
-            tables[condition.surface as usize].push(Placed { measurement, path, line });
+        for (traces, (span, condition)) in reader.analyse(&conditions)?.into_iter().zip(&conditions) {
+            tables[condition.surface as usize].push(traces.placed(document, span));
             read.push(traces);
         }
     }
@@ -426,7 +434,9 @@ fn read_measured(document: &Document, file: &CalibrationFile) -> Result<Measured
             Some(table) => document.missing(table.span(), "flat"),
             None => document.missing(0..0, "measurements.flat"),
         };
-        return Err(missing.expected("a table, or [traces] of flat samples"));
+        return Err(missing.expected(
+            "a table, or [traces] of flat samples; traces of a cut sample stand beside them, in its [[trial]] as [[trial.traces]]",
+        ));
     }
     Ok(Measured { flat, patterned, traces: read })
 }

@@ -5,7 +5,7 @@ use toml::Spanned;
 
 use super::pattern::PatternFile;
 use super::surface::SurfaceFile;
-use super::traces::TracesFile;
+use super::trace_table::TracesFile;
 use super::trials::{PriorFile, TrialFile};
 use super::values::{Number, NumberList};
 

@@ -16,6 +16,8 @@ use super::measured::{self, Placed, Specimens};
 use super::measurements;
 use super::pattern::PatternFile;
 use super::relief::read_relief;
+use super::trace_table::{TraceConditionFile, TraceReader};
+use super::traces::{ConditionTraces, OfTrial};
 use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S, tidy};
@@ -36,6 +38,8 @@ pub struct TrialFile {
     pattern: Spanned<PatternFile>,
     /// CSV table of friction in the columns of flat samples; a trial without it is pending.
     measurements: Option<Spanned<String>>,
+    /// Raw exports of a tribometer in place of the table, one table a condition; `[traces]` says how they are read.
+    traces: Option<Spanned<Vec<TraceConditionFile>>>,
     /// Face of this sample, on which `force_n` of its table counts; the calibration's specimen when absent.
     specimen: Option<Spanned<FaceFile>>,
     /// Standard error of its measured mean width; 0 when absent.
@@ -55,6 +59,12 @@ impl TrialFile {
     #[must_use]
     pub fn measurements(&self) -> Option<&str> {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
+    }
+
+    /// It has traces of its own.
+    #[must_use]
+    pub const fn has_traces(&self) -> bool {
+        self.traces.is_some()
     }
 }
 
@@ -123,20 +133,21 @@ impl PriorFile {
 }
 
 /// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample
-/// `first` that its own tables name; adds what is unusual to `told`, and
+/// `first` that its own tables name; their traces are read by `reader`, and returned. Adds what is unusual to `told`, and
 /// ratios that are hardly meant to `doubts`.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in them.
-pub fn read_trials(
+pub(crate) fn read_trials(
     document: &Document,
     (trials, prior): (&[Spanned<TrialFile>], Option<&Spanned<PriorFile>>),
     (outline, specimens, flat): (&Outline, &Specimens, &[Placed]),
-    first: Option<CutSample>,
+    (first, reader): (Option<CutSample>, &mut TraceReader<'_>),
     [told, doubts]: [&mut Vec<Diagnostic>; 2],
-) -> Result<TrialsTask, Diagnostic> {
+) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
+    let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
-    for table in trials {
+    for (table, number) in trials.iter().zip(1..) {
         let file = table.get_ref();
         if samples.iter().any(|other| other.name == *file.name.get_ref()) {
             return Err(document
@@ -146,12 +157,24 @@ pub fn read_trials(
         let own = file.specimen.as_ref().map(|table| read_outline(document, table)).transpose()?;
         let own_specimens = Specimens { area_m2: own.as_ref().map_or(specimens.area_m2, area_m2), ..*specimens };
         let pattern = read_fitting_pattern(document, &file.pattern, own.as_ref().unwrap_or(outline))?;
-        let rows = match &file.measurements {
-            Some(name) => {
+        let rows = match (&file.measurements, &file.traces) {
+            (Some(_), Some(traces)) => {
+                return Err(document.refuse(traces.span(), "stands beside measurements").expected("one of the two"));
+            }
+            (Some(name), None) => {
                 let path = existing(document, name, name.get_ref())?;
                 Placed::rows(&path, measurements::read(document.source(), &path)?)
             }
-            None => Vec::new(),
+            (None, Some(list)) => {
+                let conditions =
+                    reader.conditions(list, Some(&OfTrial { number, name: file.name.get_ref().clone() }))?;
+                let found = reader.analyse(&conditions)?;
+                let rows = found.iter().zip(&conditions).map(|(traces, (span, _))| traces.placed(document, span));
+                let rows = rows.collect();
+                read.extend(found);
+                rows
+            }
+            (None, None) => Vec::new(),
         };
         told.extend(measured::check(&rows, &own_specimens)?);
         let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
@@ -178,7 +201,7 @@ pub fn read_trials(
         let span = prior.map_or(0..0, Spanned::span);
         document.refuse(span, error.to_string())
     })?;
-    Ok(TrialsTask { samples, prior: hyper })
+    Ok((TrialsTask { samples, prior: hyper }, read))
 }
 
 /// A pattern with what no file is asked for.

@@ -2,7 +2,7 @@
 
 use slipgrid_calibrate::Measurement;
 use slipgrid_formats::measurements;
-use slipgrid_formats::traces::{ConditionTraces, SurfaceKind, TraceCondition, notes};
+use slipgrid_formats::traces::{ConditionTraces, OfTrial, SurfaceKind, TraceCondition, notes};
 use slipgrid_results::{Table, VERSION, fixed};
 use slipgrid_traces::DEFAULT_WINDOW_S;
 use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S, tidy};
@@ -17,7 +17,8 @@ use crate::{ChartError, Outputs};
 pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     let mut outputs = Outputs::default();
     for kind in SurfaceKind::ALL {
-        let of_kind = conditions.iter().filter(|traces| traces.condition.surface == kind);
+        let of_kind =
+            conditions.iter().filter(|traces| traces.condition.surface == kind && traces.condition.trial.is_none());
         let rows: Vec<Measurement> = of_kind.map(ConditionTraces::measurement).collect();
         if !rows.is_empty() {
             let comment = format!(
@@ -27,6 +28,15 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
             outputs.add(format!("{}.csv", kind.name()), measurements::table(&comment, &rows));
         }
     }
+    for of_trial in conditions.chunk_by(|a, b| a.condition.trial == b.condition.trial) {
+        if let Some(OfTrial { number, name }) = of_trial.first().and_then(|traces| traces.condition.trial.as_ref()) {
+            let rows: Vec<Measurement> = of_trial.iter().map(ConditionTraces::measurement).collect();
+            let words: String = name.chars().filter(|c| !c.is_control()).collect();
+            let comment =
+                format!("By slipgrid traces {VERSION}: trial \"{words}\", mean and standard deviation of repeats");
+            outputs.add(format!("trial-{number}-measured.csv"), measurements::table(&comment, &rows));
+        }
+    }
     outputs.add("traces.csv", table(conditions));
     for traces in conditions {
         outputs.add(format!("{}.svg", name(&traces.condition)), picture(traces)?);
@@ -34,10 +44,13 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
     Ok(outputs)
 }
 
-/// Surface, force in N, speed in mm/s and humidity in per cent, in words.
+/// Surface or number of the trial, force in N, speed in mm/s and humidity in per cent, in words.
 fn words(condition: &TraceCondition) -> [String; 4] {
     [
-        condition.surface.name().to_owned(),
+        match &condition.trial {
+            Some(trial) => format!("trial-{}", trial.number),
+            None => condition.surface.name().to_owned(),
+        },
         condition.force_n.to_string(),
         SPEED_MM_S.from_si(condition.speed_m_s).to_string(),
         HUMIDITY_PCT.from_si(condition.humidity).to_string(),
@@ -51,8 +64,8 @@ fn name(condition: &TraceCondition) -> String {
 }
 
 fn title(condition: &TraceCondition) -> String {
-    let [surface, force, speed, humidity] = words(condition);
-    format!("{surface} sample, {force} N, {speed} mm/s, {humidity} % humidity")
+    let ([_, force, speed, humidity], sample) = (words(condition), condition.sample());
+    format!("{sample}, {force} N, {speed} mm/s, {humidity} % humidity")
 }
 
 fn picture(traces: &ConditionTraces) -> Result<String, ChartError> {

@@ -76,7 +76,7 @@ pub fn run_in(
     }
     // Parts by what is left of the change, from 1.
     let left: Vec<f64> = means.iter().map(|mean| (settled - mean) / change).collect();
-    let passed = left.iter().position(|left| *left <= 0.5).unwrap_or(left.len() - 1).max(1);
+    let passed = left.iter().position(|left| *left <= 0.5).filter(|passed| *passed > 0)?;
     let share = ((left[passed - 1] - 0.5) / (left[passed - 1] - left[passed])).clamp(0.0, 1.0);
     let middle_s = from_s + part_s / 2.0;
     let half_s = middle_s + part_s * ((passed - 1) as f64 + share);

@@ -14,7 +14,19 @@ use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIM
 use super::area_law::checked;
 
 /// What is written.
-pub const FILES: [&str; 5] = ["flat.csv", "patterned.csv", "traces.csv", "flat-*.svg", "patterned-*.svg"];
+pub const FILES: [&str; 7] = [
+    "flat.csv",
+    "patterned.csv",
+    "trial-*-measured.csv",
+    "traces.csv",
+    "flat-*.svg",
+    "patterned-*.svg",
+    "trial-*pct.svg",
+];
+
+/// What to say of a humidity that nobody measured.
+const HUMIDITY_NOT_MEASURED: &str =
+    "the relative humidity of these exports in %; where it was not measured, one number in all conditions, as 50";
 
 /// Reads exports and reports.
 pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -25,7 +37,9 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
         [file] if file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) => {
             let calibration = Calibration::read(&slipgrid_disk::disk(), file)?;
             if calibration.traces.is_empty() {
-                return Err(Diagnostic::file(file, "has no table [traces]").expected("one, or exports instead").into());
+                return Err(Diagnostic::file(file, "has no table [traces]")
+                    .expected("one, [[trial.traces]] of a trial, or exports instead")
+                    .into());
             }
             calibration.traces
         }
@@ -43,31 +57,35 @@ pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError>
 }
 
 fn setup(args: &TracesArgs) -> Result<TraceSetup, Diagnostic> {
-    let window_s = match args.window_s.as_deref() {
-        None => DEFAULT_WINDOW_S,
-        Some(&[from, to]) if from < to => [checked("--window-s", from, TIME_S)?, checked("--window-s", to, TIME_S)?],
-        Some(other) => {
-            let given: Vec<String> = other.iter().map(f64::to_string).collect();
-            return Err(
-                Diagnostic::flag("--window-s", given.join(","), "is no window").expected("two increasing times, 10,40")
-            );
-        }
-    };
     let radius = args.effective_radius_mm;
     Ok(TraceSetup {
-        window_s,
         effective_radius_m: radius.map(|mm| checked("--effective-radius-mm", mm, LENGTH_MM)).transpose()?,
         specimens: args.specimens.unwrap_or(1).max(1),
         static_peak: !args.no_static_peak,
-        stroke_share: args.reciprocating.then_some(DEFAULT_STROKE_SHARE),
     })
+}
+
+fn window_s(args: &TracesArgs) -> Result<[f64; 2], Diagnostic> {
+    match args.window_s.as_deref() {
+        None => Ok(DEFAULT_WINDOW_S),
+        Some(&[from, to]) if from < to => {
+            Ok([checked("--window-s", from, TIME_S)?, checked("--window-s", to, TIME_S)?])
+        }
+        Some(other) => {
+            let given: Vec<String> = other.iter().map(f64::to_string).collect();
+            Err(Diagnostic::flag("--window-s", given.join(","), "is no window").expected("two increasing times, 10,40"))
+        }
+    }
 }
 
 fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
     let needed = |flag: &'static str, value: Option<f64>, quantity: Quantity| match value {
         Some(value) => checked(flag, value, quantity),
         None => Err(Diagnostic { key: Some(flag.into()), reason: "is missing".into(), ..Diagnostic::default() }
-            .expected("the condition of these exports; a calibration file with [traces] needs no flags")),
+            .expected(match flag {
+                "--humidity-pct" => HUMIDITY_NOT_MEASURED,
+                _ => "the condition of these exports; a calibration file with [traces] needs no flags",
+            })),
     };
     let mut known = std::collections::HashSet::new();
     for file in &args.files {
@@ -77,6 +95,9 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
     }
     Ok(TraceCondition {
         surface: if args.patterned { SurfaceKind::Patterned } else { SurfaceKind::Flat },
+        trial: None,
+        window_s: window_s(args)?,
+        stroke_share: args.reciprocating.then_some(DEFAULT_STROKE_SHARE),
         force_n: needed("--force-n", args.force_n, FORCE_N)?,
         speed_m_s: needed("--speed-mm-s", args.speed_mm_s, SPEED_MM_S)?,
         humidity: needed("--humidity-pct", args.humidity_pct, HUMIDITY_PCT)?,

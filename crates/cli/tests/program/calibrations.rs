@@ -147,6 +147,82 @@ fn a_sample_that_slides_back_and_forth_is_read_by_its_strokes() {
 }
 
 #[test]
+fn conditions_and_trials_have_traces_of_their_own() {
+    let turning = |t: f64| 0.24 * (20.0 * (std::f64::consts::TAU * t).sin()).clamp(-1.0, 1.0);
+    let names = ["a-1", "a-2", "back-1", "back-2", "cut-1", "cut-2", "cut-back-1", "cut-back-2"];
+    let mut place = Vec::new();
+    for (name, seed) in names.into_iter().zip(1..) {
+        let factor = if name.starts_with("cut") { 0.8 } else { 1.0 } * (1.0 + 0.002 * f64::from(seed % 2));
+        let shape = move |t: f64| factor * if name.contains("back") { turning(t) } else { 0.25 * rise(t) };
+        place.push((format!("{name}.csv"), trace(seed, shape)));
+    }
+    let place: Vec<(&str, &str)> = place.iter().map(|(name, text)| (&name[..], &text[..])).collect();
+    let place = Place::with(&place);
+    let (head, tail) = CALIBRATION.split_once("[measurements]\nflat = \"flat.csv\"\n").unwrap();
+    let condition = |table: &str, speed: &str, files: &str, more: &str| {
+        format!("[[{table}]]\nforce_n = 50.0\nspeed_mm_s = {speed}\nhumidity_pct = 15.0\nfiles = [\"{files}\"]\n{more}")
+    };
+    let back = "reciprocating = true\nwindow_s = [5.0, 44.0]\n";
+    let flat = condition("traces.condition", "2.0", "a-*.csv", "")
+        + &condition("traces.condition", "10.0", "back-*.csv", back);
+    let pattern = "[trial.pattern]\nplanform = \"groove\"\nwidth_um = 130.0\nspacing_um = 370.0\ndepth_um = 5.2\n";
+    let cut = condition("trial.traces", "2.0", "cut-?.csv", "").replace("cut-?.csv", "cut-1.csv\", \"cut-2.csv")
+        + &condition("trial.traces", "10.0", "cut-back-*.csv", back);
+    let trial = |more: &str| format!("[[trial]]\nname = \"pilot\"\n{more}{pattern}{cut}");
+    let text = |more: &str| format!("{head}[traces]\neffective_radius_mm = 40.0\n{flat}{tail}{}", trial(more));
+    fs::write(place.path("c.toml"), text("")).unwrap();
+    let told = place.succeed(&["traces", "c.toml", "-o", "out"]);
+    assert!(told.contains("trial \"pilot\", 50 N, 10 mm/s") && told.contains("flat sample, 50 N, 10 mm/s"), "{told}");
+    let flat_rows = fs::read_to_string(place.path("out/flat.csv")).unwrap();
+    let cut_rows = fs::read_to_string(place.path("out/trial-1-measured.csv")).unwrap();
+    assert!(place.path("out/trial-1-50N-10mm_s-15pct.svg").is_file() && !place.path("out/patterned.csv").exists());
+    let friction = |rows: &str| -> Vec<f64> {
+        rows.lines().skip(2).map(|row| row.split(',').nth(3).unwrap().parse().unwrap()).collect()
+    };
+    for (flat, cut) in friction(&flat_rows).into_iter().zip(friction(&cut_rows)) {
+        assert!((cut / flat - 0.8).abs() < 0.002, "{flat_rows}{cut_rows}");
+    }
+    let read = |text: String| {
+        fs::write(place.path("c.toml"), text).unwrap();
+        Calibration::read(&slipgrid_disk::disk(), &place.path("c.toml"))
+    };
+    let own = read(text("")).unwrap();
+    let windows: Vec<f64> = own.traces.iter().map(|traces| traces.condition.window_s[0]).collect();
+    assert_eq!(windows, [10.0, 5.0, 10.0, 5.0]);
+    // The tables that were written say the same.
+    let tables = format!(
+        "{head}[measurements]\nflat = \"out/flat.csv\"\n{tail}[[trial]]\nname = \"pilot\"\nmeasurements = \"out/trial-1-measured.csv\"\n{pattern}"
+    );
+    let tables = read(tables).unwrap();
+    assert_eq!((own.trials.samples.len(), own.trials.samples[0].measured.len()), (1, 2));
+    for (own, table) in own.trials.samples[0].measured.iter().zip(&tables.trials.samples[0].measured) {
+        assert!((own.mu_dynamic - table.mu_dynamic).abs() < 1e-6 && own.speed_m_s == table.speed_m_s);
+    }
+    // A table [traces] without conditions says how those of a trial are read.
+    let setup = format!(
+        "{head}[measurements]\nflat = \"out/flat.csv\"\n[traces]\neffective_radius_mm = 40.0\n{tail}{}",
+        trial("")
+    );
+    assert_eq!(read(setup.clone()).unwrap().trials, own.trials);
+    for (text, says) in [
+        (text("measurements = \"out/trial-1-measured.csv\"\n"), "stands beside measurements; expected one of the two"),
+        (
+            text("").replace("files = [\"cut-1.csv\"", "surface = \"flat\"\nfiles = [\"cut-1.csv\""),
+            "is not the surface of a trial",
+        ),
+        (text("").replace("cut-1.csv", "a-1.csv"), "a-1.csv once more"),
+        (
+            text("").replace("cut-back-*.csv\"]\nreciprocating = true", "cut-back-*.csv\"]\nstroke_share = 0.5"),
+            "needs `reciprocating = true`",
+        ),
+        (setup.replace(&cut, ""), "traces.condition: is missing"),
+    ] {
+        let refused = read(text.clone()).unwrap_err().to_string();
+        assert!(refused.contains(says), "{refused}\n{text}");
+    }
+}
+
+#[test]
 fn one_export_named_twice_in_a_calibration_is_refused() {
     let place = Place::with(&[("a-1.csv", &trace(1, |t| 0.25 * rise(t)))]);
     let (head, _) = CALIBRATION.split_once("[measurements]").unwrap();

@@ -1,0 +1,284 @@
+//! The table `[traces]` of a calibration and `[[trial.traces]]` of a trial, as they are written.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
+use toml::Spanned;
+
+use super::document::Document;
+use super::traces::{ConditionTraces, OfTrial, Seen, SurfaceKind, TraceCondition, TraceSetup, analyse_among};
+use super::values::{Number, NumberList};
+use crate::diagnostic::Diagnostic;
+use crate::source::{Entry, Source};
+use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, SPEED_MM_S, STROKE_SHARE, TIME_S};
+
+/// Number of specimens in a holder, at most.
+const MOST_SPECIMENS: u64 = 100;
+
+/// `[traces]` as a file writes it.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TracesFile {
+    /// Seconds since the first sample between which friction is averaged; [10, 40] when absent.
+    window_s: Option<NumberList>,
+    /// Distance from the axis to a specimen's centre: mu = torque / (normal force x radius).
+    effective_radius_mm: Option<Number>,
+    /// Specimens that share the recorded normal force; 1 when absent.
+    specimens: Option<Spanned<u64>>,
+    /// Look for a static peak at the onset of sliding; true when absent. Not looked for in reciprocating sliding.
+    static_peak: Option<bool>,
+    /// The sample slides back and forth; false when absent. Friction is half the width of the loop of two strokes.
+    reciprocating: Option<bool>,
+    /// Share of every stroke, about its middle, that is averaged with `reciprocating`; 0.5 when absent.
+    stroke_share: Option<Number>,
+    /// One table a condition; needed unless a trial has `[[trial.traces]]`.
+    condition: Option<Spanned<Vec<TraceConditionFile>>>,
+}
+
+/// Exports of one condition.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TraceConditionFile {
+    /// Normal force on one specimen.
+    force_n: Number,
+    /// Sliding speed.
+    speed_mm_s: Number,
+    /// Relative humidity; where it was not measured, one number in all conditions.
+    humidity_pct: Number,
+    /// `flat` or `patterned`; `flat` when absent, of a trial `patterned`.
+    surface: Option<Spanned<String>>,
+    /// Exports, each once; `*` stands for any letters.
+    files: Spanned<Vec<Spanned<String>>>,
+    /// Seconds between which friction of this condition is averaged; as `[traces]` says when absent.
+    window_s: Option<NumberList>,
+    /// The sample slides back and forth in this condition; as `[traces]` says when absent.
+    reciprocating: Option<bool>,
+    /// Share of every stroke in this condition; as `[traces]` says when absent.
+    stroke_share: Option<Number>,
+}
+
+/// Conditions, each with its place in the file.
+pub(crate) type PlacedConditions = Vec<(Range<usize>, TraceCondition)>;
+
+/// What reads the traces of a calibration, each export once.
+pub(crate) struct TraceReader<'d> {
+    document: &'d Document,
+    setup: TraceSetup,
+    window_s: [f64; 2],
+    reciprocating: bool,
+    stroke_share: Option<f64>,
+    /// Every export that was named, with its own place and line.
+    named: Vec<(PathBuf, Option<u32>)>,
+    /// Every trace that was read.
+    seen: Vec<Seen>,
+}
+
+impl<'d> TraceReader<'d> {
+    /// What the table `[traces]` says of all traces.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in it.
+    pub(crate) fn new(document: &'d Document, file: Option<&TracesFile>) -> Result<Self, Diagnostic> {
+        let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
+        let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
+            u32::try_from(*count.get_ref()).ok().filter(|_| (1..=MOST_SPECIMENS).contains(count.get_ref())).ok_or_else(
+                || {
+                    document
+                        .refuse(count.span(), "specimens are not held")
+                        .expected(format!("a whole number from 1 to {MOST_SPECIMENS}"))
+                },
+            )
+        })?;
+        let radius = file.and_then(|file| file.effective_radius_mm.as_ref());
+        let effective_radius_m = document.optional(radius, LENGTH_MM)?;
+        let reciprocating = file.and_then(|file| file.reciprocating).unwrap_or(false);
+        let share = file.and_then(|file| file.stroke_share.as_ref());
+        let conditions = file.and_then(|file| file.condition.as_ref()).map_or(&[][..], |list| list.get_ref());
+        let some_turn = reciprocating || conditions.iter().any(|condition| condition.reciprocating == Some(true));
+        if let Some(share) = share.filter(|_| !some_turn) {
+            return Err(needs_reciprocating(document, share));
+        }
+        Ok(Self {
+            document,
+            setup: TraceSetup {
+                effective_radius_m,
+                specimens,
+                static_peak: file.and_then(|file| file.static_peak).unwrap_or(true),
+            },
+            window_s: window_s.unwrap_or(DEFAULT_WINDOW_S),
+            reciprocating,
+            stroke_share: document.optional(share, STROKE_SHARE)?,
+            named: Vec::new(),
+            seen: Vec::new(),
+        })
+    }
+
+    /// The conditions of the table; `needed` where no trial has traces of its own. Files are looked for.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in them.
+    pub(crate) fn table(&mut self, table: &Spanned<TracesFile>, needed: bool) -> Result<PlacedConditions, Diagnostic> {
+        match &table.get_ref().condition {
+            Some(list) => self.conditions(list, None),
+            None if needed => {
+                Err(self.document.missing(table.span(), "condition").expected("at least one [[traces.condition]]"))
+            }
+            None => Ok(Vec::new()),
+        }
+    }
+
+    /// Conditions of a list, of a trial or of the table; files are looked for.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] for anything refused in them.
+    pub(crate) fn conditions(
+        &mut self,
+        list: &Spanned<Vec<TraceConditionFile>>,
+        trial: Option<&OfTrial>,
+    ) -> Result<PlacedConditions, Diagnostic> {
+        if list.get_ref().is_empty() {
+            let one =
+                if trial.is_some() { "at least one [[trial.traces]]" } else { "at least one [[traces.condition]]" };
+            return Err(self.document.refuse(list.span(), "is empty").expected(one));
+        }
+        list.get_ref().iter().map(|file| Ok((file.force_n.span(), self.condition(file, trial)?))).collect()
+    }
+
+    /// Reads and analyses every trace of `conditions`.
+    ///
+    /// # Errors
+    /// As [`analyse_condition`](super::traces::analyse_condition), and for an export that holds what another holds.
+    pub(crate) fn analyse(
+        &mut self,
+        conditions: &[(Range<usize>, TraceCondition)],
+    ) -> Result<Vec<ConditionTraces>, Diagnostic> {
+        let source = self.document.source();
+        conditions.iter().map(|(_, condition)| analyse_among(source, &self.setup, condition, &mut self.seen)).collect()
+    }
+
+    fn condition(&mut self, file: &TraceConditionFile, trial: Option<&OfTrial>) -> Result<TraceCondition, Diagnostic> {
+        let document = self.document;
+        let usual = if trial.is_some() { SurfaceKind::Patterned } else { SurfaceKind::Flat };
+        let surface = file
+            .surface
+            .as_ref()
+            .map_or(Ok(usual), |name| document.choice(name, &SurfaceKind::ALL, SurfaceKind::name))?;
+        if let Some(name) = file.surface.as_ref().filter(|_| trial.is_some() && surface == SurfaceKind::Flat) {
+            return Err(document
+                .refuse(name.span(), "is not the surface of a trial")
+                .expected("\"patterned\" or no key; flat samples stand in [[traces.condition]]"));
+        }
+        let (force_n, speed_m_s) =
+            (document.number(&file.force_n, FORCE_N)?, document.number(&file.speed_mm_s, SPEED_MM_S)?);
+        let humidity = document.number(&file.humidity_pct, HUMIDITY_PCT)?;
+        let window_s = read_window(document, file.window_s.as_ref())?.unwrap_or(self.window_s);
+        let stroke_share = match (&file.stroke_share, file.reciprocating.unwrap_or(self.reciprocating)) {
+            (Some(share), false) => return Err(needs_reciprocating(document, share)),
+            (None, false) => None,
+            (Some(share), true) => Some(document.number(share, STROKE_SHARE)?),
+            (None, true) => Some(self.stroke_share.unwrap_or(DEFAULT_STROKE_SHARE)),
+        };
+        let files = self.files(&file.files)?;
+        Ok(TraceCondition {
+            surface,
+            trial: trial.cloned(),
+            force_n,
+            speed_m_s,
+            humidity,
+            window_s,
+            stroke_share,
+            files,
+        })
+    }
+
+    fn files(&mut self, list: &Spanned<Vec<Spanned<String>>>) -> Result<Vec<PathBuf>, Diagnostic> {
+        let document = self.document;
+        let mut files = Vec::new();
+        for name in list.get_ref() {
+            let found = matching(document.source(), &document.resolve(name.get_ref()));
+            if found.is_empty() {
+                let entry = document.source().entry(&document.resolve(name.get_ref()));
+                let what =
+                    if entry.is_ok_and(|entry| entry == Entry::Folder) { "is a folder" } else { "names no file" };
+                return Err(document.refuse(name.span(), what).expected("an export, or a name with * in it"));
+            }
+            for path in &found {
+                let own = document.source().canonical(path);
+                let here = document.refuse(name.span(), "");
+                if let Some((_, line)) = self.named.iter().find(|(other, _)| *other == own) {
+                    let before = line.map_or_else(String::new, |line| format!(", as line {line} does"));
+                    let reason = format!("names {} once more{before}: one export is one repeat", path.display());
+                    return Err(Diagnostic { reason, ..here }.expected("each export once"));
+                }
+                self.named.push((own, here.line));
+            }
+            files.extend(found);
+        }
+        if files.is_empty() {
+            return Err(document.refuse(list.span(), "is empty").expected("at least one export"));
+        }
+        Ok(files)
+    }
+}
+
+fn needs_reciprocating(document: &Document, share: &Number) -> Diagnostic {
+    document.refuse(share.span(), "needs `reciprocating = true`").expected("both keys or neither")
+}
+
+fn read_window(document: &Document, window: Option<&NumberList>) -> Result<Option<[f64; 2]>, Diagnostic> {
+    let Some(window) = window else { return Ok(None) };
+    match document.numbers(window, TIME_S)?[..] {
+        [from, to] if from < to => Ok(Some([from, to])),
+        _ => Err(document.refuse(window.span(), "is no window").expected("two increasing times, [10, 40]")),
+    }
+}
+
+/// Files whose names fit `pattern`, in which * stands for any letters of the name; sorted.
+fn matching(source: &Source, pattern: &Path) -> Vec<PathBuf> {
+    let is_file = |path: &Path| source.entry(path).is_ok_and(|entry| entry == Entry::File);
+    let name = pattern.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    if !name.contains('*') {
+        return if is_file(pattern) { vec![pattern.to_owned()] } else { Vec::new() };
+    }
+    let parts: Vec<&str> = name.split('*').collect();
+    let folder = pattern.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let names = source.names(folder);
+    let fitting = names.iter().filter(|name| fits(name, &parts) && is_file(&folder.join(name)));
+    let mut found: Vec<PathBuf> = fitting.map(|name| pattern.with_file_name(name)).collect();
+    found.sort();
+    found
+}
+
+/// Whether `name` is the parts in their order with anything between them.
+fn fits(name: &str, parts: &[&str]) -> bool {
+    let [first, middle @ .., last] = parts else { return parts == [name] };
+    let Some(mut rest) = name.strip_prefix(first).and_then(|rest| rest.strip_suffix(last)) else { return false };
+    for part in middle {
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (name, pattern, fit) in [
+            ("flat-50N-1.csv", "flat-50N-*.csv", true),
+            ("flat-50N-1.csv", "*", true),
+            ("flat-50N-1.csv", "*50N*1*", true),
+            ("flat-150N-1.csv", "flat-50N-*.csv", false),
+            ("flat-50N-1.txt", "flat-50N-*.csv", false),
+            ("aba", "ab*ba", false),
+        ] {
+            assert_eq!(fits(name, &pattern.split('*').collect::<Vec<_>>()), fit, "{name} {pattern}");
+        }
+    }
+}
