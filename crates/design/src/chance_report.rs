@@ -273,7 +273,11 @@ impl ChanceReport {
     pub fn with_and_without_trials(&self, advice: Option<&AdviceReport>) -> Option<String> {
         let advice = self.beside(advice)?;
         let Some(share) = self.value else {
-            return Some(format!("the chance counts nothing but {}; for the model alone, {}", advice.known_of(), self.words));
+            return Some(format!(
+                "the chance counts nothing but {}; for the model alone, {}",
+                advice.known_of(),
+                self.words
+            ));
         };
         Some(format!(
             "the chance counts {}; if it lacked nothing, it would be {}{}",
