@@ -79,8 +79,8 @@ fn one_texture_predicts_nothing_and_tells_no_form() {
         "{text}"
     );
     assert!(text.contains("predicted by the trials before it: 2 ratios had nothing to go by\n"), "{text}");
-    // A condition that was measured, not the mean of all.
-    assert!(text.contains("the last trial, 1.00 MPa, 2 mm/s, 40 %"), "{text}");
+    // A measured condition, that nearest to 1.5 MPa by its logarithm.
+    assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
     let page = found.files().unwrap().text("report.html").unwrap();
     for text in [
         "Doubtful: measured ratio: odd.",
