@@ -49,3 +49,46 @@ fn is_alike(one: &Features, other: &Features) -> bool {
     let of = |of: &Features| [of.areal_density, of.edge_1_m, of.depth_m];
     of(one).iter().zip(of(other)).all(|(one, other)| libm::log(one / other).abs() <= APART)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Conditions, Hyperparameters, Load, Measured, Trial};
+    use slipgrid_pattern::{Pattern, Planform};
+
+    /// Grooves of these widths, spacings and depths, in um, whose discrepancy grows with their edges.
+    fn learned(textures: &[[f64; 3]]) -> Discrepancy {
+        let trial = |lengths_um: &[f64; 3]| {
+            let [width_m, spacing_m, depth_m] = lengths_um.map(|length_um| length_um * 1e-6);
+            let features = Features::from(&Pattern::new(Planform::Groove, width_m, spacing_m, depth_m).unwrap());
+            let measured = Measured {
+                load: Load { pressure_pa: 1e6, speed_m_s: 2e-3, humidity: 0.4 },
+                measured: 0.9 * libm::exp(-0.1 * features.edge_1_m / 2080.0),
+                modelled: 0.9,
+                patterned_std: 0.005,
+                flat_std: 0.005,
+                modulus_sensitivity: 0.0,
+            };
+            let (name, of_dimensions) = (format!("{lengths_um:?}"), Vec::new());
+            Trial { name, features, sample_std: None, disc: None, measured: vec![measured], of_dimensions }
+        };
+        let trials = textures.iter().map(trial).collect();
+        Discrepancy::new(Hyperparameters::default(), Conditions::default(), 0.0, trials).unwrap()
+    }
+
+    #[test]
+    fn a_form_is_named_only_where_textures_tell_it_from_the_others() {
+        // A dense texture and repeats of it: some forms lose weight, because they were believed to be far too large there.
+        let one = learned(&[[84.0, 31.0, 48.0], [84.0, 30.0, 48.0], [83.0, 31.0, 48.0]]);
+        assert!(one.has_one_texture() && one.identified().is_none(), "{:?}", one.forms());
+        let many =
+            [[100.0, 400.0, 10.0], [30.0, 120.0, 2.0], [300.0, 700.0, 20.0], [50.0, 500.0, 3.0], [40.0, 60.0, 20.0]];
+        let found = learned(&many);
+        assert!(!found.has_one_texture());
+        assert_eq!(found.identified(), Some("edge length"), "{:?}", found.forms());
+        // Edges in proportion to the density: one cannot be told from the other.
+        let alike = learned(&[[100.0, 100.0, 10.0], [100.0, 300.0, 10.0], [100.0, 900.0, 10.0]]);
+        assert!(!alike.has_one_texture() && alike.identified().is_none(), "{:?}", alike.forms());
+        assert!(!learned(&[]).has_one_texture());
+    }
+}

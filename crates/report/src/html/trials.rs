@@ -166,7 +166,10 @@ fn next(report: &TrialsReport) -> Vec<String> {
         ));
     }
     if all.is_empty() {
-        all.push("The texture that slipgrid next names for your target: nothing else is left open that one more sample would settle.".to_owned());
+        all.push(
+            "The texture that slipgrid next names for your target: its chance there says how much is still open."
+                .to_owned(),
+        );
     }
     all
 }

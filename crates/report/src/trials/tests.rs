@@ -1,5 +1,5 @@
 use super::*;
-use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Measured, Trial};
+use slipgrid_discrepancy::{Conditions, Features, Hyperparameters, Load, Measured, Trial};
 use slipgrid_pattern::{Pattern, Planform};
 
 fn trial(name: &str, spacing_um: f64, excess: f64) -> Trial {
@@ -65,6 +65,30 @@ fn the_ledger_says_what_was_predicted_and_what_is_known() {
     }
     let json = serde_json::to_string(&found).unwrap();
     assert_eq!(serde_json::from_str::<TrialsReport>(&json).unwrap(), found);
+}
+
+#[test]
+fn one_texture_predicts_nothing_and_tells_no_form() {
+    // A texture so dense that some forms were believed to be far too large there.
+    let found = ledger(vec![trial("A", 130.0, -0.05)]).with_warnings(vec!["measured ratio: odd".to_owned()]);
+    assert!(found.one_texture && found.identified.is_none(), "{:?}", found.forms);
+    assert_eq!((found.coverage[0].ratios, found.coverage[0].without_any, found.coverage[0].within_95), (0, 2, 0));
+    let text = found.text();
+    assert!(
+        text.contains("\n! measured ratio: odd\n") && text.contains("one texture cannot tell the forms apart"),
+        "{text}"
+    );
+    assert!(text.contains("predicted by the trials before it: 2 ratios had nothing to go by\n"), "{text}");
+    // A measured condition, that nearest to 1.5 MPa by its logarithm.
+    assert!(text.contains("the last trial, 2.00 MPa, 2 mm/s, 40 %"), "{text}");
+    let page = found.files().unwrap().text("report.html").unwrap();
+    for text in [
+        "Doubtful: measured ratio: odd.",
+        "nothing was predicted by a trial yet",
+        "One texture cannot tell the forms apart",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
 }
 
 #[test]
