@@ -360,11 +360,12 @@ impl DesignReport {
                 flat.words
             );
         }
+        let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0);
         match self.status.as_ref() {
             "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
             "met" => format!("met by the model{scope}"),
             "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
-            _ if self.goal.is_some() && self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0) => {
+            _ if self.goal.is_some() && self.misfit.predicted <= 1.0 && (self.out_of_time || is_confirmed) => {
                 format!("best so far{scope}: {} before the search had ended", self.spent())
             }
             _ => format!("{}{scope}; nearest design:", self.unmet()),

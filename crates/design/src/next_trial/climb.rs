@@ -75,6 +75,10 @@ pub struct Climb {
     pub most: usize,
 }
 
+/// Which designs may be asked for, what is found of one, and what that is worth.
+pub type Asking<'a, T> =
+    (&'a dyn Fn(&Pattern) -> bool, &'a (dyn Fn(&Pattern) -> Option<T> + Sync), &'a dyn Fn(&T) -> f64);
+
 /// Climbs from `starts` by `value` of what `judge` says of designs that are `open`, until none about them is better or the designs
 /// allowed are spent. What was asked for is added to `known`. Returns where the climbs ended, each place once.
 pub fn climb<T: Send>(
@@ -82,7 +86,7 @@ pub fn climb<T: Send>(
     starts: &[Place],
     climb: Climb,
     known: &mut Known<T>,
-    (open, judge, value): (&dyn Fn(&Pattern) -> bool, &(dyn Fn(&Pattern) -> Option<T> + Sync), &dyn Fn(&T) -> f64),
+    (open, judge, value): Asking<'_, T>,
 ) -> Vec<Place> {
     let mut at: Vec<Place> = starts.to_vec();
     let mut left = climb.most;
@@ -97,8 +101,7 @@ pub fn climb<T: Send>(
             left -= asked.len();
             let designs: Vec<Option<Pattern>> =
                 asked.iter().map(|place| steps.design(*place).filter(|design| open(design))).collect();
-            let found: Vec<Option<T>> =
-                designs.par_iter().map(|design| design.as_ref().and_then(|design| judge(design))).collect();
+            let found: Vec<Option<T>> = designs.par_iter().map(|design| design.as_ref().and_then(judge)).collect();
             known.extend(asked.into_iter().zip(found));
             let of = |place: &Place| known.get(place).and_then(Option::as_ref).map(value);
             let mut next = Vec::new();
