@@ -39,10 +39,8 @@ pub fn run(args: &AreaLawArgs, console: &mut Console<'_>) -> Result<u8, CliError
         (None, None) => return Err(Diagnostic::flag("MAP", String::new(), "is missing").into()),
     };
     if args.youngs_modulus_gpa.is_none() {
-        report.model.push(format!(
-            "Young's modulus was not given: {POLYETHYLENE_GPA} GPa is that of the published polyethylene; contact area goes with \
-             pressure over modulus"
-        ));
+        let said = "Young's modulus was not given: that of the published polyethylene is taken; area goes with pressure over modulus";
+        report.model.push(said.to_owned());
     }
     if let Some(folder) = &args.output {
         let mut outputs = Outputs::default();

@@ -19,7 +19,7 @@ pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let is_folder = args.output.is_dir() || args.output.extension().is_none();
     let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };
     check_file(Place::output(&output), std::slice::from_ref(&args.file))?;
-    let condition = args.speed_mm_s.zip(args.humidity_pct).map(|(speed_mm_s, humidity_pct)| [speed_mm_s, humidity_pct]);
+    let condition = args.speed_mm_s.zip(args.humidity_pct).map(<[f64; 2]>::from);
     let mut design = explored(&disk(), &args.file, condition)?;
     complete(&mut design, &disk(), &Job::new(console))?;
     let found = explore_bounds(&design.task, &Job::new(console)).map_err(|error| refused(error, &design, None))?;

@@ -24,10 +24,6 @@ pub const FILES: [&str; 7] = [
     "trial-*pct.svg",
 ];
 
-/// What to say of a humidity that nobody measured.
-const HUMIDITY_NOT_MEASURED: &str =
-    "the relative humidity of these exports in %; where it was not measured, one number in all conditions, as 50";
-
 /// Reads exports and reports.
 pub fn run(args: &TracesArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
     if let Some(folder) = &args.output {
@@ -83,7 +79,9 @@ fn condition(args: &TracesArgs) -> Result<TraceCondition, Diagnostic> {
         Some(value) => checked(flag, value, quantity),
         None => Err(Diagnostic { key: Some(flag.into()), reason: "is missing".into(), ..Diagnostic::default() }
             .expected(match flag {
-                "--humidity-pct" => HUMIDITY_NOT_MEASURED,
+                "--humidity-pct" => {
+                    "the relative humidity in %; where it was not measured, one number everywhere, as 50"
+                }
                 _ => "the condition of these exports; a calibration file with [traces] needs no flags",
             })),
     };

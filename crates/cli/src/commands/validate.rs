@@ -42,10 +42,10 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     if let Some(folder) = &args.output {
         check_folder(Place::output(folder), &FILES, std::slice::from_ref(&args.calibration))?;
     }
-    let slope_factors = slope_factors(&args.slope_factors)?;
+    let (given, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
     let patterns = match trial(args, &calibration)? {
-        None => patterns(args)?,
+        None => given,
         Some(cut) => {
             console.note(&format!("trial \"{}\": its measurements, and grooves of its lengths", cut.name));
             let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m()];
@@ -93,15 +93,9 @@ fn trial(args: &ValidateArgs, calibration: &Calibration) -> Result<Option<CutSam
         return Ok(measured.next().filter(|_| calibration.patterned.is_empty()).cloned());
     };
     let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
-    match measured.find(|cut| cut.name == *name) {
-        Some(cut) => Ok(Some(cut.clone())),
-        None => {
-            let is_pending = samples.iter().any(|cut| cut.name == *name);
-            let reason = if is_pending { "is pending: it was not measured" } else { "is no trial of this calibration" };
-            let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
-            Err(Diagnostic::flag("--trial", name.clone(), reason).expected(expected))
-        }
-    }
+    let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
+    let refused = Diagnostic::flag("--trial", name.clone(), "is no measured trial of this calibration");
+    measured.find(|cut| cut.name == *name).cloned().map(Some).ok_or_else(|| refused.expected(expected))
 }
 
 /// A depth that leaves something of the layer, in metres.
