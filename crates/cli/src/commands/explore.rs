@@ -15,7 +15,6 @@ use slipgrid_disk::disk;
 
 /// Solves the surface and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
-    // A name without an ending is that of a folder, as with the other commands.
     let is_folder = args.output.is_dir() || args.output.extension().is_none();
     let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };
     check_file(Place::output(&output), std::slice::from_ref(&args.file))?;
