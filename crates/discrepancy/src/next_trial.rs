@@ -83,11 +83,18 @@ impl Wanted {
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
-    /// The same; `None` where the chance is below `least_chance`.
-    fn score_above(&self, prediction: &Prediction, modelled: &[f64], least_chance: f64) -> Option<Score> {
+    /// The same; `None` where the chance is below `least_chance`, or the score's value below `least_value`.
+    fn score_above(
+        &self,
+        prediction: &Prediction,
+        modelled: &[f64],
+        [least_chance, least_value]: [f64; 2],
+    ) -> Option<Score> {
         let bounds = self.over(modelled);
-        let chance = chance(prediction, &bounds, least_chance)?;
-        Some(Score { chance, closeness: closeness(prediction, &bounds) })
+        // The cheaper part first: it says what chance is needed.
+        let closeness = closeness(prediction, &bounds);
+        let least = least_chance.max(least_value - OF_CLOSENESS * closeness);
+        chance(prediction, &bounds, least).map(|chance| Score { chance, closeness })
     }
 
     /// No less than the chance and the value of [`Wanted::score`]: by each load alone.
@@ -173,41 +180,62 @@ pub fn choose<'a>(
     count: usize,
     of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
 ) -> Option<Chosen> {
-    rank(predictor, wanted, (1, 0.0), count, of).into_iter().next()
+    Ranking::new(predictor, wanted, 0.0, count, of).best(1, 0.0, &|_| true).into_iter().next()
 }
 
-/// The `most` greatest scores of `count` candidates that `of` gives, the greatest first. Of equal ones the first. Candidates whose
-/// chance is below `least_chance` are passed by.
-pub fn rank<'a>(
-    predictor: &Predictor,
-    wanted: &Wanted,
-    (most, least_chance): (usize, f64),
-    count: usize,
-    of: &(dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
-) -> Vec<Chosen> {
-    let mut bounds: Vec<(usize, f64)> = (0..count)
-        .into_par_iter()
-        .filter_map(|place| {
-            let candidate = of(place)?;
-            Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled, least_chance)?))
-        })
-        .collect();
-    bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-    let mut best: Vec<Chosen> = Vec::new();
-    for batch in bounds.chunks(BATCH) {
-        if best.len() >= most && best.last().is_some_and(|last| batch[0].1 < last.score.value()) {
-            break;
-        }
-        let scored = batch.par_iter().filter_map(|(place, _)| {
-            let candidate = of(*place)?;
-            let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least_chance)?;
-            Some(Chosen { place: *place, score })
-        });
-        best.extend(scored.collect::<Vec<Chosen>>());
-        best.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()).then(a.place.cmp(&b.place)));
-        best.truncate(most);
+/// Candidates with what their scores are at most, so that few are scored.
+pub struct Ranking<'r, 'a> {
+    predictor: &'r Predictor,
+    wanted: &'r Wanted,
+    of: &'r (dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
+    /// Places and bounds of the scores' values, the greatest first.
+    bounds: Vec<(usize, f64)>,
+}
+
+impl<'r, 'a> Ranking<'r, 'a> {
+    /// The `count` candidates that `of` gives, but those whose chance is below `least_chance` for certain.
+    pub fn new(
+        predictor: &'r Predictor,
+        wanted: &'r Wanted,
+        least_chance: f64,
+        count: usize,
+        of: &'r (dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
+    ) -> Self {
+        let mut bounds: Vec<(usize, f64)> = (0..count)
+            .into_par_iter()
+            .filter_map(|place| {
+                let candidate = of(place)?;
+                Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled, least_chance)?))
+            })
+            .collect();
+        bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        Self { predictor, wanted, of, bounds }
     }
-    best
+
+    /// The `most` greatest scores of those candidates whose place `is_open` and whose chance is `least_chance` or more, the greatest first.
+    #[must_use]
+    pub fn best(&self, most: usize, least_chance: f64, is_open: &dyn Fn(usize) -> bool) -> Vec<Chosen> {
+        let Self { predictor, wanted, of, bounds } = self;
+        let bounds: Vec<(usize, f64)> = bounds.iter().copied().filter(|(place, _)| is_open(*place)).collect();
+        let mut best: Vec<Chosen> = Vec::new();
+        for batch in bounds.chunks(BATCH) {
+            if best.len() >= most && best.last().is_some_and(|last| batch[0].1 < last.score.value()) {
+                break;
+            }
+            // What enters must not be below the least of those that are kept.
+            let least_value = if best.len() < most { 0.0 } else { best.last().map_or(0.0, |last| last.score.value()) };
+            let least = [least_chance, least_value];
+            let scored = batch.par_iter().filter_map(|(place, _)| {
+                let candidate = of(*place)?;
+                let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least)?;
+                Some(Chosen { place: *place, score })
+            });
+            best.extend(scored.collect::<Vec<Chosen>>());
+            best.sort_by(|a, b| b.score.value().total_cmp(&a.score.value()).then(a.place.cmp(&b.place)));
+            best.truncate(most);
+        }
+        best
+    }
 }
 
 impl Predictor {

@@ -5,7 +5,7 @@ use slipgrid_calibrate::uncertainty::MaterialUncertainty;
 use slipgrid_optimize::{ModelFailure, Status};
 
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::search::{Scope, Search};
+use super::search::{OF_CHANCE, Scope, Search};
 use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};
@@ -162,7 +162,11 @@ impl MultiFidelityLoop<'_> {
         let scope = Scope::BESIDE;
         let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &stage);
         let found = interpolation.map(|nodes| {
-            let (mut best, _) = Search::new(task, asked, models, chances, (&nodes, &scope)).best(&|_, _| true, RATHER);
+            let (mut best, _) = Search::new(task, asked, models, chances, (&nodes, &scope)).best(
+                &|_, _| true,
+                OF_CHANCE * (chance + CLEARLY),
+                RATHER,
+            );
             best.retain(|of| of.score.chance > chance + CLEARLY);
             // Before any trial little is known of any texture: one whose own median misses by far is no better guess.
             let is_guess = |of: &Judged| PredictedRatio::of(asked, of).iter().all(PredictedRatio::is_near);

@@ -231,7 +231,7 @@ fn choose(
     let is_open = |pattern: &Pattern, own: &Features| {
         !pending.iter().any(|cut| is_same(cut, own)) && division.is_none_or(|division| division.holds(pattern))
     };
-    let (pool, compared) = search.best(&is_open, options.count);
+    let (pool, compared) = search.best(&is_open, 0.0, options.count);
     if pool.is_empty() {
         let reason = match division {
             Some(division) => coarse(division),

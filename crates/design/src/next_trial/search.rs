@@ -1,7 +1,7 @@
 //! The designs likeliest on target: all by the interpolated model, the best by the model itself, and what lies about them.
 
 use rayon::prelude::*;
-use slipgrid_discrepancy::{Features, Predictor};
+use slipgrid_discrepancy::{Features, Predictor, Ranking};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
@@ -53,6 +53,8 @@ impl Scope {
 /// Regions along each length of which the best design is judged by the model itself: where the interpolated one is off by a tolerance it
 /// may rank a whole region too low.
 const REGIONS: usize = 3;
+/// Share of a chance that a design's must have by the interpolated model for the model itself to judge it beside others of that chance.
+pub const OF_CHANCE: f64 = 0.25;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 
@@ -150,8 +152,9 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// What looks best by the interpolated model, the best of every region among it, and how many were compared.
-    fn looked_over(&self, is_open: &dyn Fn(&Pattern) -> bool) -> (Vec<Pattern>, usize) {
+    /// What looks best by the interpolated model, the best of every region among it, and how many were compared. Designs of less than
+    /// `least_chance` are passed by, and of regions those of less than [`OF_CHANCE`] of the greatest.
+    fn looked_over(&self, is_open: &dyn Fn(&Pattern) -> bool, least_chance: f64) -> (Vec<Pattern>, usize) {
         let patterns: Vec<Pattern> = designs(self.task, self.scope.designs).into_iter().filter(is_open).collect();
         let between = |pattern: &Pattern| {
             let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
@@ -160,35 +163,40 @@ impl<'a> Search<'a> {
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
-        let ranked = |places: &[usize], most: usize| -> Vec<usize> {
-            let candidate = |place: usize| Some(left[places[place]].candidate());
-            let of = (&self.predictor, &self.asked.wanted);
-            let found = slipgrid_discrepancy::rank(of.0, of.1, (most, 0.0), places.len(), &candidate);
-            found.iter().map(|chosen| places[chosen.place]).collect()
-        };
-        let all: Vec<usize> = (0..left.len()).collect();
-        let mut best = ranked(&all, self.scope.judged);
-        let mut regions: Vec<Vec<usize>> = vec![Vec::new(); REGIONS.pow(3)];
-        all.iter().for_each(|place| regions[self.region(&left[*place].pattern)].push(*place));
-        for region in &regions {
-            let of_region = ranked(region, 1);
-            best.extend(of_region.into_iter().filter(|place| !best.contains(place)).collect::<Vec<_>>());
+        let candidate = |place: usize| Some(left[place].candidate());
+        let ranking = Ranking::new(&self.predictor, &self.asked.wanted, least_chance, left.len(), &candidate);
+        let found = ranking.best(self.scope.judged, least_chance, &|_| true);
+        let enough = found.iter().fold(least_chance, |most, of| most.max(OF_CHANCE * of.score.chance));
+        let mut best: Vec<usize> = found.into_iter().map(|of| of.place).collect();
+        // The best of a region that is among the best is the region's best.
+        let regions: Vec<usize> = left.iter().map(|design| self.region(&design.pattern)).collect();
+        let mut seen: Vec<usize> = best.iter().map(|place| regions[*place]).collect();
+        for region in 0..REGIONS.pow(3) {
+            if !seen.contains(&region) {
+                seen.push(region);
+                best.extend(ranking.best(1, enough, &|place| regions[place] == region).into_iter().map(|of| of.place));
+            }
         }
         (best.into_iter().map(|place| left[place].pattern).collect(), left.len())
     }
 
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared.
+    /// first, and how many were compared. Designs whose chance by the interpolated model is below `least_chance` are passed by.
     ///
     /// All are ranked by the interpolated model, the best are judged by the model itself, and from the best of these of different
     /// regions is climbed over whole blocks and bursts: first by the model in the layer's blocks and what smaller ones change of their like, then with everything that counts.
-    pub fn best(&self, open: &dyn Fn(&Pattern, &Features) -> bool, count: usize) -> (Vec<Judged>, usize) {
+    pub fn best(
+        &self,
+        open: &dyn Fn(&Pattern, &Features) -> bool,
+        least_chance: f64,
+        count: usize,
+    ) -> (Vec<Judged>, usize) {
         let cut: Vec<Features> = self.asked.learned.trials().iter().map(|trial| trial.features).collect();
         let is_open = |pattern: &Pattern| {
             let own = Features::from(pattern);
             !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
         };
-        let (best, compared) = self.looked_over(&is_open);
+        let (best, compared) = self.looked_over(&is_open, least_chance);
         // The model itself at what looks best by the interpolated one.
         let drafts: Vec<Option<Judged>> = best.par_iter().map(|pattern| self.drafted(pattern).ok()).collect();
         let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
