@@ -204,7 +204,7 @@ impl<'a> Table<'a> {
 
 /// The gain of looking ahead, by rollouts and in the laboratories: of START (0 nothing, 1 one groove, 2 the squares).
 #[test]
-#[ignore = "a minute for each of LABORATORIES, 1 when absent"]
+#[ignore = "half a minute for each of LABORATORIES, 1 when absent"]
 #[expect(clippy::print_stdout, reason = "prints a table of tests/accuracy/laboratories.md")]
 fn what_looking_ahead_gains() {
     let options =
