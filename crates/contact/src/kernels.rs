@@ -71,7 +71,6 @@ impl GapSums {
         Self { sum: [0.0; LANES], count: [0.0; LANES], work: [0.0; LANES], lowest: [f64::INFINITY; LANES] }
     }
 
-    /// Takes up to [`LANES`] points in.
     /// Takes up to [`LANES`] points in, one sum after the other so that each becomes one vector's.
     #[inline(always)]
     fn add(&mut self, pressure: &[f64], gap: &[f64]) {

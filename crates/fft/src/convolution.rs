@@ -23,7 +23,10 @@
 use pulp::{Simd, WithSimd};
 
 use crate::number::{Number, vectorized};
-use crate::splits::{LANES, ROOTS, TILE, join_four, split_four, tile, transpose, twos};
+use crate::splits::{LANES, ROOTS, TILE, fours, tile, transpose, twos};
+
+/// Real and imaginary parts.
+type Parts<'a, V> = (&'a mut [V], &'a mut [V]);
 
 /// Bytes of the columns transformed together, as far as their number stays between the next two.
 const BLOCK: usize = 1 << 20;
@@ -222,7 +225,7 @@ impl<T: Number> Convolution<T> {
         }
         for half in self.halves() {
             let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.split(simd, re, im, half / 2, 2);
+            self.splits(simd, (re, im), (half / 2, 2), false);
         }
     }
 
@@ -233,7 +236,7 @@ impl<T: Number> Convolution<T> {
         let row = vectors.len() / self.rows;
         for half in self.halves() {
             let (re, im) = vectors[half * row..2 * half * row].split_at_mut(half / 2 * row);
-            self.join(simd, re, im, half / 2, 2);
+            self.splits(simd, (re, im), (half / 2, 2), true);
         }
         let mut real = 1;
         while real < self.rows / 2 {
@@ -249,7 +252,7 @@ impl<T: Number> Convolution<T> {
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, re: &mut [T], im: &mut [T], factor: &[T]) {
         let length = self.cols / LANES;
-        self.split(simd, T::vectors_mut::<S>(re), T::vectors_mut::<S>(im), length, 0);
+        self.splits(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), false);
         let tiles = re.as_chunks_mut::<TILE>().0.iter_mut().zip(im.as_chunks_mut::<TILE>().0);
         let kept = factor.as_chunks::<TILE>().0.iter().zip(self.tile_roots.as_chunks::<{ 5 * ROOTS }>().0);
         for ((re, im), (factor, roots)) in tiles.zip(kept) {
@@ -259,40 +262,22 @@ impl<T: Number> Convolution<T> {
             transpose(re);
             transpose(im);
         }
-        self.join(simd, T::vectors_mut::<S>(re), T::vectors_mut::<S>(im), length, 0);
+        self.splits(simd, (T::vectors_mut::<S>(re), T::vectors_mut::<S>(im)), (length, 0), true);
     }
 
-    /// Splits `length` rows of complex numbers, block `first` of their level, to the last.
+    /// Splits `length` rows of complex numbers, block `first` of their level, to the last, or goes back.
     #[inline(always)]
-    fn split<S: Simd>(&self, simd: S, re: &mut [T::V<S>], im: &mut [T::V<S>], length: usize, first: usize) {
-        let (mut blocks, mut length) = (1, length);
-        while length > 1 {
-            let size = re.len() / blocks;
-            for (block, &root) in self.roots[first * blocks..][..blocks].iter().enumerate() {
-                let (re, im) = (&mut re[block * size..][..size], &mut im[block * size..][..size]);
-                if length == 2 {
-                    twos(simd, re, im, root[1], false);
-                } else {
-                    split_four(simd, re, im, root);
-                }
-            }
-            (blocks, length) = (blocks * 4, length / 4);
-        }
-    }
-
-    /// Back from [`Self::split`].
-    #[inline(always)]
-    fn join<S: Simd>(&self, simd: S, re: &mut [T::V<S>], im: &mut [T::V<S>], length: usize, first: usize) {
+    fn splits<S: Simd>(&self, simd: S, (re, im): Parts<'_, T::V<S>>, (length, first): (usize, usize), back: bool) {
         let levels = length.ilog2().div_ceil(2);
-        for level in (0..levels).rev() {
-            let blocks = 1 << (2 * level);
+        for step in 0..levels {
+            let blocks = 1 << (2 * if back { levels - 1 - step } else { step });
             let size = re.len() / blocks;
             for (block, &root) in self.roots[first * blocks..][..blocks].iter().enumerate() {
                 let (re, im) = (&mut re[block * size..][..size], &mut im[block * size..][..size]);
                 if length / blocks == 2 {
-                    twos(simd, re, im, root[1], true);
+                    twos(simd, re, im, root[1], back);
                 } else {
-                    join_four(simd, re, im, root);
+                    fours(simd, re, im, root, back);
                 }
             }
         }

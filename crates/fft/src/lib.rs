@@ -26,6 +26,7 @@ pub use rustfft::num_complex::Complex;
 
 use convolution::Filter;
 use number::Number;
+pub use number::vectorized;
 use realfft::RealFftPlanner;
 use rustfft::FftPlanner;
 

@@ -69,8 +69,9 @@ macro_rules! number {
 number!(f32, f32s, as_simd_f32s, as_mut_simd_f32s, splat_f32s, add_f32s, sub_f32s, mul_f32s);
 number!(f64, f64s, as_simd_f64s, as_mut_simd_f64s, splat_f64s, add_f64s, sub_f64s, mul_f64s);
 
-/// Runs `work` with the widest vectors that this machine has.
-pub(crate) fn vectorized<W: WithSimd>(work: W) -> W::Output {
+/// Runs `work` with the widest vectors that this machine has. Work whose lanes each do what a scalar would gives the same bytes with any.
+#[inline]
+pub fn vectorized<W: WithSimd>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     {
         if let Some(simd) = pulp::x86::V4::try_new() {

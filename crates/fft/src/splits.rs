@@ -151,23 +151,14 @@ fn quarters<V>(all: &mut [V], count: usize) -> [&mut [V]; 4] {
     [a, b, c, &mut rest[..count]]
 }
 
-/// One remainder into four.
+/// One remainder into four, or back.
 #[inline(always)]
-pub(crate) fn split_four<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], [c, c2, c3]: [[T; 2]; 3]) {
-    let roots = [Wide::<T, S>::splat(s, c), Wide::splat(s, c2), Wide::splat(s, c3)];
+pub(crate) fn fours<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], roots: [[T; 2]; 3], back: bool) {
+    let roots = roots.map(|root| Wide::<T, S>::splat(s, root));
     let mut all = Quarters::new(re, im);
     for n in 0..all.count {
-        all.store(n, Wide::split(s, all.load(n), roots));
-    }
-}
-
-/// Back from [`split_four`].
-#[inline(always)]
-pub(crate) fn join_four<T: Number, S: Simd>(s: S, re: &mut [T::V<S>], im: &mut [T::V<S>], [c, c2, c3]: [[T; 2]; 3]) {
-    let roots = [Wide::<T, S>::splat(s, c), Wide::splat(s, c2), Wide::splat(s, c3)];
-    let mut all = Quarters::new(re, im);
-    for n in 0..all.count {
-        all.store(n, Wide::join(s, all.load(n), roots));
+        let numbers = all.load(n);
+        all.store(n, if back { Wide::join(s, numbers, roots) } else { Wide::split(s, numbers, roots) });
     }
 }
 

@@ -6,8 +6,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::sweep::vectorized;
 use crate::scene::Springs;
+use slipgrid_fft::vectorized;
 
 /// Columns whose forces stay in the first-level cache while a row's four kinds of springs are gone through.
 const CHUNK: usize = 128;

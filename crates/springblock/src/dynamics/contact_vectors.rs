@@ -9,7 +9,8 @@ use pulp::{Simd, WithSimd};
 use super::contact::{ContactBlock, ContactForce, ContactSums, LocalLaw, Motion, Push, Slide};
 use super::contact_columns::ContactColumns;
 use super::stencil::fixed_sum;
-use super::sweep::{Kick, vectorized};
+use super::sweep::Kick;
+use slipgrid_fft::vectorized;
 
 /// Contact blocks that move along `H` axes, with their velocities: of a strip in the plane, or of a cell in space, whose arrays
 /// hold row by row, each padded to whole cache lines.

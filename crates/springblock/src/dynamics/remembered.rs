@@ -1,4 +1,4 @@
-//! Runs in time that were made before.
+//! Runs in time, and other results, that were made before.
 
 use std::fmt::Debug;
 
@@ -15,17 +15,32 @@ pub fn remembered(
     share: f64,
     run: impl FnOnce() -> SurfaceOutcome,
 ) -> SurfaceOutcome {
-    let Some(memory) = monitor.memory() else { return run() };
-    let key = Key::of("run", content);
-    if let Some(known) = memory.recall(&key).and_then(|bytes| SurfaceOutcome::from_bytes(&bytes)) {
+    let known = |bytes: &[u8]| {
+        let outcome = SurfaceOutcome::from_bytes(bytes)?;
         monitor.advance(share);
+        Some(outcome)
+    };
+    recalled(monitor, ("run", content), (known, SurfaceOutcome::to_bytes), run)
+}
+
+/// What `compute` gives, a result of `kind` that follows from `content` alone: recalled by `from_bytes` where the monitor's caller
+/// remembers it, and otherwise remembered as `to_bytes` has it, which is nothing of what is not to be kept.
+pub fn recalled<T>(
+    monitor: &dyn Monitor,
+    (kind, content): (&str, &dyn Debug),
+    (from_bytes, to_bytes): (impl FnOnce(&[u8]) -> Option<T>, impl FnOnce(&T) -> Option<Vec<u8>>),
+    compute: impl FnOnce() -> T,
+) -> T {
+    let Some(memory) = monitor.memory() else { return compute() };
+    let key = Key::of(kind, content);
+    if let Some(known) = memory.recall(&key).and_then(|bytes| from_bytes(&bytes)) {
         return known;
     }
-    let outcome = run();
-    if let Some(bytes) = outcome.to_bytes() {
+    let result = compute();
+    if let Some(bytes) = to_bytes(&result) {
         memory.keep(&key, &bytes);
     }
-    outcome
+    result
 }
 
 /// What a run of `scene` follows from beside its load and its lattice.

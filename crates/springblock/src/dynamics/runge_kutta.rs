@@ -13,9 +13,9 @@ use super::bonds::Bonds;
 use super::contact::{ContactForce, ContactRow, ContactSums, Motion, slip_direction};
 use super::engine::{Engine, PlaneEngine, Setup};
 use super::protocol::Protocol;
-use super::sweep::vectorized;
 use crate::lattice::Lattice;
 use crate::scene::Springs;
+use slipgrid_fft::vectorized;
 
 /// Positions and velocities, x and y, by block number j * nx + i.
 #[derive(Clone, Debug)]

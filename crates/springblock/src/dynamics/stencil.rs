@@ -11,8 +11,8 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::rows::{Field, INSIDE, LINE, RowCoefficients, Site};
-use super::sweep::vectorized;
 use crate::lattice::Lattice;
+use slipgrid_fft::vectorized;
 
 /// Most columns of a strip: twenty rows of them fill a second-level cache by a sixth.
 const STRIP_COLUMNS: usize = 256;

@@ -6,7 +6,8 @@ use super::contact::{ContactBlock, ContactSums, LocalLaw};
 use super::contact_vectors::ContactVectors;
 use super::rows::{Field, whole_lines};
 use super::stencil::StripStencil;
-use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, side, vectorized};
+use super::sweep::{ContactRowForces, InsideRows, Kick, MoveRow, RowForces, side};
+use slipgrid_fft::vectorized;
 
 /// What a step needs from outside the strip.
 #[derive(Clone, Copy, Debug)]

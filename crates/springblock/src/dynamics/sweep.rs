@@ -37,22 +37,6 @@ impl Kick {
     }
 }
 
-/// Runs `work` with the widest vectors that this machine has. Results are the same with any: every lane
-/// does what a scalar would, and only exact products are fused with sums.
-#[inline]
-pub fn vectorized<W: WithSimd>(work: W) -> W::Output {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if let Some(simd) = pulp::x86::V4::try_new() {
-            return Simd::vectorize(simd, work);
-        }
-        if let Some(simd) = pulp::x86::V3::try_new() {
-            return Simd::vectorize(simd, work);
-        }
-    }
-    Simd::vectorize(pulp::Scalar::new(), work)
-}
-
 /// Moves all blocks from row `from` up, which must be inside blocks (free sides apart: [`side`] corrects
 /// them). Lanes beyond the last column write into the padding, which the caller restores.
 pub struct InsideRows<'a> {

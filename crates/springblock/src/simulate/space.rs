@@ -1,7 +1,6 @@
 //! The cell in space, in steady sliding and in time: which lattices, what runs on them, what is said.
 
 use rayon::prelude::*;
-use slipgrid_monitor::Key;
 use slipgrid_pattern::Pattern;
 
 use super::{
@@ -10,7 +9,7 @@ use super::{
 };
 use crate::Monitor;
 use crate::cell::SteadyCell;
-use crate::dynamics::{SpaceRun, SpaceScheme, remembered, settings};
+use crate::dynamics::{SpaceRun, SpaceScheme, recalled, remembered, settings};
 use crate::error::SceneError;
 use crate::outcome::{LoadOutcome, Simulation, Status, SurfaceOutcome};
 use crate::scene::Scene;
@@ -100,16 +99,10 @@ fn discretization_error(scene: &Scene, pattern: &Pattern, own: &[Option<f64>], m
                 .then(|| model.ratios_heeding(pattern, monitor))
         })
     };
-    let Some(memory) = monitor.memory() else { return estimate() };
-    let key = Key::of("blocks", &(SteadyCell::in_dimensions(scene, 3), pattern, own));
-    if let Some(known) = memory.recall(&key).and_then(|bytes| Some(f64::from_le_bytes(bytes.try_into().ok()?))) {
-        return Some(known);
-    }
-    let error = estimate()?;
-    if !monitor.cancelled() {
-        memory.keep(&key, &error.to_le_bytes());
-    }
-    Some(error)
+    let content = (SteadyCell::in_dimensions(scene, 3), pattern, own);
+    let known = |bytes: &[u8]| Some(Some(f64::from_le_bytes(bytes.try_into().ok()?)));
+    let kept = |error: &Option<f64>| error.filter(|_| !monitor.cancelled()).map(|error| error.to_le_bytes().to_vec());
+    recalled(monitor, ("blocks", &content), (known, kept), estimate)
 }
 
 /// Dynamic runs of the cell of `pattern` and of a flat one.

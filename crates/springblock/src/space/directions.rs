@@ -147,10 +147,16 @@ fn subtract_four(a: &mut [f64], shares: [f64; AT_ONCE], b: [&[f64]; AT_ONCE]) {
     }
 }
 
+/// Partial sums of a product in a fixed order: the same with any vector width.
+const LANES: usize = 8;
+
+fn total(sums: &[f64; LANES]) -> f64 {
+    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
 /// The product of each of `a` with b, as [`dot`] gives it.
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot_four(a: [&[f64]; AT_ONCE], b: &[f64]) -> [f64; AT_ONCE] {
-    const LANES: usize = 8;
     let mut sums = [[0.0; LANES]; AT_ONCE];
     let (chunks, rest) = b.as_chunks::<LANES>();
     let of = a.map(|a| a.as_chunks::<LANES>());
@@ -165,14 +171,13 @@ fn dot_four(a: [&[f64]; AT_ONCE], b: &[f64]) -> [f64; AT_ONCE] {
     std::array::from_fn(|number| {
         let sums = &sums[number];
         let rest: f64 = of[number].1.iter().zip(rest).map(|(a, b)| a * b).sum();
-        ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
+        total(sums) + rest
     })
 }
 
-/// a . b in eight partial sums of fixed order: the same with any vector width.
+/// a . b
 #[multiversion(targets("x86_64+avx512f", "x86_64+avx2"))]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 8;
     let mut sums = [0.0; LANES];
     let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
     let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
@@ -181,7 +186,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
             sums[lane] += a[lane] * b[lane];
         }
     }
-    ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
+    total(&sums) + rest
 }
 
 /// |a|.

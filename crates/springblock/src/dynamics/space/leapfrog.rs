@@ -6,12 +6,13 @@ use super::super::engine::Engine;
 use super::super::protocol::Protocol;
 use super::super::rows::whole_lines;
 use super::super::stencil::fixed_sum;
-use super::super::sweep::{Kick, MoveRow, vectorized};
+use super::super::sweep::{Kick, MoveRow};
 use super::field::Field;
 use super::stencil::Stencil;
 use super::sweep::{InsideRows, RowForces};
 use crate::draws::Coefficients;
 use crate::space::SpaceLattice;
+use slipgrid_fft::vectorized;
 
 /// What the leapfrog starts from, beside the lattice. Units: k = 1, l = 1, m = 1.
 #[derive(Clone, Debug)]
