@@ -119,7 +119,7 @@ pub use explorer::{Explored, Explorer, RimChanges, SurfaceError, explore_bounds}
 pub use job::{Compared, DesignOutcome, Lattice, run};
 pub use lattice_table::lattice;
 pub use next_trial::{
-    AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, SectorReport,
+    AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport,
     TrialCandidateReport, next_trials,
 };
 pub use outcome::{DesignReport, MisfitReport};

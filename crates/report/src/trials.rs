@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::CutSample;
 use slipgrid_discrepancy::{Discrepancy, LeftOut, Surprise, leave_out};
-use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_std, fixed};
+use slipgrid_results::{SCHEMA, Table, VERSION, believed, believed_interval, believed_std, fixed};
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use crate::charts::{Estimate, Prediction, TrialsChart, trials};
@@ -14,7 +14,7 @@ use effects::effects;
 mod effects;
 mod pending;
 
-pub use pending::{PendingRatioReport, PendingReport};
+pub use pending::PendingReport;
 
 /// Metres in a millimetre, for edges per area.
 const PER_MM: f64 = 1e-3;
@@ -285,36 +285,20 @@ impl TrialsReport {
     }
 
     fn table(&self) -> Table {
-        let mut table = Table::new([
-            "trial",
-            "density",
-            "edges 1/mm",
-            "depth um",
-            "P MPa",
-            "v mm/s",
-            "RH %",
-            "measured",
-            "model",
-            "before",
-            "95 %",
-            "surprise",
-        ]);
+        let found = ["measured", "model", "before", "95 %", "surprise"];
+        let mut table = Table::new(["trial"].into_iter().chain(SAMPLE_AND_LOAD).chain(found));
         for trial in &self.trials {
             for at in &trial.measured {
-                table.row([
-                    trial.name.clone(),
-                    fixed(Some(trial.areal_density), 3),
-                    fixed(Some(trial.edge_per_mm), 2),
-                    fixed(Some(trial.depth_um), 1),
-                    fixed(Some(at.pressure_mpa), 3),
-                    at.speed_mm_s.to_string(),
-                    at.humidity_pct.to_string(),
+                let sample = [trial.areal_density, trial.edge_per_mm, trial.depth_um];
+                let cells = sample_and_load(sample, [at.pressure_mpa, at.speed_mm_s, at.humidity_pct]);
+                let found = [
                     fixed(Some(at.measured), 3),
                     fixed(Some(at.modelled), 3),
                     believed(at.before.ratio, 3),
-                    at.before.interval(),
+                    believed_interval(at.before.interval_95),
                     fixed(Some(at.before.surprise), 1),
-                ]);
+                ];
+                table.row([trial.name.clone()].into_iter().chain(cells).chain(found));
             }
         }
         table
@@ -413,12 +397,23 @@ impl PredictedReport {
             known: of.known,
         }
     }
+}
 
-    /// The interval of 95 % in words.
-    pub(crate) fn interval(&self) -> String {
-        let [low, high] = self.interval_95.map(|end| believed(end, 3));
-        format!("{low} to {high}")
-    }
+/// Columns of tables that tell a sample and a load.
+const SAMPLE_AND_LOAD: [&str; 6] = ["density", "edges 1/mm", "depth um", "P MPa", "v mm/s", "RH %"];
+
+/// Their cells: areal density, edges in 1/mm and depth in micrometres; pressure in MPa, speed in mm/s and humidity in per cent.
+fn sample_and_load(sample: [f64; 3], load: [f64; 3]) -> [String; 6] {
+    let [areal_density, edge_per_mm, depth_um] = sample.map(Some);
+    let [pressure_mpa, speed_mm_s, humidity_pct] = load;
+    [
+        fixed(areal_density, 3),
+        fixed(edge_per_mm, 2),
+        fixed(depth_um, 1),
+        fixed(Some(pressure_mpa), 3),
+        speed_mm_s.to_string(),
+        humidity_pct.to_string(),
+    ]
 }
 
 impl CoverageReport {

@@ -18,6 +18,13 @@ pub fn believed(ratio: f64, digits: usize) -> String {
     }
 }
 
+/// An interval of ratios in words, to three digits.
+#[must_use]
+pub fn believed_interval(ends: [f64; 2]) -> String {
+    let [low, high] = ends.map(|end| believed(end, 3));
+    format!("{low} to {high}")
+}
+
 /// A standard deviation of a ratio's logarithm: `above 0.7` where it doubles the ratio, beyond which it says only that little is known.
 #[must_use]
 pub fn believed_std(std: f64) -> String {

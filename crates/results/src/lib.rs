@@ -33,7 +33,7 @@ mod specimen;
 mod table;
 mod timings;
 
-pub use believed::{believed, believed_std};
+pub use believed::{believed, believed_interval, believed_std};
 pub use corrected::{CorrectedAt, CorrectedReport};
 pub use errors::{ErrorReport, ErrorsReport, PartsReport, PressureErrors};
 pub use pattern::{PatternReport, length_in_words};

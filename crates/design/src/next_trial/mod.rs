@@ -31,7 +31,7 @@ use interpolation::{Interpolation, Modelled, Models};
 use search::{Scope, Search, is_same};
 
 pub use advice::AdviceReport;
-pub use report::{NextReport, OneDiscReport, PredictedRatio, SectorReport, TrialCandidateReport};
+pub use report::{NextReport, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport, TrialCandidateReport};
 
 /// Designs that a report lists.
 const LISTED: usize = 10;

@@ -1,7 +1,8 @@
 //! The samples to cut next, as JSON and in words.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, believed, fixed};
+use slipgrid_discrepancy::{Load, Prediction};
+use slipgrid_results::{MaterialReport, PatternReport, SpecimenReport, Table, believed_interval, fixed};
 use slipgrid_units::{HUMIDITY_PCT, PRESSURE_MPA, SPEED_MM_S, tidy};
 
 use slipgrid_export::{Laser, MEASURE_EACH_ALONE, Sector};
@@ -136,9 +137,9 @@ pub struct TrialCandidateReport {
     pub predicted: Vec<PredictedRatio>,
 }
 
-/// What is predicted of a sample at one load.
+/// What the model and trials say of a sample's ratio at one load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PredictedRatio {
+pub struct RatioPrediction {
     /// Nominal pressure.
     pub pressure_mpa: f64,
     /// Speed.
@@ -151,6 +152,30 @@ pub struct PredictedRatio {
     pub ratio: f64,
     /// Ends of the interval of 95 % of samples.
     pub interval_95: [f64; 2],
+}
+
+impl RatioPrediction {
+    /// What `prediction` says at its load number `row`, which is `at`, of a sample whose ratio is `modelled` there.
+    #[must_use]
+    pub fn new(at: &Load, modelled: f64, prediction: &Prediction, row: usize) -> Self {
+        let quantile = |p: f64| tidy(modelled * prediction.quantile(row, p).exp());
+        Self {
+            pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),
+            speed_mm_s: tidy(SPEED_MM_S.from_si(at.speed_m_s)),
+            humidity_pct: tidy(HUMIDITY_PCT.from_si(at.humidity)),
+            modelled: tidy(modelled),
+            ratio: quantile(0.5),
+            interval_95: [quantile(0.025), quantile(0.975)],
+        }
+    }
+}
+
+/// What is predicted of a sample at one load, and what is accepted there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PredictedRatio {
+    /// What is predicted.
+    #[serde(flatten)]
+    pub of: RatioPrediction,
     /// Lowest ratio that is accepted; null where there is none.
     pub lowest: Option<f64>,
     /// Highest.
@@ -162,24 +187,15 @@ impl PredictedRatio {
     pub(super) fn is_near(&self) -> bool {
         let (lowest, highest) = (self.lowest.unwrap_or(0.0), self.highest.unwrap_or(f64::INFINITY));
         let margin = if highest.is_finite() { 0.5 * (highest - lowest) } else { 0.0 };
-        self.ratio >= lowest - margin && self.ratio <= highest + margin
+        self.of.ratio >= lowest - margin && self.of.ratio <= highest + margin
     }
 
     /// What is predicted of `judged` at every load.
     pub(super) fn of(asked: &Asked, judged: &Judged) -> Vec<Self> {
-        let predicted = asked.loads.iter().enumerate().map(|(load, at)| {
-            let modelled = judged.design.ratio[load];
-            let quantile = |p: f64| tidy(modelled * judged.prediction.quantile(load, p).exp());
-            Self {
-                pressure_mpa: tidy(PRESSURE_MPA.from_si(at.pressure_pa)),
-                speed_mm_s: tidy(SPEED_MM_S.from_si(at.speed_m_s)),
-                humidity_pct: tidy(HUMIDITY_PCT.from_si(at.humidity)),
-                modelled: tidy(modelled),
-                ratio: quantile(0.5),
-                interval_95: [quantile(0.025), quantile(0.975)],
-                lowest: Some(asked.wanted.lower[load]).filter(|end| *end > 0.0).map(tidy),
-                highest: Some(asked.wanted.upper[load]).filter(|end| end.is_finite()).map(tidy),
-            }
+        let predicted = asked.loads.iter().enumerate().map(|(load, at)| Self {
+            of: RatioPrediction::new(at, judged.design.ratio[load], &judged.prediction, load),
+            lowest: Some(asked.wanted.lower[load]).filter(|end| *end > 0.0).map(tidy),
+            highest: Some(asked.wanted.upper[load]).filter(|end| end.is_finite()).map(tidy),
         });
         predicted.collect()
     }
@@ -213,10 +229,7 @@ impl TrialCandidateReport {
         let design = &self.design;
         let at = |place: usize| self.predicted.get(place);
         let ratio = |at: Option<&PredictedRatio>| {
-            at.map_or_else(String::new, |at| {
-                let [low, high] = at.interval_95.map(|end| believed(end, 3));
-                format!("{:.3} ({low} to {high})", at.ratio)
-            })
+            at.map_or_else(String::new, |at| format!("{:.3} ({})", at.of.ratio, believed_interval(at.of.interval_95)))
         };
         [
             name.to_owned(),

@@ -81,7 +81,9 @@ fn without_trials_every_chance_is_small_and_no_texture_comes_twice() {
     let first = &found.report.next[0];
     assert!(first.chance > 0.0 && first.chance < 0.3, "{}", first.chance);
     assert!(found.report.one_on_target >= first.chance - 0.03, "{}", found.report.one_on_target);
-    assert!(first.predicted.iter().all(|at| at.interval_95[0] < at.modelled && at.modelled < at.interval_95[1]));
+    assert!(
+        first.predicted.iter().all(|at| at.of.interval_95[0] < at.of.modelled && at.of.modelled < at.of.interval_95[1])
+    );
     let again = next_trials(&task, &options, &Unwatched).unwrap();
     assert_eq!(again.report, found.report);
     assert!(found.report.text().contains("next 4"));

@@ -4,11 +4,11 @@ use slipgrid_design::records::{ChanceReport, ExplanationReport, GoalReport, Tabl
 use slipgrid_design::{AdviceReport, DesignOutcome, DesignReport, PredictedRatio};
 use slipgrid_export::{Exposure, Laser};
 use slipgrid_material::AreaLaw;
-use slipgrid_results::{PatternReport, length_in_words};
+use slipgrid_results::{PatternReport, believed_interval, length_in_words};
 use slipgrid_springblock::Load;
 
 use super::first_screen::first_screen;
-use super::page::{Page, ends, estimate, known, number, percent, plain, sentence, with_error};
+use super::page::{Page, estimate, known, number, percent, plain, sentence, with_error};
 use super::{background, conditions, uncertainty};
 use crate::Outputs;
 
@@ -103,7 +103,7 @@ fn rather(page: &mut Page, advice: &AdviceReport) {
 
 /// What is predicted of a sample at a load.
 fn predicted(at: Option<&PredictedRatio>) -> String {
-    at.map_or_else(String::new, |at| format!("{} ({})", number(at.ratio, 3), ends(Some(at.interval_95), 3)))
+    at.map_or_else(String::new, |at| format!("{} ({})", number(at.of.ratio, 3), believed_interval(at.of.interval_95)))
 }
 
 /// What the chance rests on.

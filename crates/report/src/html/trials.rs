@@ -1,12 +1,12 @@
 //! The ledger of trials: what was predicted of samples before they were cut, what was measured, and what nobody knows yet.
 
-use slipgrid_results::{believed, believed_std};
+use slipgrid_design::RatioPrediction;
+use slipgrid_results::{believed, believed_interval, believed_std};
 
 use super::page::{Column, Page, number, percent, plain, sentence, yes_or_no};
 use crate::Outputs;
 use crate::trials::{
-    CoverageReport, EffectReport, MeasuredReport, PendingRatioReport, PendingReport, PredictedReport, TrialReport,
-    TrialsReport,
+    CoverageReport, EffectReport, MeasuredReport, PendingReport, PredictedReport, TrialReport, TrialsReport,
 };
 
 /// Share of its error before any trial above which an effect is as unknown as it was.
@@ -19,7 +19,9 @@ const TOO_FEW: f64 = 0.8;
 const SURPRISING: f64 = 2.0;
 
 /// What the modelled ratio of a ledger is, beside those of a design's report.
-const MODELLED: &str = "The modelled ratio is that of one period of the texture as measured, in steady sliding, with the error of its blocks taken off where                         it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks, and confirmed                         is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
+const MODELLED: &str = "The modelled ratio is that of one period of the texture as measured, in steady sliding, with the error of its blocks taken off where \
+    it is known. A design's report has two more for the same texture: predicted is one period in the design's own blocks, and confirmed \
+    is the whole specimen with its rim, sliding in time. The three may differ by a hundredth.";
 
 const TERMS: [(&str, &str); 7] = [
     ("trial", "A sample that was cut and measured to learn how far the model is off."),
@@ -189,7 +191,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
                 ("humidity in %", |(_, at)| plain(at.humidity_pct)),
                 ("measured", |(_, at)| number(at.measured, 3)),
                 ("modelled", |(_, at)| number(at.modelled, 3)),
-                ("predicted before", |(_, at)| predicted(&at.before)),
+                ("predicted before", |(_, at)| predicted_by(&at.before)),
                 ("surprise", |(_, at)| number(at.before.surprise, 1)),
                 ("within 95 %", |(_, at)| is_within(at)),
             ],
@@ -233,9 +235,9 @@ fn details(page: &mut Page, report: &TrialsReport) {
                     ("trial", |(trial, _)| trial.name.clone()),
                     ("P in MPa", |(_, at)| number(at.pressure_mpa, 3)),
                     ("measured", |(_, at)| number(at.measured, 3)),
-                    ("by other trials", |(_, at)| predicted(&at.without_trial)),
+                    ("by other trials", |(_, at)| predicted_by(&at.without_trial)),
                     ("surprise", |(_, at)| number(at.without_trial.surprise, 1)),
-                    ("by other conditions", |(_, at)| predicted(&at.without_condition)),
+                    ("by other conditions", |(_, at)| predicted_by(&at.without_condition)),
                     ("surprise", |(_, at)| number(at.without_condition.surprise, 1)),
                 ],
             );
@@ -271,7 +273,7 @@ fn details(page: &mut Page, report: &TrialsReport) {
 
 /// What is predicted of samples that are not measured yet.
 fn pending(page: &mut Page, report: &TrialsReport) {
-    let rows: Vec<(&PendingReport, &PendingRatioReport)> =
+    let rows: Vec<(&PendingReport, &RatioPrediction)> =
         report.predicted.iter().flat_map(|of| of.predicted.iter().map(move |at| (of, at))).collect();
     if rows.is_empty() {
         return;
@@ -285,7 +287,7 @@ fn pending(page: &mut Page, report: &TrialsReport) {
             ("speed in mm/s", |(_, at)| plain(at.speed_mm_s)),
             ("humidity in %", |(_, at)| plain(at.humidity_pct)),
             ("modelled", |(_, at)| number(at.modelled, 3)),
-            ("predicted", |(_, at)| format!("{} ({})", believed(at.ratio, 3), at.interval())),
+            ("predicted", |(_, at)| predicted(at.ratio, at.interval_95)),
         ],
     );
 }
@@ -294,8 +296,12 @@ fn share(of: &CoverageReport, within: usize) -> String {
     format!("{within} ({} %)", percent((of.ratios > 0).then(|| within as f64 / of.ratios as f64), 0))
 }
 
-fn predicted(of: &PredictedReport) -> String {
-    format!("{} ({})", believed(of.ratio, 3), of.interval())
+fn predicted_by(of: &PredictedReport) -> String {
+    predicted(of.ratio, of.interval_95)
+}
+
+fn predicted(ratio: f64, interval_95: [f64; 2]) -> String {
+    format!("{} ({})", believed(ratio, 3), believed_interval(interval_95))
 }
 
 fn is_within(at: &MeasuredReport) -> String {

@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::LearnedSamples;
+use slipgrid_design::RatioPrediction;
 use slipgrid_discrepancy::{Discrepancy, Trial};
-use slipgrid_results::{Table, believed, fixed};
-use slipgrid_units::{HUMIDITY_PCT, LENGTH_UM, PRESSURE_MPA, SPEED_MM_S, tidy};
+use slipgrid_results::{Table, believed, believed_interval, fixed};
+use slipgrid_units::{LENGTH_UM, tidy};
 
-use super::{PER_MM, TrialsReport};
+use super::{PER_MM, SAMPLE_AND_LOAD, TrialsReport, sample_and_load};
 
 /// A pending sample.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,32 +21,7 @@ pub struct PendingReport {
     /// Depth of its cavities.
     pub depth_um: f64,
     /// What is predicted at the flat sample's conditions.
-    pub predicted: Vec<PendingRatioReport>,
-}
-
-/// What all trials say of a ratio that is not measured yet.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PendingRatioReport {
-    /// Nominal pressure.
-    pub pressure_mpa: f64,
-    /// Speed.
-    pub speed_mm_s: f64,
-    /// Relative humidity.
-    pub humidity_pct: f64,
-    /// Modelled ratio.
-    pub modelled: f64,
-    /// Median of the true ratio of such a sample.
-    pub ratio: f64,
-    /// Ends of the interval that holds 95 % of such samples.
-    pub interval_95: [f64; 2],
-}
-
-impl PendingRatioReport {
-    /// The interval in words.
-    pub(crate) fn interval(&self) -> String {
-        let [low, high] = self.interval_95.map(|end| believed(end, 3));
-        format!("{low} to {high}")
-    }
+    pub predicted: Vec<RatioPrediction>,
 }
 
 impl PendingReport {
@@ -57,17 +33,8 @@ impl PendingReport {
         let entry = |e: usize| of.of_dimensions.iter().map(|slopes| slopes[e / n] * slopes[e % n]).sum();
         let of_dimensions: Vec<f64> = (0..n * n).map(entry).collect();
         let found = learned.at(&loads).predict(&of.features, &sensitivity).with(&of_dimensions);
-        let predicted = of.measured.iter().enumerate().map(|(row, at)| {
-            let quantile = |p: f64| tidy(at.modelled * found.quantile(row, p).exp());
-            PendingRatioReport {
-                pressure_mpa: tidy(PRESSURE_MPA.from_si(at.load.pressure_pa)),
-                speed_mm_s: tidy(SPEED_MM_S.from_si(at.load.speed_m_s)),
-                humidity_pct: tidy(HUMIDITY_PCT.from_si(at.load.humidity)),
-                modelled: tidy(at.modelled),
-                ratio: quantile(0.5),
-                interval_95: [quantile(0.025), quantile(0.975)],
-            }
-        });
+        let predicted =
+            of.measured.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.modelled, &found, row));
         Self {
             name: of.name.clone(),
             areal_density: tidy(of.features.areal_density),
@@ -91,32 +58,14 @@ impl TrialsReport {
         if self.predicted.is_empty() {
             return String::new();
         }
-        let mut table = Table::new([
-            "pending",
-            "density",
-            "edges 1/mm",
-            "depth um",
-            "P MPa",
-            "v mm/s",
-            "RH %",
-            "model",
-            "predicted",
-            "95 %",
-        ]);
+        let mut table =
+            Table::new(["pending"].into_iter().chain(SAMPLE_AND_LOAD).chain(["model", "predicted", "95 %"]));
         for of in &self.predicted {
             for at in &of.predicted {
-                table.row([
-                    of.name.clone(),
-                    fixed(Some(of.areal_density), 3),
-                    fixed(Some(of.edge_per_mm), 2),
-                    fixed(Some(of.depth_um), 1),
-                    fixed(Some(at.pressure_mpa), 3),
-                    at.speed_mm_s.to_string(),
-                    at.humidity_pct.to_string(),
-                    fixed(Some(at.modelled), 3),
-                    believed(at.ratio, 3),
-                    at.interval(),
-                ]);
+                let sample = [of.areal_density, of.edge_per_mm, of.depth_um];
+                let cells = sample_and_load(sample, [at.pressure_mpa, at.speed_mm_s, at.humidity_pct]);
+                let said = [fixed(Some(at.modelled), 3), believed(at.ratio, 3), believed_interval(at.interval_95)];
+                table.row([of.name.clone()].into_iter().chain(cells).chain(said));
             }
         }
         format!("\npending: cut and not yet measured; ratios modelled, and predicted by all trials\n{table}")
