@@ -3,7 +3,7 @@
 //! A parameter at a bound is held there while the gradient pushes it outward; steps that leave the box are
 //! cut back to it. argmin has neither bounds nor this method.
 
-use nalgebra::{DMatrix, DVector};
+use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, solve};
 
 /// Relative step of the forward differences. The model is smooth and converged to 1e-11.
 const DIFFERENCE: f64 = 1e-5;
@@ -15,6 +15,9 @@ const MOST_ITERATIONS: usize = 100;
 const DAMPING: (f64, f64) = (1e-3, 10.0);
 /// Damping at which no step helps any more.
 const MOST_DAMPING: f64 = 1e12;
+
+/// Least eigenvalue of J^T J, its columns of length one, with which data determine the parameters.
+const LEAST_CURVATURE: f64 = 1e-10;
 
 /// Residuals in standard deviations, as a function of the parameters.
 pub struct LeastSquares<F> {
@@ -73,7 +76,7 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         let mut damping = DAMPING.0;
         for _ in 0..MOST_ITERATIONS {
             let jacobian = self.jacobian(&at, &residuals)?;
-            let gradient = jacobian.tr_mul(&DVector::from_column_slice(&residuals));
+            let gradient: Vec<f64> = jacobian.iter().map(|column| dot(column, &residuals)).collect();
             let free: Vec<usize> = (0..at.len())
                 .filter(|&i| {
                     let outward = (at[i] <= self.bounds[i][0] && gradient[i] > 0.0)
@@ -115,40 +118,35 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
         })
     }
 
-    fn jacobian(&self, at: &[f64], residuals: &[f64]) -> Result<DMatrix<f64>, E> {
-        let mut jacobian = DMatrix::zeros(residuals.len(), at.len());
-        for p in (0..at.len()).filter(|&p| !self.held[p]) {
+    /// The derivatives of all residuals by each parameter; zero by those that are held.
+    fn jacobian(&self, at: &[f64], residuals: &[f64]) -> Result<Vec<Vec<f64>>, E> {
+        let column = |p: usize| {
+            if self.held[p] {
+                return Ok(vec![0.0; residuals.len()]);
+            }
             let mut moved = at.to_vec();
             let step = DIFFERENCE * at[p].abs().max(1e-3);
             // Backwards at the upper bound.
             moved[p] += if at[p] + step > self.bounds[p][1] { -step } else { step };
             let changed = (self.residuals)(&moved)?;
-            for r in 0..residuals.len() {
-                jacobian[(r, p)] = (changed[r] - residuals[r]) / (moved[p] - at[p]);
-            }
-        }
-        Ok(jacobian)
+            Ok(changed.iter().zip(residuals).map(|(changed, here)| (changed - here) / (moved[p] - at[p])).collect())
+        };
+        (0..at.len()).map(column).collect()
     }
 
-    fn covariance(&self, jacobian: &DMatrix<f64>) -> Vec<Vec<f64>> {
-        let count = jacobian.ncols();
+    fn covariance(&self, jacobian: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let count = jacobian.len();
         // Columns of length one: parameters differ in size by more than the digits of a number.
-        let norms: Vec<f64> = (0..count).map(|p| jacobian.column(p).norm()).collect();
+        let norms: Vec<f64> = jacobian.iter().map(|column| dot(column, column).sqrt()).collect();
         let seen: Vec<usize> = (0..count).filter(|&p| norms[p] > 1e-9 && !self.held[p]).collect();
-        let scaled = DMatrix::from_fn(jacobian.nrows(), seen.len(), |r, c| jacobian[(r, seen[c])] / norms[seen[c]]);
         let mut covariance = vec![vec![0.0; count]; count];
         for (p, row) in covariance.iter_mut().enumerate().filter(|(p, _)| !self.held[*p]) {
             row[p] = f64::INFINITY;
         }
-        if seen.is_empty() {
-            return covariance;
-        }
-        let curvature = scaled.tr_mul(&scaled);
-        let well_posed = curvature.clone().symmetric_eigenvalues().iter().all(|&value| value > 1e-10);
-        if let Some(inverse) = curvature.try_inverse().filter(|_| well_posed) {
-            for (i, &p) in seen.iter().enumerate() {
-                for (j, &q) in seen.iter().enumerate() {
-                    covariance[p][q] = inverse[(i, j)] / (norms[p] * norms[q]);
+        if let Some(inverse) = inverse(&curvature(jacobian, &seen, |p, q| norms[p] * norms[q])) {
+            for (row, &p) in inverse.iter().zip(&seen) {
+                for (entry, &q) in row.iter().zip(&seen) {
+                    covariance[p][q] = entry / (norms[p] * norms[q]);
                 }
             }
         }
@@ -156,15 +154,38 @@ impl<E, F: Fn(&[f64]) -> Result<Vec<f64>, E>> LeastSquares<F> {
     }
 }
 
+/// J^T J of the `chosen` columns over `scale`, row by row.
+fn curvature(jacobian: &[Vec<f64>], chosen: &[usize], scale: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let of = |p: usize, q: usize| dot(&jacobian[p], &jacobian[q]) / scale(p, q);
+    chosen.iter().flat_map(|&p| chosen.iter().map(move |&q| (p, q))).map(|(p, q)| of(p, q)).collect()
+}
+
+/// The rows of the inverse of a curvature with ones on its diagonal, unless its least eigenvalue, whose inverse the trace of the
+/// inverse exceeds, may be below [`LEAST_CURVATURE`].
+fn inverse(curvature: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let n = curvature.len().isqrt();
+    let factor = cholesky(curvature, n).filter(|factor| is_regular(factor, n))?;
+    let row = |p: usize| {
+        let mut row: Vec<f64> = (0..n).map(|q| f64::from(u8::from(p == q))).collect();
+        solve(&factor, n, &mut row);
+        row
+    };
+    let rows: Vec<Vec<f64>> = (0..n).map(row).collect();
+    let trace: f64 = rows.iter().enumerate().map(|(p, row)| row[p]).sum();
+    (trace * LEAST_CURVATURE < 1.0).then_some(rows)
+}
+
 /// (J^T J + damping diag(J^T J)) step = gradient over the free parameters.
-fn step(jacobian: &DMatrix<f64>, gradient: &DVector<f64>, free: &[usize], damping: f64) -> Option<DVector<f64>> {
-    let chosen = DMatrix::from_fn(jacobian.nrows(), free.len(), |r, c| jacobian[(r, free[c])]);
-    let mut curvature = chosen.tr_mul(&chosen);
-    for i in 0..free.len() {
-        curvature[(i, i)] = curvature[(i, i)] * (1.0 + damping) + f64::MIN_POSITIVE;
+fn step(jacobian: &[Vec<f64>], gradient: &[f64], free: &[usize], damping: f64) -> Option<Vec<f64>> {
+    let n = free.len();
+    let mut curvature = curvature(jacobian, free, |_, _| 1.0);
+    for i in 0..n {
+        curvature[i * n + i] = curvature[i * n + i] * (1.0 + damping) + f64::MIN_POSITIVE;
     }
-    let right = DVector::from_fn(free.len(), |i, _| gradient[free[i]]);
-    curvature.cholesky().map(|factor| factor.solve(&right))
+    let factor = cholesky(&curvature, n).filter(|factor| is_regular(factor, n))?;
+    let mut step: Vec<f64> = free.iter().map(|&p| gradient[p]).collect();
+    solve(&factor, n, &mut step);
+    Some(step)
 }
 
 #[cfg(test)]

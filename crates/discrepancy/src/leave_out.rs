@@ -2,9 +2,9 @@
 
 use slipgrid_statistics::normal_quantile;
 
-use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower};
 use crate::mixture::is_same;
 use crate::{Component, Discrepancy, Prediction};
+use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
 
 /// What is left out at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

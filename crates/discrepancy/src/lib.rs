@@ -49,7 +49,6 @@ mod form;
 mod hyperparameters;
 mod identified;
 mod leave_out;
-mod linear;
 mod mixture;
 mod next_trial;
 mod prediction;

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 use crate::rows::Basis;
 use crate::{Conditions, DiscrepancyError, Features, Form, Hyperparameters, Load, Measured, Predictor, Trial};
+use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower, solve_upper};
 
 /// Two numbers of a condition that agree to this share are the same.
 const SAME: f64 = 1e-6;

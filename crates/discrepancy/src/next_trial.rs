@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use slipgrid_statistics::{Normals, box_probability};
 
-use crate::linear::{cholesky, dot, is_regular, log_determinant, solve_lower};
 use crate::{Features, Prediction, Predictor};
+use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
 
 /// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
 const OF_CLOSENESS: f64 = 0.05;

@@ -4,9 +4,9 @@ use slipgrid_statistics::{box_probability, normal_probability};
 
 use crate::Features;
 use crate::Form;
-use crate::linear::{cholesky, dot};
 use crate::mixture::Member;
 use crate::rows::Basis;
+use slipgrid_statistics::cholesky::{cholesky, dot};
 
 /// Members of less weight change no digit that is reported.
 const LEAST_WEIGHT: f64 = 1e-7;

@@ -3,8 +3,8 @@
 
 use slipgrid_statistics::Normals;
 
-use crate::linear::{cholesky, dot, solve_lower};
 use crate::{Conditions, Features, Hyperparameters, Load};
+use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower};
 
 /// alpha, beta, gamma and kappa, the coefficients before those of the humidities.
 const OF_LOAD: usize = 4;

@@ -2,10 +2,10 @@
 
 use slipgrid_statistics::Normals;
 
-use crate::linear::dot;
 use crate::mixture::Member;
 use crate::rows::Basis;
 use crate::{Candidate, Discrepancy, Load, Wanted};
+use slipgrid_statistics::cholesky::dot;
 
 /// Truths drawn from the mixture, all alike likely.
 #[derive(Clone, Debug)]

@@ -150,11 +150,16 @@ fn weights_are_prior_times_evidence() {
                     found.basis().row(form, member.residual, features, &at.load, at.modulus_sensitivity)
                 })
                 .collect();
-            let dense: Vec<f64> = (0..n * n).map(|e| noise[e] + crate::linear::dot(&phi[e / n], &phi[e % n])).collect();
-            let factor = crate::linear::cholesky(&dense, n).unwrap();
+            let dense: Vec<f64> =
+                (0..n * n).map(|e| noise[e] + slipgrid_statistics::cholesky::dot(&phi[e / n], &phi[e % n])).collect();
+            let factor = slipgrid_statistics::cholesky::cholesky(&dense, n).unwrap();
             let mut y: Vec<f64> = rows.iter().map(|(_, at)| at.log_excess()).collect();
-            crate::linear::solve_lower(&factor, n, &mut y);
-            member.prior * (-0.5 * (crate::linear::dot(&y, &y) + crate::linear::log_determinant(&factor, n))).exp()
+            slipgrid_statistics::cholesky::solve_lower(&factor, n, &mut y);
+            member.prior
+                * (-0.5
+                    * (slipgrid_statistics::cholesky::dot(&y, &y)
+                        + slipgrid_statistics::cholesky::log_determinant(&factor, n)))
+                .exp()
         })
         .collect();
     let sum: f64 = evidences.iter().sum();

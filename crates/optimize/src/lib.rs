@@ -77,6 +77,7 @@ mod low_discrepancy;
 mod low_fidelity_correction;
 mod model;
 mod multi_fidelity;
+mod nelder_mead;
 mod outcome;
 mod propagation;
 mod robust;

@@ -1,6 +1,6 @@
-//! Descent from one design: the simplex method of Nelder and Mead (Comput. J. 7, 308, 1965) by argmin.
+//! Descent from one design.
 //!
-//! argmin knows no bounds. The simplex moves in u, and the share t of a length's logarithm is
+//! The simplex method knows no bounds: it moves in u, and the share t of a length's logarithm is
 //!
 //!   t = (1 - cos(pi u)) / 2,
 //!
@@ -10,11 +10,8 @@
 use crate::archive::{LocalArchive, Record};
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
-use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, linear_steps};
-use argmin::core::{CostFunction, Error, Executor, IterState};
-use argmin::solver::neldermead::NelderMead;
+use crate::{COMFORTABLE_RMS, Candidate, gauss_newton, linear_steps, nelder_mead};
 use slipgrid_pattern::Pattern;
-use std::cell::RefCell;
 use std::f64::consts::PI;
 
 /// Edge of the first simplex in u: about the spacing of the sample, so that the descent neither
@@ -170,43 +167,18 @@ impl Descent {
         // u = acos(1 - 2 t) / pi
         let start: Vec<f64> =
             free.iter().map(|&axis| (1.0 - 2.0 * shares[axis]).clamp(-1.0, 1.0).acos() / PI).collect();
-        let problem = Problem {
-            cost: self.cost,
-            grid: self.grid,
-            free: free.to_vec(),
-            shares,
-            visit: RefCell::new(Visit { local, best: None, calls: 0, landmark: (f64::INFINITY, 0) }),
-        };
+        let place = Place { grid: self.grid, free, shares };
         let mut simplex = vec![start.clone()];
-        for coordinate in 0..free.len() {
-            simplex.push(problem.other_vertex(&start, coordinate, self.edge));
-        }
-        if free.is_empty() {
-            // One design: nothing to descend.
-            let _ = (&problem).cost(&start);
-        } else if let Ok(solver) = NelderMead::new(simplex).with_sd_tolerance(self.collapsed_std) {
-            let comfortable = self.cost.comfortable();
-            // An interruption or a stall surfaces as an error; what was seen before it stands in `visit`.
-            let _ = Executor::new(&problem, solver)
-                .configure(|state: IterState<Vec<f64>, (), (), (), (), f64>| state.target_cost(comfortable))
-                .ctrlc(false)
-                .timer(false)
-                .run();
-        }
-        let best = problem.visit.into_inner().best;
-        best.map_or((None, FAILED_COST), |(design, cost)| (Some(design), cost))
+        simplex.extend((0..free.len()).map(|coordinate| place.other_vertex(&start, coordinate, self.edge)));
+        let mut visit = Visit { local, best: None, calls: 0, landmark: (f64::INFINITY, 0) };
+        let ends = (self.collapsed_std, self.cost.comfortable());
+        // An interruption or a stall ends the descent; what was seen before it stands in `visit`.
+        let _ = nelder_mead::descend(simplex, ends, |u| visit.cost(&self.cost, free.len(), place.design(u)));
+        visit.best.map_or((None, FAILED_COST), |(design, cost)| (Some(design), cost))
     }
 }
 
-/// What the simplex method sees.
-struct Problem<'a, 'b> {
-    cost: Cost,
-    grid: Grid,
-    free: Vec<usize>,
-    shares: [f64; MOST_DIMENSIONS],
-    visit: RefCell<Visit<'a, 'b>>,
-}
-
+/// What a descent by the simplex method has seen.
 struct Visit<'a, 'b> {
     local: &'a mut LocalArchive<'b>,
     best: Option<(Pattern, f64)>,
@@ -215,7 +187,35 @@ struct Visit<'a, 'b> {
     landmark: (f64, usize),
 }
 
-impl Problem<'_, '_> {
+impl Visit<'_, '_> {
+    /// Cost of a design of `free` free dimensions, unless the descent has stalled or is interrupted.
+    fn cost(&mut self, cost: &Cost, free: usize, design: Option<Pattern>) -> Option<f64> {
+        self.calls += 1;
+        if self.calls > free + 1 && self.calls > self.landmark.1 + STALLED_CALLS * free {
+            return None;
+        }
+        let Some(design) = design else { return Some(FAILED_COST) };
+        let Record::Computed(candidate) = self.local.look(&design)? else { return Some(FAILED_COST) };
+        let cost = cost.of(candidate);
+        if self.best.is_none_or(|(_, least)| cost < least) {
+            self.best = Some((design, cost));
+        }
+        if cost < self.landmark.0 - STALLED_GAIN {
+            self.landmark = (cost, self.calls);
+        }
+        Some(cost)
+    }
+}
+
+/// Where the simplex stands among designs.
+struct Place<'a> {
+    grid: Grid,
+    free: &'a [usize],
+    /// Of the dimensions that are not free.
+    shares: [f64; MOST_DIMENSIONS],
+}
+
+impl Place<'_> {
     fn design(&self, u: &[f64]) -> Option<Pattern> {
         let mut shares = self.shares;
         for (&axis, &u) in self.free.iter().zip(u) {
@@ -238,36 +238,6 @@ impl Problem<'_, '_> {
             }
         }
         vertex
-    }
-}
-
-impl CostFunction for &Problem<'_, '_> {
-    type Param = Vec<f64>;
-    type Output = f64;
-
-    fn cost(&self, u: &Self::Param) -> Result<Self::Output, Error> {
-        let visit = &mut *self.visit.borrow_mut();
-        visit.calls += 1;
-        // argmin panics on an error while it evaluates the first simplex: end it just after.
-        let may_end = visit.calls > self.free.len() + 1;
-        if may_end && visit.calls > visit.landmark.1 + STALLED_CALLS * self.free.len() {
-            return Err(Error::msg("stalled"));
-        }
-        let cost = match self.design(u).map(|design| (design, visit.local.look(&design))) {
-            Some((design, Some(Record::Computed(candidate)))) => {
-                let cost = self.cost.of(candidate);
-                if visit.best.is_none_or(|(_, least)| cost < least) {
-                    visit.best = Some((design, cost));
-                }
-                if cost < visit.landmark.0 - STALLED_GAIN {
-                    visit.landmark = (cost, visit.calls);
-                }
-                cost
-            }
-            Some((_, None)) if may_end => return Err(Error::msg("interrupted")),
-            _ => FAILED_COST,
-        };
-        Ok(cost)
     }
 }
 

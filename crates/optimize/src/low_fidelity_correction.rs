@@ -3,8 +3,8 @@
 use crate::Response;
 use crate::low_discrepancy::MOST_DIMENSIONS;
 use crate::space::Grid;
-use nalgebra::{DMatrix, DVector};
 use slipgrid_pattern::Pattern;
+use slipgrid_statistics::cholesky::{cholesky, is_regular, solve};
 
 /// Distance over which differences resemble each other, as a share of the (logarithmic) bounds. Shorter forgets
 /// what is known from afar, longer trusts it too much: from 0.4 to 1 the number of evaluations hardly changes.
@@ -72,17 +72,21 @@ impl LowFidelityCorrection {
         let mut columns: Vec<Column> = (0..count)
             .map(|column| Column { mean: mean(column), weights: vec![0.0; n], is_factor: is_factor(column) })
             .collect();
-        let covariances =
-            DMatrix::from_fn(n, n, |i, j| covariance(&shares[i], &shares[j]) + if i == j { NUGGET } else { 0.0 });
+        let nugget = |i: usize, j: usize| if i == j { NUGGET } else { 0.0 };
+        let covariances: Vec<f64> =
+            (0..n * n).map(|e| covariance(&shares[e / n], &shares[e % n]) + nugget(e / n, e % n)).collect();
         // Two designs at one place, which a grid does not have, would be left to the mean.
-        if let Some(factor) = covariances.cholesky() {
-            let ones = factor.solve(&DVector::from_element(n, 1.0));
+        if let Some(factor) = cholesky(&covariances, n).filter(|factor| n > 0 && is_regular(factor, n)) {
+            let solved = |mut right: Vec<f64>| {
+                solve(&factor, n, &mut right);
+                right
+            };
+            let ones = solved(vec![1.0; n]);
             for (number, column) in columns.iter_mut().enumerate() {
-                let by = DVector::from_fn(n, |row, _| by(number, row));
                 // m = 1' C^-1 d / 1' C^-1 1,   w = C^-1 (d - m 1)
-                let solved = factor.solve(&by);
-                column.mean = if n == 0 { 0.0 } else { solved.sum() / ones.sum() };
-                column.weights = (solved - column.mean * &ones).iter().copied().collect();
+                let by = solved((0..n).map(|row| by(number, row)).collect());
+                column.mean = by.iter().sum::<f64>() / ones.iter().sum::<f64>();
+                column.weights = by.iter().zip(&ones).map(|(by, one)| by - column.mean * one).collect();
             }
         }
         Correction { shares, columns }

@@ -1,5 +1,5 @@
 //! Statistics that several crates need: normal deviates and their distribution, medians, standard deviations and Student's t,
-//! and response surfaces of three lengths.
+//! response surfaces of three lengths, and the small dense systems that these lead to.
 //!
 //! ```
 //! use slipgrid_statistics::{Confidence, mean_and_std, median, upper_median};
@@ -8,6 +8,7 @@
 //! assert_eq!(Confidence::PERCENT_95.student_t(2), 4.302_653);
 //! ```
 
+pub mod cholesky;
 mod normal;
 mod normal_distribution;
 mod response_surface;

@@ -1,7 +1,9 @@
-//! Small dense symmetric systems, row by row.
+//! Small dense symmetric systems by Cholesky's factors (Golub and Van Loan, Matrix Computations, 4.2). A matrix of n x n
+//! numbers stands row by row in n^2 places.
 
 /// The lower triangular factor L of `matrix` = L L^T, n x n. A pivot that is zero but for rounding makes a column of zeros,
 /// and `None` stands for one that is below that.
+#[must_use]
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
     let mut factor = vec![0.0; n * n];
     for row in 0..n {
@@ -40,15 +42,51 @@ pub fn solve_upper(factor: &[f64], n: usize, values: &mut [f64]) {
 }
 
 /// ln det(L L^T).
+#[must_use]
 pub fn log_determinant(factor: &[f64], n: usize) -> f64 {
     (0..n).map(|row| 2.0 * libm::log(factor[row * n + row])).sum()
 }
 
+/// (L L^T)^-1 b in the place of b.
+pub fn solve(factor: &[f64], n: usize, values: &mut [f64]) {
+    solve_lower(factor, n, values);
+    solve_upper(factor, n, values);
+}
+
 /// Whether a factor has no column of zeros.
+#[must_use]
 pub fn is_regular(factor: &[f64], n: usize) -> bool {
     (0..n).all(|row| factor[row * n + row] > 0.0)
 }
 
+/// The product of two vectors, summed from the first entry on.
+#[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_is_the_product_of_its_factors_and_solved_by_them() {
+        // L = [2 0 0; 1 3 0; -1 2 1], x = (1, -2, 3)
+        let matrix = [4.0, 2.0, -2.0, 2.0, 10.0, 5.0, -2.0, 5.0, 6.0];
+        let factor = cholesky(&matrix, 3).unwrap();
+        assert_eq!(factor, [2.0, 0.0, 0.0, 1.0, 3.0, 0.0, -1.0, 2.0, 1.0]);
+        let mut solution = [4.0 - 4.0 - 6.0, 2.0 - 20.0 + 15.0, -2.0 - 10.0 + 18.0];
+        solve(&factor, 3, &mut solution);
+        assert!(solution.iter().zip([1.0, -2.0, 3.0]).all(|(found, x)| (found - x).abs() < 1e-14), "{solution:?}");
+        assert!((log_determinant(&factor, 3) - 36.0_f64.ln()).abs() < 1e-14);
+        assert!(is_regular(&factor, 3));
+    }
+
+    #[test]
+    fn singular_matrices_have_columns_of_zeros_and_indefinite_ones_no_factor() {
+        let factor = cholesky(&[1.0, 1.0, 1.0, 1.0], 2).unwrap();
+        assert_eq!(factor, [1.0, 0.0, 1.0, 0.0]);
+        assert!(!is_regular(&factor, 2));
+        assert_eq!(cholesky(&[1.0, 2.0, 2.0, 1.0], 2), None);
+    }
 }
