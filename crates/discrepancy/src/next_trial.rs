@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use slipgrid_statistics::{Normals, box_probability};
 
 use crate::{Features, Prediction, Predictor};
-use slipgrid_statistics::cholesky::{cholesky, dot, is_regular, log_determinant, solve_lower};
+use slipgrid_statistics::cholesky::{cholesky, covariance_factor, dot, is_regular, log_determinant, solve_lower};
 
 /// What counts beside the chance: a texture that misses by little teaches more of the target than one that misses by far.
 const OF_CLOSENESS: f64 = 0.05;
@@ -139,7 +139,7 @@ fn chance(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2], least: f64) -
             return None;
         }
         let of = &prediction.components[place];
-        let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+        let factor = covariance_factor(&of.covariance, n);
         found[place] = of.weight * box_probability(&of.mean, &factor, lower, upper);
         sum += found[place];
         left -= most;
@@ -156,7 +156,7 @@ fn closeness(prediction: &Prediction, [lower, upper]: &[Vec<f64>; 2]) -> f64 {
     let deviates: Vec<f64> = (0..DRAWS * n).map(|_| normals.draw()).collect();
     let mut sum = 0.0;
     for of in prediction.components.iter().filter(|of| of.weight > LEAST_WEIGHT) {
-        let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+        let factor = covariance_factor(&of.covariance, n);
         let close = |z: &[f64], side: f64| {
             let misfit = |load: usize| {
                 let known = of.mean[load] + side * dot(&factor[load * n..][..=load], z);

@@ -6,7 +6,7 @@ use crate::Features;
 use crate::Form;
 use crate::mixture::Member;
 use crate::rows::Basis;
-use slipgrid_statistics::cholesky::{cholesky, dot};
+use slipgrid_statistics::cholesky::{covariance_factor, dot};
 
 /// Members of less weight change no digit that is reported.
 const LEAST_WEIGHT: f64 = 1e-7;
@@ -294,7 +294,7 @@ impl Prediction {
         let mut reached = 0.0;
         let form = |of: &Component| {
             reached += of.weight;
-            (reached, of.mean.clone(), cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]))
+            (reached, of.mean.clone(), covariance_factor(&of.covariance, n))
         };
         Sampler { forms: self.components.iter().map(form).collect() }
     }
@@ -304,7 +304,7 @@ impl Prediction {
     pub fn probability_within(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let n = self.loads();
         let of = |of: &Component| {
-            let factor = cholesky(&of.covariance, n).unwrap_or_else(|| vec![0.0; n * n]);
+            let factor = covariance_factor(&of.covariance, n);
             of.weight * box_probability(&of.mean, &factor, lower, upper)
         };
         self.components.iter().map(of).sum()

@@ -386,3 +386,34 @@ fn samples_on_one_disc_are_off_together() {
     assert!((share - 0.683).abs() < 0.025, "{share}");
     assert!(one.iter().zip(&other).filter(|(one, other)| one != other).count() < 10);
 }
+
+/// Six loads that go together, as two speeds at three pressures do: what holds of all of them holds of some, by the rule and by draws.
+#[test]
+fn more_loads_are_never_likelier_within_their_bounds_than_fewer() {
+    let both: Vec<Load> =
+        [2.0, 5.0].into_iter().flat_map(|speed| [2.0, 4.0, 8.0].map(|pressure| load(pressure, speed, 45.0))).collect();
+    let trials = vec![trial("A", groove(113.0, 287.0, 14.0), &both, 0.01, &mut |_| -0.03)];
+    let known = discrepancy(trials);
+    for width_um in [150.0, 170.0, 190.0, 191.0, 192.0, 193.7, 195.0, 197.0] {
+        let found = |loads: &[Load]| {
+            let n = loads.len();
+            let prediction = known.at(loads).predict(&groove(width_um, 278.3, 29.45), &vec![0.1; n]);
+            let (lower, upper) = (vec![-0.06; n], vec![0.02; n]);
+            let sampler = prediction.sampler();
+            let mut normals = Normals::new(1);
+            let draws = 20_000;
+            let within = (0..draws).filter(|_| {
+                let which = normals.draw();
+                let z: Vec<f64> = (0..n).map(|_| normals.draw()).collect();
+                sampler.draw(which, &z).iter().all(|y| (-0.06..=0.02).contains(y))
+            });
+            let drawn = within.count() as f64 / f64::from(draws);
+            let share = prediction.probability_within(&lower, &upper);
+            // Draws: 0.0035; the rule beside it.
+            assert!((share - drawn).abs() < 0.012, "{width_um} {n}: {share} {drawn}");
+            share
+        };
+        let (all, slow, fast) = (found(&both), found(&both[..3]), found(&both[3..]));
+        assert!(all <= slow.min(fast) + 0.01, "{width_um}: {all} {slow} {fast}");
+    }
+}

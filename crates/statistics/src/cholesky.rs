@@ -5,17 +5,22 @@
 /// and `None` stands for one that is below that.
 #[must_use]
 pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
+    factor(matrix, n, |left, own| {
+        let rounding = 1e-14 * own.abs() * n as f64;
+        let is_known = !left.is_nan() && left >= -rounding;
+        is_known.then_some(if left > rounding { left } else { 0.0 })
+    })
+}
+
+/// The factor whose squared pivots `pivot` makes of what is left of a diagonal entry, and of the entry; zeros make columns of zeros.
+fn factor(matrix: &[f64], n: usize, pivot: impl Fn(f64, f64) -> Option<f64>) -> Option<Vec<f64>> {
     let mut factor = vec![0.0; n * n];
     for row in 0..n {
         for column in 0..=row {
             let known: f64 = (0..column).map(|k| factor[row * n + k] * factor[column * n + k]).sum();
             let left = matrix[row * n + column] - known;
             if row == column {
-                let rounding = 1e-14 * matrix[row * n + row].abs() * n as f64;
-                if left.is_nan() || left < -rounding {
-                    return None;
-                }
-                factor[row * n + row] = if left > rounding { left.sqrt() } else { 0.0 };
+                factor[row * n + row] = pivot(left, matrix[row * n + row])?.sqrt();
             } else {
                 let pivot = factor[column * n + column];
                 factor[row * n + column] = if pivot > 0.0 { left / pivot } else { 0.0 };
@@ -23,6 +28,21 @@ pub fn cholesky(matrix: &[f64], n: usize) -> Option<Vec<f64>> {
         }
     }
     Some(factor)
+}
+
+/// Share of a variance below which what is left of it beside earlier components is the rounding of a covariance that was summed up.
+const ROUNDING_OF_COVARIANCES: f64 = 1e-10;
+
+/// The lower triangular factor of a covariance, n x n, that may be singular: a component that earlier ones tell but for rounding gets a
+/// pivot of zero. Of a matrix that is no covariance it is the factor of one near it.
+#[must_use]
+pub fn covariance_factor(covariance: &[f64], n: usize) -> Vec<f64> {
+    factor(
+        covariance,
+        n,
+        |left, variance| if left > ROUNDING_OF_COVARIANCES * variance { Some(left) } else { Some(0.0) },
+    )
+    .unwrap_or_default()
 }
 
 /// L^-1 b in the place of b.
@@ -88,5 +108,8 @@ mod tests {
         assert_eq!(factor, [1.0, 0.0, 1.0, 0.0]);
         assert!(!is_regular(&factor, 2));
         assert_eq!(cholesky(&[1.0, 2.0, 2.0, 1.0], 2), None);
+        // Two components that are one but for rounding: no factor by the strict rule, and the first decides by the other.
+        let summed = [1.0, 1.0, 1.0, 1.0 - 1e-12];
+        assert_eq!((cholesky(&summed, 2), covariance_factor(&summed, 2)), (None, vec![1.0, 0.0, 1.0, 0.0]));
     }
 }
