@@ -34,8 +34,8 @@ fn a_thin_flat_strip_slides_alike() {
     scene.layer = Layer { length_m: 2000e-6, height_m: 50e-6, block_m: 10e-6, thickness_m: None };
     scene.run.sliding_m = 0.3e-6;
     let [fast, slow] = compare(scene);
-    // Force evaluations alone: 4 ns with one a step against 1 ns with four.
-    assert!(slow > 15 * fast, "{fast} {slow}");
+    // Force evaluations alone: 6 ns with one a step against 1 ns with four.
+    assert!(slow > 22 * fast, "{fast} {slow}");
 }
 
 #[test]

@@ -181,7 +181,8 @@ where
         // The sum of normal forces counts compressive blocks only.
         self.normal[i] = block.normal.max(0.0);
         let goes_on = match block.motion {
-            Motion::Rest => true,
+            // What it has left to go is no velocity.
+            Motion::Rest => v == [0.0; H],
             // Without velocity the pass would take it for a block at rest.
             Motion::Slip => v != [0.0; H] && block.normal > 0.0,
             Motion::Lifted => false,

@@ -192,8 +192,8 @@ fn site_evaluations(scene: &Scene) -> f64 {
         (Extent::Cell, Some(pattern)) => pattern.pitch_m() / scene.layer.block_m,
         _ => scene.layer.columns() as f64,
     };
-    // 4 ns for blocks of 10 um, and in proportion to them
-    let usual_s = if scene.run.fidelity == Fidelity::Reference { 1e-9 } else { 4e-9 * scene.layer.block_m / 10e-6 };
+    // 6 ns for blocks of 10 um, and in proportion to them
+    let usual_s = if scene.run.fidelity == Fidelity::Reference { 1e-9 } else { 6e-9 * scene.layer.block_m / 10e-6 };
     let steps = scene.run.sliding_m / scene.speed_m_s / scene.run.step_s.unwrap_or(usual_s);
     let stages = if scene.run.fidelity == Fidelity::Reference { 4.0 } else { 1.0 };
     2.0 * columns * scene.layer.rows() as f64 * steps * stages

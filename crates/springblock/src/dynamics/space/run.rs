@@ -14,7 +14,7 @@ use crate::outcome::{Status, SurfaceOutcome};
 use crate::scene::{Load, Scene};
 use crate::space::{SpaceLattice, SpaceLoad, SpaceSteadyModel};
 
-/// Default step over sqrt(m/k), k = 2/5 E l: that of the plane in seconds, 4 ns for the published polymer at l = 10 um.
+/// Default step over sqrt(m/k), k = 2/5 E l: 4 ns for the published polymer at l = 10 um, two fifths of the stability limit.
 pub const SPACE_STEP: f64 = 0.1644;
 /// Stability limit of the leapfrog times the largest eigenfrequency.
 const LEAPFROG_LIMIT: f64 = 2.0;

@@ -137,8 +137,8 @@ fn strips_follow_the_longest_in_time() {
     let run = RunOptions {
         fidelity: Fidelity::Dynamic,
         warm_start: true,
-        mu_stderr: Some(0.0003),
-        sliding_m: 2e-6,
+        mu_stderr: Some(0.00015),
+        sliding_m: 6e-6,
         ..RunOptions::default()
     };
     let mut scene = scene(run);
