@@ -81,7 +81,7 @@ impl MultiFidelityLoop<'_> {
         (errors, expansion): (&ErrorsReport, Option<&Expansion>),
         aimed: Option<f64>,
     ) -> Result<Option<AdviceReport>, DesignError> {
-        let (Some(best), Some(confirmed), Some(chances)) = (&self.best, &self.confirmed, &self.chances) else {
+        let (Some(best), Some(confirmed), Some(chances)) = (&self.round.best, &self.round.confirmed, &self.chances) else {
             return Ok(None);
         };
         // Where no pattern is needed or none helps, none is to be cut; and what does not slide evenly is no sample to measure.
