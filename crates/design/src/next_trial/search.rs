@@ -142,11 +142,13 @@ impl<'a> Search<'a> {
         let all = Steps::new(self.task).spread(self.scope.designs);
         let patterns: Vec<Pattern> = all.into_iter().filter(is_open).collect();
         let between = |pattern: &Pattern| {
+            if self.stage.cancelled() {
+                return None;
+            }
             let lengths_m = pattern.lengths_m();
             let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
             Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)))
         };
-        let between = |pattern: &Pattern| if self.stage.cancelled() { None } else { between(pattern) };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
         let candidate = |place: usize| (!self.stage.cancelled()).then(|| left[place].candidate());
@@ -178,7 +180,8 @@ impl<'a> Search<'a> {
     }
 
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared; what is known so far where the stage is cancelled. Designs whose chance by the interpolated model is below `least_chance` are passed by.
+    /// first, and how many were compared; what is known so far where the stage is cancelled. Designs whose chance by the interpolated model
+    /// is below `least_chance` are passed by.
     ///
     /// All are ranked by the interpolated model, the best are judged by the model itself, and from the best of these of different
     /// regions is climbed over whole blocks and bursts: first by the model in the layer's blocks and what smaller ones change of their like, then with everything that counts.
