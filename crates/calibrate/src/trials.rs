@@ -138,7 +138,7 @@ fn trial(
         pairs.iter().filter_map(|pair| Some((pair, ends.between(pair, |place| modelled[place])?))).collect();
     let mut of_dimensions = Vec::new();
     for axis in axes {
-        let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m(), cut.pattern.depth_m()];
+        let lengths_m = cut.pattern.lengths_m();
         // One standard error upwards: a cavity of a rough edge is rather too large than too small.
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|other| {
             lengths_m[other] + if other == axis { cut.dimensions_std_m[axis] } else { 0.0 }

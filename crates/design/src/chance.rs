@@ -428,7 +428,7 @@ impl<'a> Chances<'a> {
 
     /// dr/dx of each ratio along one dimension, per metre.
     fn along_axis(&self, design: &Pattern, axis: usize, std_m: f64) -> Result<Vec<f64>, ModelFailure> {
-        let lengths_m = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let lengths_m = design.lengths_m();
         let step_m = std_m.min(WIDEST_SHARE * lengths_m[axis]);
         let at = |by_m: f64| {
             let mut made_m = lengths_m;

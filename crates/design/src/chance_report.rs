@@ -68,7 +68,7 @@ impl MultiFidelityLoop<'_> {
         chances: &Chances,
         errors: &ErrorsReport,
     ) -> Result<Option<(ChanceReport, Option<Expansion>)>, DesignError> {
-        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Ok(None) };
+        let (Some(best), Some(confirmed)) = (&self.round.best, &self.round.confirmed) else { return Ok(None) };
         if !design.target.has_demands() {
             return Ok(None);
         }

@@ -116,7 +116,7 @@ impl MultiFidelityLoop<'_> {
         errors: &ErrorsReport,
         outside: &[bool],
     ) -> Result<Option<ConditionsReport>, DesignError> {
-        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Ok(None) };
+        let (Some(best), Some(confirmed)) = (&self.round.best, &self.round.confirmed) else { return Ok(None) };
         let flat: Option<Vec<f64>> =
             confirmed.loads.iter().map(|load| load.flat.as_ref().and_then(|flat| flat.mu_dynamic)).collect();
         let (Some(values), Some(flat)) = (self.confirmed_values(), flat.filter(|_| !self.further.is_empty())) else {
@@ -178,7 +178,7 @@ impl MultiFidelityLoop<'_> {
             let further = place.checked_sub(1).map(|place| &self.further[place]);
             let loads = further.map_or(&self.scene.loads, |at| &at.loads).clone();
             let pattern = Some(condition.turned(&best.design));
-            let scene = Scene { pattern, loads, run: self.confirming, ..self.scene.clone() };
+            let scene = Scene { pattern, loads, run: self.round.confirming, ..self.scene.clone() };
             let run = further.map_or(Some(confirmed), |at| at.confirmed.as_ref());
             let ratios: Vec<f64> = own.by_pressure.iter().map(|value| value.ratio / value.factor).collect();
             let mu_flat: Vec<f64> = own.by_pressure.iter().map(|value| value.mu_flat).collect();

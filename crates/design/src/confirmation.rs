@@ -52,9 +52,9 @@ impl MultiFidelityLoop<'_> {
         let refuse = |error: SpecimenError| DesignError::refused(error.to_string());
         let bar = self.stage("confirmation");
         let mut predicted = self.model.simulate(pattern).map_err(refuse)?;
-        self.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
+        self.round.confirming.draws = self.model.draws(pattern, LEAST_CONTACTS);
         // Once refined, always: what confirming runs correct must be the same from one to the next.
-        self.confirming.refine |= self.is_coarse(design, pattern, &predicted);
+        self.round.confirming.refine |= self.is_coarse(design, pattern, &predicted);
         let scene = self.confirming_scene(pattern);
         let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar).map_err(refuse)?;
         timings.confirm += bar.finish();
@@ -63,8 +63,8 @@ impl MultiFidelityLoop<'_> {
         let excess = self.excess.first().and_then(Option::as_deref);
         correct(&mut predicted, &self.model.scene(pattern), excess);
         correct(&mut confirmed, &scene, excess);
-        self.predicted = Some(predicted);
-        self.confirmed = Some(confirmed);
+        self.round.predicted = Some(predicted);
+        self.round.confirmed = Some(confirmed);
         for further in &mut self.further {
             further.confirmed = None;
         }
@@ -73,7 +73,7 @@ impl MultiFidelityLoop<'_> {
 
     /// The scene of the confirming run of `pattern` at the condition designed for.
     pub(super) fn confirming_scene(&self, pattern: &Pattern) -> Scene {
-        in_time(Scene { pattern: Some(*pattern), run: self.confirming, ..self.scene.clone() })
+        in_time(Scene { pattern: Some(*pattern), run: self.round.confirming, ..self.scene.clone() })
     }
 
     /// Whether the size of blocks leaves more open of `predicted` than a fifth of the tolerance.
@@ -87,7 +87,7 @@ impl MultiFidelityLoop<'_> {
     /// some pressure and of the largest misfit, by what is known so far, and then for as long as the largest misfit stands
     /// at one that was not run.
     pub(super) fn confirm_further(&mut self, design: &DesignTask, timings: &mut Timings) -> Result<(), DesignError> {
-        let Some(pattern) = self.best.as_ref().map(|best| best.design) else { return Ok(()) };
+        let Some(pattern) = self.round.best.as_ref().map(|best| best.design) else { return Ok(()) };
         let mut wanted = self.undecided(design);
         while !wanted.is_empty() {
             for place in wanted {
@@ -96,7 +96,7 @@ impl MultiFidelityLoop<'_> {
                 let bar = self.stage(&what);
                 let speed_m_s = at.at.condition.map_or(self.scene.speed_m_s, |condition| condition.speed_m_s);
                 let (loads, pattern) = (at.loads.clone(), at.at.turned(&pattern));
-                let run = self.confirming;
+                let run = self.round.confirming;
                 let scene = in_time(Scene { pattern: Some(pattern), loads, speed_m_s, run, ..self.scene.clone() });
                 let mut confirmed = simulate_on(&scene, Some(&design.specimen), &bar)
                     .map_err(|error| DesignError::refused(error.to_string()))?;

@@ -33,12 +33,12 @@ impl MultiFidelityLoop<'_> {
     pub(super) fn announce(&self, design: &DesignTask) -> Result<(), DesignError> {
         let middle = |[lower_m, upper_m]: [f64; 2]| (lower_m * upper_m).sqrt();
         let space = &design.space;
-        let lengths_m = [space.width_m(), space.spacing_m(), space.depth_m()].map(middle);
+        let lengths_m = space.lengths_m().map(middle);
         let [width_m, spacing_m, depth_m] = lengths_m;
         let Ok(pattern) = Pattern::new(*space.texture(), width_m, spacing_m, depth_m) else { return Ok(()) };
         let searched = self.model.scene(&pattern);
         let draws = self.model.draws(&pattern, crate::confirmation::LEAST_CONTACTS);
-        let run = RunOptions { draws, ..self.confirming };
+        let run = RunOptions { draws, ..self.round.confirming };
         let confirmed = Scene { run, ..searched.clone() };
         // A middle that is no design says nothing of the others.
         if searched.validate().is_err() || confirmed.validate().is_err() {

@@ -39,7 +39,7 @@ impl MultiFidelityLoop<'_> {
     /// The target's quantity at each load of each condition, the one designed for first: by the confirming runs, and where
     /// none was made by the steady model about that at the condition designed for. Absent where a run gave none.
     pub(super) fn confirmed_each(&self) -> Vec<Option<f64>> {
-        let (Some(best), Some(confirmed)) = (&self.best, &self.confirmed) else { return Vec::new() };
+        let (Some(best), Some(confirmed)) = (&self.round.best, &self.round.confirmed) else { return Vec::new() };
         let first = self.model.confirmed(&best.design, 0, confirmed);
         let of = |(place, at): (usize, &Further)| match &at.confirmed {
             Some(run) => self.model.confirmed(&best.design, place + 1, run),

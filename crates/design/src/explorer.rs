@@ -150,7 +150,7 @@ pub fn explore_bounds(task: &DesignTask, monitor: &dyn Monitor) -> Result<Explor
         MultiFidelityLoop::new(scene.0, scene.1, scene.2, Vec::new(), budget, monitor, &mut Timings::default())?;
     let middle = |[from, to]: [f64; 2]| (from * to).sqrt();
     let space = &task.space;
-    let [width_m, spacing_m, depth_m] = [space.width_m(), space.spacing_m(), space.depth_m()].map(middle);
+    let [width_m, spacing_m, depth_m] = space.lengths_m().map(middle);
     let pattern = Pattern::new(*space.texture(), width_m, spacing_m, depth_m)
         .map_err(|error| DesignError::refused(format!("the middle of the bounds is no pattern: {error}")))?;
     let values = found.model.endless(&pattern, false).map_err(|failure| DesignError::Failed(failure.to_string()))?.0;
@@ -234,8 +234,7 @@ pub fn explore(design: &DesignTask, model: &SteadyModel, anchor: &Anchor<'_>, ba
 }
 
 fn axes(space: &DesignSpace, nodes: &Nodes) -> [Axis; 3] {
-    let bounds =
-        [space.width_m(), space.spacing_m(), space.depth_m()].map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
+    let bounds = space.lengths_m().map(|bounds| bounds.map(|m| LENGTH_UM.from_si(m)));
     std::array::from_fn(|axis| {
         let [from, to] = bounds[axis];
         // At most some dozens: the cast is exact.
@@ -251,7 +250,7 @@ fn pattern(texture: &Texture, lengths_um: &[f64; 3]) -> Option<Pattern> {
 
 /// Width, spacing and depth of `pattern`, in micrometres.
 fn lengths_um(pattern: &Pattern) -> [f64; 3] {
-    [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()].map(|m| LENGTH_UM.from_si(m))
+    pattern.lengths_m().map(|m| LENGTH_UM.from_si(m))
 }
 
 /// What the model says of each of `nodes`, of the texture that `texture` has for its place, in its guide's blocks where `coarse`,

@@ -55,7 +55,7 @@ impl MultiFidelityLoop<'_> {
         if !target.misfit(&flat).is_met() {
             return None;
         }
-        let found = &self.best.as_ref()?.response.value;
+        let found = &self.round.best.as_ref()?.response.value;
         let list = |values: &[f64]| values.iter().map(|value| fixed(Some(*value), 4)).collect::<Vec<_>>().join(", ");
         let goes_up = |wanted: &Wanted, flat: f64| matches!(wanted, Wanted::Near { value, .. } if *value > flat);
         let is_best = match target.goal() {

@@ -93,7 +93,9 @@ impl MultiFidelityLoop<'_> {
         design: &DesignTask,
         timings: &mut Timings,
     ) -> Result<Option<ExplanationReport>, DesignError> {
-        let Some(best) = self.best.as_ref().filter(|_| self.status == Status::Unreachable) else { return Ok(None) };
+        let Some(best) = self.round.best.as_ref().filter(|_| self.status == Status::Unreachable) else {
+            return Ok(None);
+        };
         // No limit is the reason where physics is.
         if self.flat_is_best(design).is_some() {
             return Ok(None);
@@ -122,7 +124,7 @@ pub fn explanation(
 ) -> Result<Option<ExplanationReport>, SearchError> {
     let burst_m = design.constraints.limits.depth_per_burst_m;
     let block_m = design.layer.block_m;
-    let [widths, spacings, depths] = [design.space.width_m(), design.space.spacing_m(), design.space.depth_m()];
+    let [widths, spacings, depths] = design.space.lengths_m();
     let along = |[lower_m, upper_m]: [f64; 2]| [lower_m.min(block_m), BOUND_FACTOR * upper_m];
     let deepest_m = (BOUND_FACTOR * depths[1]).min(design.layer.height_m - block_m).max(depths[1]);
     let shallowest_m = depths[0].min(burst_m.unwrap_or(LEAST_DEPTH_M));

@@ -130,7 +130,9 @@ fn every_step(
     let explanation = found.explain(design, &mut timings)?;
     let lattice = if design.table { found.compare(design, &mut timings)? } else { None };
     let (table, lattice) = lattice.unzip();
-    let (Some(best), Some(predicted), Some(confirmed)) = (&found.best, &found.predicted, &found.confirmed) else {
+    let (Some(best), Some(predicted), Some(confirmed)) =
+        (&found.round.best, &found.round.predicted, &found.round.confirmed)
+    else {
         return Err(DesignError::Failed("the search ended without a design".to_owned()));
     };
 
@@ -156,7 +158,7 @@ fn every_step(
         };
         slopes.rim = rim_sensitivity::report(&asked, slopes, &|| probing.cancelled())?;
     }
-    let (model, choice) = (&found.model, found.choice.as_ref());
+    let (model, choice) = (&found.model, found.round.choice.as_ref());
     let about = robustness::About { model, pattern: &pattern, confirmed, choice, bar: &probing };
     let spread = robustness::of_design(design, uncertainty, &about)?;
     let value = &best.response.value;
@@ -188,7 +190,7 @@ fn every_step(
     monitor.heed()?;
 
     let comparing = budget.stage("trade-offs");
-    let selection = found.selection.as_ref();
+    let selection = found.round.selection.as_ref();
     let traded = trade_offs::report(design, &found.model, (&pattern, value), selection, &comparing)?;
     cut_short.extend(
         (design.trade_offs.is_some() && comparing.is_out_of_time() && traded.is_none()).then_some("trade-offs"),
@@ -229,7 +231,7 @@ fn every_step(
         flat,
         chance,
         advice,
-        selection: found.selection.as_ref().and_then(selection::Chosen::report),
+        selection: found.round.selection.as_ref().and_then(selection::Chosen::report),
         design: PatternReport::from(&pattern),
         specimen_areal_density: tidy(laid.areal_density()),
         bursts: design.laser.bursts(pattern.depth_m()),
@@ -237,8 +239,8 @@ fn every_step(
         removal,
         dimensions: if is_spatial { 3 } else { 2 },
         section_model: sectioned.is_some_and(|pattern| pattern.dimensions() > 2),
-        fidelity: found.confirming.fidelity.name().into(),
-        extent: found.confirming.extent.name().into(),
+        fidelity: found.round.confirming.fidelity.name().into(),
+        extent: found.round.confirming.extent.name().into(),
         target,
         predicted: load_reports(predicted, sectioned, &outside),
         predicted_value: value[..loads.len()].to_vec(),
@@ -258,7 +260,7 @@ fn every_step(
         reachable,
         explanation,
         table,
-        alternatives: patterns(&found.alternatives),
+        alternatives: patterns(&found.round.alternatives),
         evaluations: found.evaluations,
         solid_evaluations: found.solid_evaluations,
         out_of_time: found.out_of_time,

@@ -10,22 +10,67 @@ use crate::selection::Chosen;
 use crate::task::DesignTask;
 
 /// What a round found, and what its confirming runs made of it.
+#[derive(Clone, Debug, Default)]
+pub struct Round {
+    /// The best design; `None` before there is one.
+    pub best: Option<Candidate>,
+    /// What the model says of it at the condition designed for.
+    pub predicted: Option<Simulation>,
+    /// The confirming run there.
+    pub confirmed: Option<Simulation>,
+    /// How it is confirmed.
+    pub confirming: RunOptions,
+    /// Other designs that the search found to meet the target.
+    pub alternatives: Vec<Pattern>,
+    /// What designs within bounds and limits reach.
+    pub reachable: Vec<ReachableRange>,
+    /// How the best design was chosen, where samples decided.
+    pub choice: Option<RobustChoice>,
+    /// What the best design was chosen from by its chance.
+    pub selection: Option<Chosen>,
+}
+
+/// The best round so far.
 #[derive(Clone, Debug)]
 pub struct KeptRound {
     /// Which it was, from 1.
     number: usize,
-    best: Candidate,
-    predicted: Option<Simulation>,
-    confirmed: Option<Simulation>,
+    round: Round,
+    /// Its confirming runs at the other conditions.
     further: Vec<Option<Simulation>>,
-    confirming: RunOptions,
-    alternatives: Vec<Pattern>,
-    reachable: Vec<ReachableRange>,
-    choice: Option<RobustChoice>,
-    selection: Option<Chosen>,
     standing: Standing,
-    /// Its search and its confirming runs ended by themselves.
+    /// A design of its on target is what was asked for: its search and its confirming runs ended by themselves.
     is_whole: bool,
+    /// What it has over each later round, with the numbers of these.
+    over: Vec<(usize, Advantage)>,
+}
+
+/// What a round has over a later one in whose place it is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Advantage {
+    /// It breaks limits by less.
+    Limits,
+    /// It alone is confirmed on target.
+    OnTarget,
+    /// It is better by its confirming runs.
+    Better,
+    /// Its confirming runs alone gave values.
+    Confirmed,
+    /// The later search was cut short, and found nothing better as far as the model says.
+    Cut,
+}
+
+impl Advantage {
+    /// What is to be said of the later search.
+    const fn words(self) -> &'static str {
+        match self {
+            Self::Limits => "breaks limits by more",
+            Self::OnTarget => "is not confirmed on target",
+            Self::Better => "is worse by its confirming runs",
+            Self::Confirmed => "has no confirmed value",
+            Self::Cut => "is no better by the model, its search cut short",
+        }
+    }
 }
 
 /// What rounds are compared by.
@@ -44,29 +89,29 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// Whether a round that stands so is kept in place of a later one: the one that respects every limit, then the one confirmed on
-    /// target, then the one nearer by its confirming runs. Without these the later is kept, whose model knows more, unless its search was
-    /// cut short of what the earlier had found.
-    fn stays_before(&self, later: &Self) -> bool {
-        if self.excess != later.excess {
-            return self.excess < later.excess;
-        }
-        if self.is_on_target != later.is_on_target {
-            return self.is_on_target;
-        }
-        match (self.confirmed, later.confirmed) {
-            (Some(own), Some(later)) => own < later,
-            (Some(_), None) => true,
-            (None, Some(_)) => false,
-            (None, None) => later.is_cut && self.predicted < later.predicted,
-        }
+    /// What a round that stands so has over a later one, where it is kept in its place: the one that respects every limit, then the one
+    /// confirmed on target, then the one nearer by its confirming runs. Without these the later is kept, whose model knows more, unless
+    /// its search was cut short of what the earlier had found.
+    fn over(&self, later: &Self) -> Option<Advantage> {
+        let (stays, by) = if self.excess != later.excess {
+            (self.excess < later.excess, Advantage::Limits)
+        } else if self.is_on_target != later.is_on_target {
+            (self.is_on_target, Advantage::OnTarget)
+        } else {
+            match (self.confirmed, later.confirmed) {
+                (Some(own), Some(later)) => (own < later, Advantage::Better),
+                (None, None) => (later.is_cut && self.predicted < later.predicted, Advantage::Cut),
+                (own, _) => (own.is_some(), Advantage::Confirmed),
+            }
+        };
+        stays.then_some(by)
     }
 }
 
 impl MultiFidelityLoop<'_> {
     /// How the round that has just ended stands; `is_cut` says whether its search was cut short. `None` before there is a design.
     fn standing(&self, design: &DesignTask, is_cut: bool) -> Option<Standing> {
-        let best = self.best.as_ref()?;
+        let best = self.round.best.as_ref()?;
         Some(Standing {
             excess: best.excess(),
             is_on_target: best.violations.is_empty() && self.is_confirmed(design),
@@ -76,26 +121,27 @@ impl MultiFidelityLoop<'_> {
         })
     }
 
-    /// Keeps the round that has just ended, unless the one kept before is better. `has_ended` says whether its search ended by itself.
-    pub(super) fn keep_round(&mut self, design: &DesignTask, has_ended: bool, is_whole: bool) {
-        let (Some(best), Some(standing)) = (self.best.clone(), self.standing(design, !has_ended)) else { return };
-        if self.kept.as_ref().is_some_and(|kept| kept.standing.stays_before(&standing)) {
-            return;
+    /// Keeps the round that has just ended, unless the one kept before is better. `is_cut` says whether its search was cut short, and
+    /// `is_whole` whether its design is what was asked for where it is on target.
+    pub(super) fn keep_round(&mut self, design: &DesignTask, is_cut: bool, is_whole: bool) {
+        let Some(standing) = self.standing(design, is_cut) else { return };
+        if let Some(by) = self.kept.as_ref().and_then(|kept| kept.standing.over(&standing)) {
+            return self.note_worse(by);
         }
         self.kept = Some(KeptRound {
             number: self.rounds,
-            best,
-            predicted: self.predicted.clone(),
-            confirmed: self.confirmed.clone(),
+            round: self.round.clone(),
             further: self.further.iter().map(|at| at.confirmed.clone()).collect(),
-            confirming: self.confirming,
-            alternatives: self.alternatives.clone(),
-            reachable: self.reachable.clone(),
-            choice: self.choice.clone(),
-            selection: self.selection.clone(),
             standing,
-            is_whole: has_ended && is_whole,
+            is_whole,
+            over: Vec::new(),
         });
+    }
+
+    /// Notes what the round kept has over the last one.
+    pub(super) fn note_worse(&mut self, by: Advantage) {
+        let last = self.rounds;
+        self.kept.iter_mut().for_each(|kept| kept.over.push((last, by)));
     }
 
     /// Whether a search that was cut short found something better than what is kept, as far as the model says: otherwise it is not worth
@@ -109,23 +155,23 @@ impl MultiFidelityLoop<'_> {
     /// Goes back to the round kept, where a later one was worse, and corrects the model by its confirming run.
     pub(super) fn take_the_kept(&mut self) {
         let Some(kept) = self.kept.take().filter(|kept| kept.number != self.rounds) else { return };
-        self.best = Some(kept.best);
-        self.predicted = kept.predicted;
-        self.confirmed = kept.confirmed;
+        let last = std::mem::replace(&mut self.round, kept.round);
         self.further.iter_mut().zip(kept.further).for_each(|(at, run)| at.confirmed = run);
-        self.confirming = kept.confirming;
-        self.alternatives = kept.alternatives;
-        self.reachable = kept.reachable;
-        self.choice = kept.choice;
-        self.selection = kept.selection;
-        self.taken_back = Some(kept.number);
-        if kept.standing.is_on_target && kept.is_whole {
-            self.status = Status::Met;
+        let later = kept.over.iter().map(|(number, by)| format!("what search {number} found {}", by.words()));
+        let later: Vec<String> = later.collect();
+        self.taken_back =
+            Some(format!("the design of search {} of {}: {}", kept.number, self.rounds, later.join("; ")));
+        let is_unreachable = self.status == Status::Unreachable;
+        if kept.standing.is_on_target && (kept.is_whole || is_unreachable) {
+            self.status = if kept.is_whole { Status::Met } else { Status::Budget };
+        } else if is_unreachable {
+            // The last search says so, and by its model alone nothing within the ranges meets the target.
+            (self.round.reachable, self.round.alternatives) = (last.reachable, last.alternatives);
         }
-        let Some(pattern) = self.best.as_ref().map(|best| best.design) else { return };
+        let Some(pattern) = self.round.best.as_ref().map(|best| best.design) else { return };
         if let Ok(now) = self.model.respond(&pattern) {
             let confirmed = self.confirmed_each();
-            self.missed = self.model.correct(&pattern, &now.value, &confirmed);
+            self.model.correct(&pattern, &now.value, &confirmed);
         }
     }
 }
@@ -134,6 +180,8 @@ impl MultiFidelityLoop<'_> {
 mod tests {
     use super::*;
     use crate::next_trial::tests::task;
+    use crate::time_budget::TimeBudget;
+    use crate::timings::Timings;
     use crate::{NoCache, Unwatched, run};
     use slipgrid_optimize::{Quantity, Target, TargetPoint, least_evaluations};
     use slipgrid_pattern::Planform;
@@ -155,9 +203,9 @@ mod tests {
         ];
         for (place, own) in ranked.iter().enumerate() {
             // Of equals the later, which knows more.
-            assert!(!own.stays_before(own));
+            assert_eq!(own.over(own), None);
             for other in &ranked[place + 1..] {
-                assert!(own.stays_before(other) && !other.stays_before(own));
+                assert!(own.over(other).is_some() && other.over(own).is_none());
             }
         }
     }
@@ -166,7 +214,51 @@ mod tests {
     fn a_search_cut_short_takes_nothing_back_that_was_found_before() {
         let whole = Standing { predicted: 1.0, ..standing(0.0, false, None) };
         let cut = Standing { predicted: 3.0, is_cut: true, ..whole };
-        assert!(whole.stays_before(&cut) && !whole.stays_before(&Standing { is_cut: false, ..cut }));
+        assert_eq!(whole.over(&cut), Some(Advantage::Cut));
+        assert_eq!(whole.over(&Standing { is_cut: false, ..cut }), None);
+    }
+
+    #[test]
+    fn what_is_out_of_reach_stands_beside_the_ranges_that_say_so() {
+        let design = task(Planform::Groove);
+        let material = design.material.clone().unwrap().material;
+        let loads = design.loads(&material).unwrap().0;
+        let pattern = Pattern::new(Planform::Groove, 120e-6, 300e-6, 15e-6).unwrap();
+        let taken_back = |is_on_target, is_whole| {
+            let budget = TimeBudget::new(&Unwatched, None);
+            let (loads, timings) = (loads.clone(), &mut Timings::default());
+            let new = MultiFidelityLoop::new(&design, &material, loads, Vec::new(), budget, &Unwatched, timings);
+            let mut found = new.unwrap();
+            let response = found.model.respond(&pattern).unwrap();
+            let misfit = design.target.misfit(&response.value);
+            let best = Some(Candidate { design: pattern, response, misfit, violations: Vec::new() });
+            let range = |lowest| ReachableRange {
+                pressure_pa: 0.65e6,
+                lowest,
+                lowest_design: pattern,
+                highest: 1.0,
+                highest_design: pattern,
+            };
+            // The first search saw the target within what is reached, and the second, which knows more, does not.
+            let of = |lowest| Round { best: best.clone(), reachable: vec![range(lowest)], ..Round::default() };
+            (found.status, found.rounds, found.round) = (Status::Unreachable, 2, of(0.95));
+            found.kept = Some(KeptRound {
+                number: 1,
+                round: of(0.85),
+                further: Vec::new(),
+                standing: standing(0.0, is_on_target, Some(1.1)),
+                is_whole,
+                over: Vec::new(),
+            });
+            found.note_worse(Advantage::Limits);
+            found.take_the_kept();
+            (found.status, found.round.reachable[0].lowest, found.taken_back.unwrap())
+        };
+        let said = "the design of search 1 of 2: what search 2 found breaks limits by more".to_owned();
+        assert_eq!(taken_back(false, true), (Status::Unreachable, 0.95, said.clone()));
+        assert_eq!(taken_back(true, true), (Status::Met, 0.85, said.clone()));
+        // Of a goal more may be reached than what was confirmed before its search was cut short.
+        assert_eq!(taken_back(true, false), (Status::Budget, 0.85, said));
     }
 
     /// A target that the model meets and runs in time miss, so that searches follow one another.
@@ -186,7 +278,8 @@ mod tests {
     #[test]
     fn a_search_that_is_cut_short_takes_nothing_back_and_none_begins_without_its_sample() {
         let missed = |report: &crate::DesignReport| report.misfit.confirmed.unwrap();
-        let least = least_evaluations(&task(Planform::Groove).space);
+        let grooves = task(Planform::Groove);
+        let least = least_evaluations(&grooves.space, &grooves.constraints).unwrap();
         // The fewest evaluations with which a second search begins: those of the first and its own sample.
         let (mut one, mut two) = (least, 3 * least);
         while two - one > 1 {

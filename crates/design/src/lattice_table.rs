@@ -132,7 +132,7 @@ impl MultiFidelityLoop<'_> {
         design: &DesignTask,
         timings: &mut Timings,
     ) -> Result<Option<(TableReport, Lattice)>, DesignError> {
-        let Some(best) = &self.best else { return Ok(None) };
+        let Some(best) = &self.round.best else { return Ok(None) };
         let best = self.model.judged(design, best);
         let bar = self.stage("table");
         let compared = table(design, &self.model, &best, &bar);
@@ -190,9 +190,8 @@ pub fn table(
     let Some(leader) = best(&mut nodes.iter().copied()) else {
         return Err(DesignError::Failed("no design of the table can be computed".to_owned()));
     };
-    let lengths = |pattern: &Pattern| [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
     let is_near = |node: &&&Candidate| {
-        let (left, right) = (lengths(&node.design), lengths(&found.design));
+        let (left, right) = (node.design.lengths_m(), found.design.lengths_m());
         (0..3).all(|axis| (left[axis] - right[axis]).abs() <= steps_m[axis] * (1.0 + WHOLE))
     };
     let neighbour = best(&mut nodes.iter().filter(is_near).copied());

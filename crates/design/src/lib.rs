@@ -122,7 +122,7 @@ pub use next_trial::{
     AdviceReport, NextOptions, NextReport, NextTrials, OneDiscReport, PredictedRatio, RatioPrediction, SectorReport,
     TrialCandidateReport, next_trials,
 };
-pub use outcome::{DesignReport, MisfitReport};
+pub use outcome::{DesignReport, MisfitReport, Verdict};
 pub use scene_errors::{Solved, of_scene};
 pub use specimen::{SpecimenError, simulate_on, solved_as};
 pub use stored::{StoredDesign, StoredError};

@@ -2,11 +2,10 @@
 
 use slipgrid_material::Material;
 use slipgrid_optimize::{
-    Candidate, Goal, LowFidelityCorrection, Quantity, ReachableRange, SearchError, SearchOptions, SearchOutcome,
-    Status, least_evaluations, search, search_multi_fidelity,
+    Goal, LowFidelityCorrection, Quantity, SearchError, SearchOptions, SearchOutcome, Status, least_evaluations,
+    search, search_multi_fidelity,
 };
-use slipgrid_pattern::Pattern;
-use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene, Simulation};
+use slipgrid_springblock::{Extent, Fidelity, Load, RunOptions, Scene};
 
 use crate::DesignError;
 use crate::cache_key::cache_key;
@@ -15,10 +14,9 @@ use crate::confirmation::warm_travel_m;
 use crate::constraint_quantities::Limited;
 use crate::evaluation_cache::{EvaluationCache, Evaluations};
 use crate::flat_sample::flat_friction;
-use crate::kept_round::KeptRound;
+use crate::kept_round::{Advantage, KeptRound, Round};
 use crate::operating_conditions::Further;
-use crate::robust_search::{self, RobustChoice};
-use crate::selection::Chosen;
+use crate::robust_search;
 use crate::steady_model::SteadyModel;
 use crate::task::DesignTask;
 use crate::time_budget::{SEARCH_SHARE, TimeBudget};
@@ -34,7 +32,6 @@ pub(super) const MOST_ROUNDS: usize = 4;
 pub(super) struct MultiFidelityLoop<'a> {
     pub(super) model: SteadyModel<'a>,
     pub(super) correction: LowFidelityCorrection,
-    pub(super) confirming: RunOptions,
     pub(super) scene: Scene,
     pub(super) status: Status,
     pub(super) rounds: usize,
@@ -43,17 +40,11 @@ pub(super) struct MultiFidelityLoop<'a> {
     pub(super) failed_trials: usize,
     /// The seconds allowed for searches were spent.
     pub(super) out_of_time: bool,
-    pub(super) best: Option<Candidate>,
-    pub(super) predicted: Option<Simulation>,
-    /// The confirming run at the condition designed for.
-    pub(super) confirmed: Option<Simulation>,
+    /// What the last round found, or the one that was gone back to.
+    pub(super) round: Round,
     /// The other conditions, with confirming runs of their own where they decide.
     pub(super) further: Vec<Further>,
-    pub(super) alternatives: Vec<Pattern>,
-    pub(super) reachable: Vec<ReachableRange>,
     pub(super) history: Vec<ImprovementReport>,
-    /// How the best design was chosen, where samples decided.
-    pub(super) choice: Option<RobustChoice>,
     /// The seconds that the job may take.
     pub(super) budget: TimeBudget<'a>,
     /// Whom the job reports to.
@@ -67,12 +58,10 @@ pub(super) struct MultiFidelityLoop<'a> {
     /// Dynamic over steady friction of the flat sample as calibrated, at each load of the condition designed for and then of each
     /// further one; absent where the material does not say it.
     pub(super) excess: Vec<Option<Vec<f64>>>,
-    /// What the best design was chosen from by its chance.
-    pub(super) selection: Option<Chosen>,
     /// The best round so far.
     pub(super) kept: Option<KeptRound>,
-    /// The round whose design is reported, where later ones were worse.
-    pub(super) taken_back: Option<usize>,
+    /// Which round's design is reported and why, where later ones were worse.
+    pub(super) taken_back: Option<String>,
 }
 
 /// How the names of confirming stages begin.
@@ -112,7 +101,6 @@ impl<'a> MultiFidelityLoop<'a> {
             let sliding_m = warm_travel_m(&scene);
             scene.run = RunOptions { warm_start: true, mu_stderr: Some(CONFIRMED_STDERR), sliding_m, ..from_rest };
         }
-        let confirming = scene.run;
         let started_s = monitor.seconds();
         let flat_mu = match design.target.quantity() {
             Quantity::Ratio => None,
@@ -139,7 +127,7 @@ impl<'a> MultiFidelityLoop<'a> {
                 .watched_by(monitor)
                 .on(design.specimen),
             correction: LowFidelityCorrection::new(),
-            confirming,
+            round: Round { confirming: scene.run, ..Round::default() },
             scene,
             status: Status::Budget,
             rounds: 0,
@@ -147,21 +135,14 @@ impl<'a> MultiFidelityLoop<'a> {
             solid_evaluations: 0,
             failed_trials: 0,
             out_of_time: false,
-            best: None,
-            predicted: None,
-            confirmed: None,
             further,
-            alternatives: Vec::new(),
-            reachable: Vec::new(),
             history: Vec::new(),
-            choice: None,
             budget,
             monitor,
             cut_short: Vec::new(),
             chances: None,
             missed: 0.0,
             excess: Vec::new(),
-            selection: None,
             kept: None,
             taken_back: None,
         })
@@ -177,7 +158,8 @@ impl<'a> MultiFidelityLoop<'a> {
     /// Whether a further round is allowed and can be paid: a search without its whole sample finds what chance would have it.
     fn goes_on(&self, design: &DesignTask) -> bool {
         let left = design.max_evaluations.saturating_sub(self.evaluations);
-        let is_paid = self.rounds == 0 || left >= least_evaluations(&design.space);
+        let least = || least_evaluations(&design.space, &design.constraints);
+        let is_paid = self.rounds == 0 || least().is_ok_and(|least| left >= least);
         self.rounds < MOST_ROUNDS && left > 0 && is_paid && !self.out_of_time
     }
 
@@ -186,14 +168,15 @@ impl<'a> MultiFidelityLoop<'a> {
             let outcome = self.search(design, timings)?;
             let has_searched = matches!(outcome.status, Status::Met | Status::Unreachable);
             if !has_searched && !self.may_beat_the_kept(&outcome.best) {
+                self.note_worse(Advantage::Cut);
                 self.status = Status::Budget;
                 break;
             }
             let pattern = outcome.best.design;
             let misfit = outcome.best.misfit;
             let feasible = outcome.best.violations.is_empty();
-            let unchanged = self.best.as_ref().is_some_and(|best| best.design == pattern);
-            self.best = Some(outcome.best);
+            let unchanged = self.round.best.as_ref().is_some_and(|best| best.design == pattern);
+            self.round.best = Some(outcome.best);
             if !unchanged {
                 self.confirm(design, &pattern, timings)?;
             }
@@ -201,12 +184,13 @@ impl<'a> MultiFidelityLoop<'a> {
             if self.is_confirmed(design) {
                 self.confirm_further(design, timings)?;
             }
-            let has_ended = design.target.goal().is_none() || outcome.status == Status::Met;
+            // On target is all that is asked for, unless there is a goal: then nothing better may be left to find.
+            let suffices = design.target.goal().is_none() || outcome.status == Status::Met;
             // What is even by the steady model need not be in time: searched again with what the first run taught.
             let is_settled = design.target.goal() != Some(Goal::Even) || unchanged || self.rounds > 1;
             let is_whole = !self.cut_short.iter().any(|stage| stage.starts_with(CONFIRMATION));
-            self.keep_round(design, has_ended, is_whole);
-            if feasible && has_ended && is_settled && is_whole && self.is_confirmed(design) {
+            self.keep_round(design, !has_searched, suffices && is_whole);
+            if feasible && suffices && is_settled && is_whole && self.is_confirmed(design) {
                 self.status = Status::Met;
                 return Ok(());
             }
@@ -268,12 +252,7 @@ impl<'a> MultiFidelityLoop<'a> {
             )
         });
         let mut statements: Vec<String> = slowed.into_iter().collect();
-        statements.extend(self.taken_back.map(|round| {
-            format!(
-                "the design of search {round}: what later searches found, of {} in all, is further from the target",
-                self.rounds
-            )
-        }));
+        statements.extend(self.taken_back.clone());
         if !self.model.is_spatial() {
             return statements;
         }
@@ -298,7 +277,7 @@ impl<'a> MultiFidelityLoop<'a> {
     /// Corrects the model at the confirmed design; returns the largest change.
     pub(super) fn correct(&mut self) -> f64 {
         let confirmed = self.confirmed_each();
-        let Some(best) = &self.best else { return 0.0 };
+        let Some(best) = &self.round.best else { return 0.0 };
         self.missed = self.model.correct(&best.design, &best.response.value, &confirmed);
         self.missed
     }
@@ -335,7 +314,7 @@ impl<'a> MultiFidelityLoop<'a> {
             misfit: point.misfit.max,
             feasible: point.feasible,
         }));
-        self.choice = choice;
+        self.round.choice = choice;
         if out_of_time {
             self.out_of_time = true;
             self.cut("search");
@@ -347,8 +326,8 @@ impl<'a> MultiFidelityLoop<'a> {
             self.solid_evaluations += outcome.evaluations;
         }
         self.failed_trials += outcome.failed_trials.len();
-        self.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
-        self.reachable.clone_from(&outcome.reachable);
+        self.round.alternatives = outcome.alternatives.iter().map(|candidate| candidate.design).collect();
+        self.round.reachable.clone_from(&outcome.reachable);
         Ok(outcome)
     }
 
@@ -372,7 +351,7 @@ impl<'a> MultiFidelityLoop<'a> {
     }
 
     pub(super) fn is_confirmed(&self, design: &DesignTask) -> bool {
-        let Some(best) = &self.best else { return false };
+        let Some(best) = &self.round.best else { return false };
         let does_enough = |values: &Vec<f64>| !self.model.does_too_little(&best.design, values);
         self.confirmed_values().filter(does_enough).is_some_and(|values| design.target.misfit(&values).max <= 1.0)
     }

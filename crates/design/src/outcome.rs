@@ -156,6 +156,17 @@ pub struct MisfitReport {
     pub confirmed: Option<f64>,
 }
 
+/// How a design stands towards what was asked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Verdict {
+    /// Its confirming runs do what was asked for.
+    pub is_met: bool,
+    /// What is shown is the nearest design alone.
+    pub shows_nearest: bool,
+    /// In words.
+    pub words: String,
+}
+
 impl DesignReport {
     /// The target's quantity by the confirming run at a pressure, as it is compared with the target.
     #[must_use]
@@ -174,13 +185,9 @@ impl DesignReport {
     #[must_use]
     pub fn summary(&self) -> String {
         let design = &self.design;
-        let mut text = format!(
-            "{}: {}{}{}\n\n",
-            self.name,
-            self.chance_words(),
-            if self.goal.is_some() { "" } else { "target " },
-            self.verdict()
-        );
+        let verdict = self.verdict();
+        let nearest = if verdict.shows_nearest { "; nearest design:" } else { "" };
+        let mut text = format!("{}: {}{}{nearest}\n\n", self.name, self.chance_words(), verdict.words);
         text += &format!(
             "  {} {} um wide, {} um apart, {} um deep{}{}\n  {:.1} % of the specimen's face, {:.1} % of a period\n\n",
             design.planform,
@@ -350,31 +357,32 @@ impl DesignReport {
         format!("{extent}{}{time}", self.in_space())
     }
 
-    /// The status in words, with what it holds for where a section stands for the planform.
-    fn verdict(&self) -> String {
+    /// How the design stands towards what was asked for, with what that holds for where a section stands for the planform.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
         let scope = if self.section_model { " by the vertical section, as grooves" } else { "" };
+        let target = if self.goal.is_some() { "" } else { "target " };
+        let verdict = |is_met, shows_nearest, words| Verdict { is_met, shows_nearest, words };
         if let Some(flat) = &self.flat {
             let name = if flat.suffices { "not a matter of patterns" } else { "not reachable" };
-            return format!(
-                "{name}{scope}: {}. What follows is the pattern that lowers it least; cut none",
-                flat.words
-            );
+            let then = "What follows is the pattern that lowers it least; cut none";
+            return verdict(false, false, format!("{target}{name}{scope}: {}. {then}", flat.words));
         }
         let is_confirmed = self.misfit.confirmed.is_some_and(|misfit| misfit <= 1.0);
         match self.status.as_ref() {
-            "met" if self.goal.is_some() => format!("best found within bounds and limits{scope}"),
-            "met" => format!("met by the model{scope}"),
-            "unreachable" => format!("not reachable within bounds and limits{scope}; nearest design:"),
+            "met" if self.goal.is_some() => verdict(true, false, format!("best found within bounds and limits{scope}")),
+            "met" => verdict(true, false, format!("{target}met by the model{scope}")),
+            "unreachable" => verdict(false, true, format!("{target}not reachable within bounds and limits{scope}")),
             _ if self.goal.is_some() && self.misfit.predicted <= 1.0 && (self.out_of_time || is_confirmed) => {
-                format!("best so far{scope}: {} before the search had ended", self.spent())
+                let words = format!("best so far{scope}: {} before the search had ended", self.spent());
+                verdict(is_confirmed, false, words)
             }
-            _ => format!("{}{scope}; nearest design:", self.unmet()),
+            _ => verdict(false, true, format!("{target}{}{scope}", self.unmet())),
         }
     }
 
     /// Why a target that the search does not call out of reach was not met, in words that follow "target".
-    #[must_use]
-    pub fn unmet(&self) -> String {
+    fn unmet(&self) -> String {
         let searches = if self.rounds == 1 { "one search".to_owned() } else { format!("{} searches", self.rounds) };
         let is_found = self.misfit.predicted <= 1.0 && self.violations.is_empty();
         if self.out_of_time {
@@ -403,16 +411,23 @@ mod tests {
     fn what_ended_a_search_without_its_target_is_said_as_it_was() {
         let missed = |predicted: f64, rounds: usize, out_of_time: bool| {
             let misfit = MisfitReport { predicted, confirmed: Some(1.3) };
-            DesignReport { status: "budget".into(), misfit, rounds, out_of_time, ..DesignReport::default() }.verdict()
+            DesignReport { status: "budget".into(), misfit, rounds, out_of_time, ..DesignReport::default() }
         };
-        for (verdict, says) in [
-            (missed(0.8, 4, false), "met by the steady model, not confirmed in time after 4 searches; nearest design:"),
-            (missed(0.8, 1, false), "met by the steady model, not confirmed in time after one search; nearest design:"),
-            (missed(1.1, 4, false), "not met after 4 searches; nearest design:"),
-            (missed(1.1, 2, false), "not met before the evaluations allowed were spent; nearest design:"),
-            (missed(1.1, 2, true), "not met before the seconds allowed were spent; nearest design:"),
+        for (report, says) in [
+            (missed(0.8, 4, false), "target met by the steady model, not confirmed in time after 4 searches"),
+            (missed(0.8, 1, false), "target met by the steady model, not confirmed in time after one search"),
+            (missed(1.1, 4, false), "target not met after 4 searches"),
+            (missed(1.1, 2, false), "target not met before the evaluations allowed were spent"),
+            (missed(1.1, 2, true), "target not met before the seconds allowed were spent"),
         ] {
-            assert_eq!(verdict, says);
+            let verdict = report.verdict();
+            assert_eq!((verdict.is_met, verdict.shows_nearest, verdict.words.as_str()), (false, true, says));
         }
+        // A confirmed design whose search for a goal was cut short is the best so far.
+        let goal = missed(0.8, 1, false);
+        let misfit = MisfitReport { predicted: 0.8, confirmed: Some(0.9) };
+        let verdict = DesignReport { misfit, goal: Some(GoalReport::default()), ..goal }.verdict();
+        assert!(verdict.is_met && !verdict.shows_nearest);
+        assert_eq!(verdict.words, "best so far: the evaluations allowed were spent before the search had ended");
     }
 }

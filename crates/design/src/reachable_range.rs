@@ -69,5 +69,5 @@ pub(super) fn of_search(
         highest: range.highest,
         highest_std: is_open.then(|| std(place, &range.highest_design, range.highest)).flatten(),
     };
-    Ok(found.reachable.iter().enumerate().map(report).collect())
+    Ok(found.round.reachable.iter().enumerate().map(report).collect())
 }

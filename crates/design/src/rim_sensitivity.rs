@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use slipgrid_optimize::{ModelFailure, Tolerances, with_rim_off};
 use slipgrid_pattern::{Pattern, Rim, RimProfile};
 use slipgrid_results::RimReport;
-use slipgrid_springblock::{Layer, Scene, Status, expense};
+use slipgrid_springblock::{Layer, Scene, expense};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA, tidy};
 
 use crate::DesignError;
@@ -91,11 +91,6 @@ pub fn report(
     };
     let nothing = |reason: &str| {
         let what = if own.is_some() { "the height of the rims" } else { "a rim" };
-        let reason = if reason.contains(Status::NotConverged.name()) {
-            "the steady solution with it was not found in the steps allowed"
-        } else {
-            reason
-        };
         let words = format!("what {what} would change was not computed: {reason}");
         Ok(Some(RimSensitivityReport { words, ..least.clone() }))
     };

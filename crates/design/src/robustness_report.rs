@@ -188,11 +188,6 @@ impl RobustnessReport {
     }
 }
 
-fn percent(share: Option<f64>, stderr: Option<f64>) -> String {
-    let [share, stderr] = [share, stderr].map(|number| fixed(number.map(|number| 100.0 * number), 1));
-    format!("{share} +- {stderr} %")
-}
-
 impl InputReport {
     fn words(&self) -> String {
         if self.unit == "um" {
@@ -203,14 +198,28 @@ impl InputReport {
 }
 
 impl ScatterReport {
+    /// The share: "all", "none", or per cent with the binomial standard error after `plus_minus`; a dash where it is not known.
+    #[must_use]
+    pub fn share(&self, plus_minus: &str) -> String {
+        match self.probability {
+            None => "-".to_owned(),
+            Some(share) if share >= 1.0 => "all".to_owned(),
+            Some(share) if share <= 0.0 => "none".to_owned(),
+            share => {
+                let percent = |of: Option<f64>| fixed(of.map(|of| 100.0 * of), 1);
+                format!("{} {plus_minus} {} %", percent(share), percent(self.probability_stderr))
+            }
+        }
+    }
+
     /// The share in words, of what and by what.
     fn words(&self, of: &str, by: &str) -> String {
         let by = if by.is_empty() { "draws" } else { by };
+        let share = self.share("+-");
         let mut words = match self.probability {
-            Some(share) if share >= 1.0 => format!("all of {} {by}", self.draws),
-            Some(share) if share <= 0.0 => format!("none of {} {by}", self.draws),
-            share if of.is_empty() => percent(share, self.probability_stderr),
-            share => format!("{} {of} ({} {by})", percent(share, self.probability_stderr), self.draws),
+            Some(all_or_none) if all_or_none <= 0.0 || all_or_none >= 1.0 => format!("{share} of {} {by}", self.draws),
+            _ if of.is_empty() => share,
+            _ => format!("{share} {of} ({} {by})", self.draws),
         };
         if self.failed > 0 {
             words += &format!("; {} draws could not be computed and count as outside", self.failed);

@@ -135,7 +135,7 @@ impl MultiFidelityLoop<'_> {
         outcome: SearchOutcome,
         timings: &mut Timings,
     ) -> Result<SearchOutcome, SearchError> {
-        self.selection = None;
+        self.round.selection = None;
         let is_wanted = design.target.goal().is_none() && !design.robust && outcome.status == Status::Met;
         let Some(chances) = self.chances.as_ref().filter(|_| is_wanted && !self.out_of_time) else {
             return Ok(outcome);
@@ -180,7 +180,7 @@ impl MultiFidelityLoop<'_> {
         // What was found before the time was spent is as good as any; the search itself has ended.
         let Some(chosen) = selection.pool.first().map(|choice| choice.candidate.clone()) else { return Ok(outcome) };
         let alternatives = selection.alternatives.clone();
-        self.selection = Some(Chosen { selection, effort: merits.effort });
+        self.round.selection = Some(Chosen { selection, effort: merits.effort });
         Ok(SearchOutcome { best: chosen, alternatives, ..outcome })
     }
 }

@@ -458,7 +458,10 @@ impl<'a> SteadyModel<'a> {
         for (outcome, load) in solver.solve(design, self.monitor)?.iter().zip(&scene.loads) {
             let surface = &outcome.surface;
             if surface.status != Status::Converged {
-                return Err(trial(format!("steady run: {}", surface.status.name())));
+                return Err(trial(match surface.status {
+                    Status::NotConverged => "the steady solution was not found in the steps allowed".to_owned(),
+                    other => format!("steady run: {}", other.name()),
+                }));
             }
             ratio.push(outcome.ratio.ok_or_else(|| trial("friction is not defined".to_owned()))?);
             peak_pressure_pa = peak_pressure_pa.max(surface.peak_pressure_pa);

@@ -101,7 +101,7 @@ impl TargetReport {
 }
 
 /// What became of a goal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GoalReport {
     /// `lowest`, `highest` or `even`.
     pub goal: Cow<'static, str>,

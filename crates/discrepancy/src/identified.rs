@@ -32,22 +32,21 @@ impl Discrepancy {
     /// Whether all trials are of one texture: alike in areal density, in edge length and in depth.
     #[must_use]
     pub fn has_one_texture(&self) -> bool {
-        let Some((first, others)) = self.trials().split_first() else { return false };
-        others.iter().all(|other| is_alike(&first.features, &other.features))
+        let features: [fn(&Features) -> f64; 3] = [|of| of.areal_density, |of| of.edge_1_m, |of| of.depth_m];
+        !self.trials().is_empty() && features.iter().all(|of| self.range(&|own| libm::log(of(own))) <= APART)
     }
 
     /// Whether one of two forms grows otherwise than the other from one of the trials to another.
     fn tell_apart(&self, one: &Form, other: &Form) -> bool {
-        let log = |of: &Features| libm::log(one.value(of) / other.value(of));
+        self.range(&|of| libm::log(one.value(of) / other.value(of))) > APART
+    }
+
+    /// The largest less the smallest finite logarithm of the trials.
+    fn range(&self, log: &dyn Fn(&Features) -> f64) -> f64 {
         let logs = || self.trials().iter().map(|trial| log(&trial.features)).filter(|log| log.is_finite());
         let (least, most) = (logs().fold(f64::INFINITY, f64::min), logs().fold(f64::NEG_INFINITY, f64::max));
-        most - least > APART
+        most - least
     }
-}
-
-fn is_alike(one: &Features, other: &Features) -> bool {
-    let of = |of: &Features| [of.areal_density, of.edge_1_m, of.depth_m];
-    of(one).iter().zip(of(other)).all(|(one, other)| libm::log(one / other).abs() <= APART)
 }
 
 #[cfg(test)]
@@ -90,5 +89,10 @@ mod tests {
         let alike = learned(&[[100.0, 100.0, 10.0], [100.0, 300.0, 10.0], [100.0, 900.0, 10.0]]);
         assert!(!alike.has_one_texture() && alike.identified().is_none(), "{:?}", alike.forms());
         assert!(!learned(&[]).has_one_texture());
+        // Each is alike to the first, and the last two are not to each other, in whatever order they come.
+        let [middle, shallow, deep] = [48.0, 44.5, 52.0].map(|depth_um| [84.0, 31.0, depth_um]);
+        for textures in [[middle, shallow, deep], [shallow, middle, deep], [deep, shallow, middle]] {
+            assert!(!learned(&textures).has_one_texture());
+        }
     }
 }

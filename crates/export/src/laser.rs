@@ -62,8 +62,8 @@ pub struct Laser {
 /// Walls that lean more than this meet before they have depth worth the name.
 const MOST_TAPER_DEG: f64 = 80.0;
 
-/// Share of a pass or a burst by which a depth may miss a whole number of them: files keep four digits of a micrometre.
-const STEP_TOLERANCE: f64 = 1e-3;
+/// By how much, in um, a depth may miss a whole number of passes or bursts: people are told depths to a hundredth of a micrometre.
+const STEP_TOLERANCE_UM: f64 = 0.005 + 1e-9;
 
 impl Laser {
     /// Checks each number by itself, and lines and pulses against the spot.
@@ -157,7 +157,7 @@ impl Laser {
     pub fn check_depth(&self, depth_m: f64) -> Result<(), ExportError> {
         let Some(step_um) = self.depth_step_um() else { return Ok(()) };
         let (depth_um, steps) = (depth_m * 1e6, (depth_m * 1e6 / step_um).round().max(1.0));
-        if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE * step_um {
+        if (depth_um - steps * step_um).abs() <= STEP_TOLERANCE_UM {
             return Ok(());
         }
         let of = if self.bursts_per_pass().is_some() { "passes" } else { "bursts" };

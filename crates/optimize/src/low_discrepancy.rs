@@ -1,7 +1,6 @@
 //! Low-discrepancy points: the additive recurrence on the generalized golden ratio
 //! (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
 
-use crate::DesignSpace;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 
@@ -15,13 +14,6 @@ pub(crate) const SAMPLE: [usize; MOST_DIMENSIONS + 1] = [1, 8, 16, 32];
 /// The corners and the sample of a search in `dimensions` free dimensions.
 pub(crate) const fn planned(dimensions: usize) -> usize {
     (1 << dimensions) + SAMPLE[dimensions]
-}
-
-/// Evaluations below which a search of `space` takes less than its whole sample, which is half of all at most.
-#[must_use]
-pub fn least_evaluations(space: &DesignSpace) -> usize {
-    let free = [space.width_m(), space.spacing_m(), space.depth_m()].iter().filter(|[low, high]| low < high).count();
-    2 * planned(free) - 1
 }
 
 /// The first `count` points of the sequence in `dimensions` dimensions, shifted by `seed`; unused

@@ -2,7 +2,7 @@
 
 use crate::ModelFailure;
 use crate::model::as_many;
-use crate::sensitivity::{lengths_m, rim_height_m, with_lengths, with_rim_off};
+use crate::sensitivity::{rim_height_m, with_lengths, with_rim_off};
 use crate::uncertainty::Uncertainty;
 use rayon::prelude::*;
 use slipgrid_pattern::Pattern;
@@ -114,7 +114,7 @@ pub fn propagate(
 
 /// The design moved by the first deviations, and its rims by the last where their height is not exact.
 fn moved(design: &Pattern, deviations: &[f64], uncertainty: &Uncertainty) -> Result<Pattern, ModelFailure> {
-    let mut moved_m = lengths_m(design);
+    let mut moved_m = design.lengths_m();
     for (length_m, by_m) in moved_m.iter_mut().zip(deviations) {
         *length_m += by_m;
     }
@@ -205,7 +205,7 @@ impl Linearization {
                 }
                 // Rims are no lower than the land: beside it differences are one-sided.
                 let is_lowest = uncertainty.rim() == Some(input) && design.rim_height_m() < std;
-                let step = lengths_m(design).get(input).map_or(std, |length_m| std.min(WIDEST_SHARE * length_m));
+                let step = design.lengths_m().get(input).map_or(std, |length_m| std.min(WIDEST_SHARE * length_m));
                 let ask = |by: f64| {
                     let mut deviations = vec![0.0; uncertainty.inputs()];
                     deviations[input] = by;
@@ -286,7 +286,7 @@ impl Linearization {
 
 impl UncertainModel for Linearization {
     fn respond_at(&self, design: &Pattern, deviations: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-        let by = lengths_m(design).into_iter().zip(lengths_m(&self.design)).map(|(at, about)| at - about);
+        let by = design.lengths_m().into_iter().zip(self.design.lengths_m()).map(|(at, about)| at - about);
         let mut values = self.values.clone();
         let about_m = self.design.depth_m();
         let raised = rim_height_m(design, about_m) - rim_height_m(&self.design, about_m);

@@ -10,7 +10,7 @@
 //! and a cliff within it is seen. So the target is asked of all these designs at once, and searched as any other.
 
 use crate::search::search_along;
-use crate::sensitivity::{AXES, lengths_m, with_lengths, with_rim_off};
+use crate::sensitivity::{AXES, with_lengths, with_rim_off};
 use crate::{
     Bound, Candidate, Constraints, DesignSpace, ForwardModel, Limit, LowFidelityCorrection, Misfit, ModelFailure,
     Response, SearchError, SearchOptions, SearchOutcome, Target, Tolerances, Uncertainty, search_multi_fidelity,
@@ -140,7 +140,7 @@ impl ForwardModel for Samples<'_> {
             .displacements_m
             .par_iter()
             .map(|by_m| {
-                let designed_m = lengths_m(design);
+                let designed_m = design.lengths_m();
                 let made_m =
                     std::array::from_fn(|axis| (designed_m[axis] + by_m[axis]).max(LEAST_SHARE * designed_m[axis]));
                 let made = with_lengths(design, made_m)?;
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn the_mean_squared_residual_of_a_linear_response_is_exact() {
         let model = |design: &Pattern| {
-            let [w, s, _] = lengths_m(design).map(|length_m| length_m * 1e6);
+            let [w, s, _] = design.lengths_m().map(|length_m| length_m * 1e6);
             Ok(Response { value: vec![0.9 + 1e-3 * w - 2e-3 * s], limited: vec![w, w] })
         };
         let known = Tolerances { std_m: [4e-6, 3e-6, 0.0], width_spacing_correlation: -0.5, ..Tolerances::default() };

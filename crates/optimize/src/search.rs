@@ -24,6 +24,14 @@ impl Default for SearchOptions {
     }
 }
 
+/// Evaluations below which a search of `space` under `constraints` takes less than its whole sample, which is half of all at most.
+///
+/// # Errors
+/// [`SearchError`] where these leave nothing to search.
+pub fn least_evaluations(space: &DesignSpace, constraints: &Constraints) -> Result<usize, SearchError> {
+    Ok(2 * low_discrepancy::planned(Grid::new(space, constraints)?.free_axes().len()) - 1)
+}
+
 /// How thoroughly a search is made.
 #[derive(Clone, Copy, Debug)]
 struct Effort {

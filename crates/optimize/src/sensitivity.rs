@@ -63,12 +63,12 @@ fn along(
     axis: usize,
     step_m: f64,
 ) -> Result<Option<AxisSensitivity>, ModelFailure> {
-    let mut step_m = step_m.min(LARGEST_SHARE * lengths_m(design)[axis]);
+    let mut step_m = step_m.min(LARGEST_SHARE * design.lengths_m()[axis]);
     for _ in 0..=MOST_HALVINGS {
         let neighbours: Vec<Result<Response, ModelFailure>> = [-2.0, -1.0, 1.0, 2.0]
             .into_par_iter()
             .map(|steps| {
-                let mut moved_m = lengths_m(design);
+                let mut moved_m = design.lengths_m();
                 moved_m[axis] += steps * step_m;
                 model.respond(&with_lengths(design, moved_m)?)
             })
@@ -95,11 +95,6 @@ fn along(
         step_m *= 0.5;
     }
     Ok(None)
-}
-
-/// Width, spacing and depth of a design, in metres.
-pub(crate) const fn lengths_m(design: &Pattern) -> [f64; AXES] {
-    [design.width_m(), design.spacing_m(), design.depth_m()]
 }
 
 /// The design with other lengths.
@@ -145,7 +140,7 @@ mod tests {
         let um = |length_m: f64| length_m * 1e6;
         // Linear in spacing, quadratic in depth, cubic in width.
         let model = |at: &Pattern| {
-            let [w, s, d] = lengths_m(at).map(um);
+            let [w, s, d] = at.lengths_m().map(um);
             response(vec![2.0 * s + d * d, 1e-3 * w * w * w])
         };
         let found = sensitivities(&model, &design(), 5e-6).unwrap();

@@ -85,6 +85,12 @@ impl DesignSpace {
     pub const fn depth_m(&self) -> [f64; 2] {
         self.depth_m
     }
+
+    /// Lower and upper bounds of width, spacing and depth, in metres.
+    #[must_use]
+    pub const fn lengths_m(&self) -> [[f64; 2]; 3] {
+        [self.width_m, self.spacing_m, self.depth_m]
+    }
 }
 
 /// How the values of one dimension are spaced.
@@ -270,7 +276,7 @@ impl Grid {
 
     /// The designs one grid step from `design` along each free axis.
     pub(crate) fn neighbours(&self, design: &Pattern) -> Vec<Pattern> {
-        let lengths = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let lengths = design.lengths_m();
         let mut neighbours = Vec::new();
         for (axis, kind) in self.axes.iter().enumerate() {
             let Axis::Free { lower_m, upper_m, step, first, last } = *kind else { continue };
@@ -304,7 +310,7 @@ impl Grid {
 
     /// The shares of `design`.
     pub(crate) fn shares(&self, design: &Pattern) -> [f64; MOST_DIMENSIONS] {
-        let lengths = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let lengths = design.lengths_m();
         std::array::from_fn(|axis| self.axes[axis].share(lengths[axis]))
     }
 

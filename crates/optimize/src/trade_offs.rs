@@ -251,7 +251,7 @@ mod tests {
     use slipgrid_pattern::{ManufacturingLimits, Planform};
 
     fn um(design: &Pattern) -> [f64; 3] {
-        [design.width_m(), design.spacing_m(), design.depth_m()].map(|length_m| length_m * 1e6)
+        design.lengths_m().map(|length_m| length_m * 1e6)
     }
 
     fn space(width_um: [f64; 2], spacing_um: [f64; 2], depth_um: [f64; 2]) -> DesignSpace {

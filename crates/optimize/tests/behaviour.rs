@@ -6,7 +6,8 @@ mod surface;
 
 use slipgrid_monitor::Unwatched;
 use slipgrid_optimize::{
-    Constraints, DesignSpace, ModelFailure, Response, SearchError, SearchOptions, Status, Violation, search,
+    Constraints, DesignSpace, ModelFailure, Response, SearchError, SearchOptions, Status, Violation, least_evaluations,
+    search,
 };
 use slipgrid_pattern::{ManufacturingLimits, Pattern, Planform};
 use std::collections::BTreeSet;
@@ -40,7 +41,7 @@ fn every_design_is_evaluated_once_and_the_count_is_true() {
             let seen = Mutex::new(BTreeSet::new());
             let model = |design: &Pattern| {
                 calls.fetch_add(1, Ordering::Relaxed);
-                let lengths = [design.width_m(), design.spacing_m(), design.depth_m()];
+                let lengths = design.lengths_m();
                 seen.lock().unwrap().insert(lengths.map(f64::to_bits));
                 respond(design)
             };
@@ -196,4 +197,18 @@ fn cancelling_keeps_the_best_design() {
         assert!(outcome.evaluations >= stop_at && outcome.evaluations < stop_at + 64);
         assert_eq!(outcome.best.response, respond(&outcome.best.design).unwrap());
     }
+}
+
+#[test]
+fn what_limits_fix_takes_no_part_of_the_sample() {
+    let space = DesignSpace::new(Planform::Groove, [30e-6, 90e-6], [40e-6, 300e-6], [5e-6, 6e-6]).unwrap();
+    let least = |limits| least_evaluations(&space, &Constraints { limits, ..Constraints::default() });
+    // Twice the corners and the sample of as many free dimensions, less one.
+    assert_eq!(least(ManufacturingLimits::default()), Ok(2 * (8 + 32) - 1));
+    // Two bursts alone lie within the bounds, and spot and land leave one width and one spacing.
+    let burst = ManufacturingLimits { depth_per_burst_m: Some(2.6e-6), ..ManufacturingLimits::default() };
+    assert_eq!(least(burst), Ok(2 * (4 + 16) - 1));
+    let fixed = ManufacturingLimits { spot_m: Some(90e-6), min_land_m: Some(300e-6), ..burst };
+    assert_eq!(least(fixed), Ok(3));
+    assert!(least(ManufacturingLimits { spot_m: Some(1e-3), ..burst }).is_err());
 }

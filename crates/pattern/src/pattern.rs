@@ -80,6 +80,12 @@ impl Pattern {
         self.depth_m
     }
 
+    /// Width, spacing and depth, in metres.
+    #[must_use]
+    pub const fn lengths_m(&self) -> [f64; 3] {
+        [self.width_m, self.spacing_m, self.depth_m]
+    }
+
     /// Period of a row along x, width + spacing, in metres.
     #[must_use]
     pub fn pitch_m(&self) -> f64 {

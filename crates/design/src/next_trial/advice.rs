@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
+use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Status};
 
 use super::interpolation::{Interpolation, Modelled, Models};
@@ -81,7 +82,8 @@ impl MultiFidelityLoop<'_> {
         (errors, expansion): (&ErrorsReport, Option<&Expansion>),
         aimed: Option<f64>,
     ) -> Result<Option<AdviceReport>, DesignError> {
-        let (Some(best), Some(confirmed), Some(chances)) = (&self.best, &self.confirmed, &self.chances) else {
+        let (Some(best), Some(confirmed), Some(chances)) = (&self.round.best, &self.round.confirmed, &self.chances)
+        else {
             return Ok(None);
         };
         // Where no pattern is needed or none helps, none is to be cut; and what does not slide evenly is no sample to measure.
@@ -160,18 +162,22 @@ impl MultiFidelityLoop<'_> {
         }
         let stage = self.stage("samples to cut rather");
         let scope = Scope::BESIDE;
-        let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &stage);
-        let found = interpolation.map(|nodes| {
-            let (mut best, _) = Search::new(task, asked, models, chances, (&nodes, &scope)).best(
-                &|_, _| true,
-                OF_CHANCE * (chance + CLEARLY),
-                RATHER,
-            );
+        let half = Part::new(&stage, 0.5);
+        let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &half);
+        let found = interpolation.and_then(|nodes| {
+            let search = Search::new(task, asked, models, chances, (&nodes, &scope), &half);
+            let (mut best, _) = search.best(&|_, _| true, OF_CHANCE * (chance + CLEARLY), RATHER);
+            if stage.cancelled() {
+                return None;
+            }
             best.retain(|of| of.score.chance > chance + CLEARLY);
             // Before any trial little is known of any texture: one whose own median misses by far is no better guess.
-            let is_guess = |of: &Judged| PredictedRatio::of(asked, of).iter().all(PredictedRatio::is_near);
+            let is_guess = |of: &Judged| {
+                let predicted = PredictedRatio::of(asked, of);
+                predicted.iter().zip(&asked.tolerances).all(|(of, tolerance)| of.is_near(*tolerance))
+            };
             best.retain(|of| !asked.learned.trials().is_empty() || is_guess(of));
-            best
+            Some(best)
         });
         stage.finish();
         let mut best = found?;

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
+use slipgrid_monitor::Monitor;
 use slipgrid_pattern::Pattern;
 
 use crate::lattice_table::axes;
@@ -29,9 +30,21 @@ impl<'a> Steps<'a> {
         Self { task, axes: axes(task).0 }
     }
 
+    /// About `most` of the designs that the laser can cut, spread over all bounds.
+    pub fn spread(&self, most: usize) -> Vec<Pattern> {
+        let [widths, spacings, depths] = [0, 1, 2].map(|axis: usize| self.axes[axis].len());
+        let all = widths.saturating_mul(spacings).saturating_mul(depths);
+        let least = all.div_ceil(most).max(1);
+        // A stride that has no divisor with an axis in common spreads what is left out.
+        let is_apart = |stride: &usize| common_divisor(*stride, spacings) == 1 && common_divisor(*stride, depths) == 1;
+        let stride = (least..).find(is_apart).unwrap_or(least);
+        let place = |number: usize| [number / (spacings * depths), number / depths % spacings, number % depths];
+        (0..all).step_by(stride).filter_map(|number| self.design(place(number))).collect()
+    }
+
     /// The place of `design`, where it is one of them.
     pub fn place(&self, design: &Pattern) -> Option<Place> {
-        let lengths_m = [design.width_m(), design.spacing_m(), design.depth_m()];
+        let lengths_m = design.lengths_m();
         let along = |axis: usize| self.axes[axis].binary_search_by(|node| node.total_cmp(&lengths_m[axis])).ok();
         Some([along(0)?, along(1)?, along(2)?])
     }
@@ -63,6 +76,14 @@ impl<'a> Steps<'a> {
     }
 }
 
+/// The greatest common divisor.
+const fn common_divisor(mut a: usize, mut b: usize) -> usize {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
 /// What is known of designs, by their places.
 pub type Known<T> = BTreeMap<Place, Option<T>>;
 
@@ -80,19 +101,21 @@ pub type Asking<'a, T> =
     (&'a dyn Fn(&Pattern) -> bool, &'a (dyn Fn(&Pattern) -> Option<T> + Sync), &'a dyn Fn(&T) -> f64);
 
 /// Climbs from `starts` by `value` of what `judge` says of designs that are `open`, until none about them is better or the designs
-/// allowed are spent. What was asked for is added to `known`. Returns where the climbs ended, each place once.
+/// allowed are spent, as the whole of `stage`, or until that is cancelled. What was asked for is added to `known`. Returns where the climbs
+/// ended, each place once.
 pub fn climb<T: Send>(
     steps: &Steps<'_>,
     starts: &[Place],
     climb: Climb,
     known: &mut Known<T>,
     (open, judge, value): Asking<'_, T>,
+    stage: &dyn Monitor,
 ) -> Vec<Place> {
     let mut at: Vec<Place> = starts.to_vec();
     let mut left = climb.most;
     for step in STEPS.into_iter().filter(|step| *step <= climb.step) {
         let mut moving = at.clone();
-        while !moving.is_empty() && left > 0 {
+        while !moving.is_empty() && left > 0 && !stage.cancelled() {
             let mut asked: Vec<Place> = moving.iter().flat_map(|place| steps.about(*place, step)).collect();
             asked.sort_unstable();
             asked.dedup();
@@ -101,7 +124,13 @@ pub fn climb<T: Send>(
             left -= asked.len();
             let designs: Vec<Option<Pattern>> =
                 asked.iter().map(|place| steps.design(*place).filter(|design| open(design))).collect();
-            let found: Vec<Option<T>> = designs.par_iter().map(|design| design.as_ref().and_then(judge)).collect();
+            let judged = |design: &Option<Pattern>| {
+                let design = design.as_ref().filter(|_| !stage.cancelled());
+                let found = design.and_then(judge);
+                stage.advance(1.0 / climb.most as f64);
+                found
+            };
+            let found: Vec<Option<T>> = designs.par_iter().map(judged).collect();
             known.extend(asked.into_iter().zip(found));
             let of = |place: &Place| known.get(place).and_then(Option::as_ref).map(value);
             let mut next = Vec::new();
@@ -128,6 +157,7 @@ pub fn climb<T: Send>(
             moving = next;
         }
     }
+    stage.advance(left as f64 / climb.most as f64);
     at
 }
 
@@ -135,6 +165,7 @@ pub fn climb<T: Send>(
 mod tests {
     use super::super::tests::task;
     use super::*;
+    use slipgrid_monitor::Unwatched;
     use slipgrid_pattern::Planform;
 
     #[test]
@@ -143,7 +174,7 @@ mod tests {
         let steps = Steps::new(&task);
         // A ridge across the axes.
         let value = |design: &Pattern| {
-            let [width, spacing, depth] = [design.width_m(), design.spacing_m(), design.depth_m()].map(|m| 1e6 * m);
+            let [width, spacing, depth] = design.lengths_m().map(|m| 1e6 * m);
             -((width - 140.0) / 20.0).powi(2)
                 - ((spacing - 2.0 * width) / 10.0).powi(2)
                 - ((depth - 16.0) / 2.0).powi(2)
@@ -155,7 +186,14 @@ mod tests {
             assert_eq!(steps.place(&steps.design(start).unwrap()), Some(start));
             known.insert(start, steps.design(start).map(|design| value(&design)));
             let judge = |design: &Pattern| Some(value(design));
-            let found = climb(&steps, &[start], Climb { step: 4, most }, &mut known, (&|_| true, &judge, &|of| *of));
+            let found = climb(
+                &steps,
+                &[start],
+                Climb { step: 4, most },
+                &mut known,
+                (&|_| true, &judge, &|of| *of),
+                &Unwatched,
+            );
             assert_eq!(found.len(), 1);
             (steps.design(found[0]).unwrap(), known.len())
         };
@@ -163,5 +201,22 @@ mod tests {
         assert!((design.width_m() - 140e-6).abs() < 1e-9 && (design.spacing_m() - 280e-6).abs() < 1e-9, "{design:?}");
         assert!((design.depth_m() - 16e-6).abs() < 1e-9 && asked < 400, "{asked}");
         assert_eq!(ended(26).1, 27);
+    }
+
+    #[test]
+    fn a_part_of_very_many_designs_reaches_all_bounds() {
+        let mut task = task(Planform::Groove);
+        let um = |bounds: [f64; 2]| bounds.map(|um| um * 1e-6);
+        let [width, spacing] = [um([60.0, 1060.0]), um([100.0, 1100.0])];
+        task.space = slipgrid_optimize::DesignSpace::new(Planform::Groove, width, spacing, um([5.0, 30.0])).unwrap();
+        task.layer.block_m = 1e-6;
+        let found = Steps::new(&task).spread(5000);
+        assert!((2500..=5000).contains(&found.len()), "{}", found.len());
+        for axis in 0..3 {
+            let [low, high] = task.space.lengths_m()[axis];
+            let least = found.iter().map(|of| of.lengths_m()[axis]).fold(f64::INFINITY, f64::min);
+            let most = found.iter().map(|of| of.lengths_m()[axis]).fold(0.0, f64::max);
+            assert!(least < low + 0.05 * (high - low) && most > high - 0.05 * (high - low), "{axis}: {least} {most}");
+        }
     }
 }

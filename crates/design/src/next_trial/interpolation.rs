@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use slipgrid_calibrate::uncertainty::MaterialUncertainty;
-use slipgrid_monitor::{Monitor, Stage};
+use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 use slipgrid_springblock::{Scene, block_refinement};
@@ -89,14 +89,15 @@ struct Nodes {
 
 impl Interpolation {
     /// Asks `models` at the nodes of lattices over the space of `task`, at most `most` along each length, and at most `finer` of smaller
-    /// blocks; `None` where `stage` ends before that.
+    /// blocks, as the whole of `stage`; `None` where that ends before.
     pub fn new(
         task: &DesignTask,
         models: &Models<'_>,
         (most, finer): ([usize; 3], [usize; 3]),
-        stage: &Stage<'_>,
+        stage: &dyn Monitor,
     ) -> Option<Self> {
-        let model = Nodes::new(task, &|design| models.at(design).ok(), most, stage)?;
+        let half = Part::new(stage, 0.5);
+        let model = Nodes::new(task, &|design| models.at(design).ok(), most, &half)?;
         // ln (r + s) / r, s what smaller blocks change; nothing where they are dear, as for what is judged in the end.
         let shift = |design: &Pattern| {
             let nothing = || Modelled { log_ratio: vec![0.0; models.loads()], sensitivity: Vec::new() };
@@ -105,7 +106,7 @@ impl Interpolation {
             let logs = ratios.iter().zip(shifts).map(|(ratio, shift)| (shift / ratio).max(-0.5).ln_1p());
             Some(Modelled { log_ratio: logs.collect(), sensitivity: Vec::new() })
         };
-        let blocks = Nodes::new(task, &shift, finer, stage)?;
+        let blocks = Nodes::new(task, &shift, finer, &half)?;
         Some(Self { model, blocks })
     }
 
@@ -149,12 +150,11 @@ impl Nodes {
         task: &DesignTask,
         of: &(dyn Fn(&Pattern) -> Option<Modelled> + Sync),
         most: [usize; 3],
-        stage: &Stage<'_>,
+        stage: &dyn Monitor,
     ) -> Option<Self> {
         let space = &task.space;
-        let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
         let axes: [Vec<f64>; 3] = std::array::from_fn(|axis| {
-            let [low, high] = bounds[axis].map(f64::ln);
+            let [low, high] = space.lengths_m()[axis].map(f64::ln);
             let count = if low == high { 1 } else { most[axis] };
             (0..count).map(|node| low + (high - low) * node as f64 / (count.max(2) - 1) as f64).collect()
         });

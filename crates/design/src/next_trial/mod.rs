@@ -16,7 +16,7 @@ use slipgrid_material::AreaLaw;
 use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_optimize::Quantity;
 use slipgrid_pattern::Pattern;
-use slipgrid_results::{MaterialReport, PatternReport, SCHEMA, VERSION};
+use slipgrid_results::{MaterialReport, SCHEMA, VERSION};
 use slipgrid_springblock::{Fidelity, RunOptions};
 use slipgrid_units::tidy;
 
@@ -43,8 +43,6 @@ const DISC_SEED: u64 = 2;
 const MEASURED_STD: f64 = 0.01;
 /// Advice: a chance above this is worth a series.
 const SERIES: f64 = 0.5;
-/// Share of a burst by which a depth may be off a whole number of them: depths are written to a hundredth of a micrometre.
-const OF_A_BURST: f64 = 0.01;
 
 /// What is asked.
 #[derive(Clone, Debug, Default)]
@@ -119,6 +117,8 @@ impl Design {
 struct Asked {
     loads: Vec<Load>,
     wanted: Wanted,
+    /// The tolerances of the ratios: half the width of what is accepted, of a limit alone its margin.
+    tolerances: Vec<f64>,
     learned: Discrepancy,
 }
 
@@ -165,7 +165,7 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     let interpolation = interpolation.ok_or(DesignError::Cancelled)?;
     let stage = Stage::new(monitor, "trials", None);
     let material = MaterialReport::from(&known.material.provenance);
-    let search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope));
+    let search = Search::new(&task, &asked, &models, &chances, (&interpolation, &scope), &stage);
     let found = choose(&search, options, division.as_ref(), &material);
     stage.finish();
     monitor.heed()?;
@@ -176,8 +176,8 @@ pub fn next_trials(task: &DesignTask, options: &NextOptions, monitor: &dyn Monit
     };
     let disc = format!("{}, disc {}", report.name, report.trials + report.pending + 1);
     report.one_disc = OneDiscReport::of(disc, &sectors);
-    report.warnings = laser_warnings(&task, &patterns);
-    report.warnings.extend(options.own.iter().flat_map(|own| own_warnings(&task, own)));
+    // Those that were asked for are numbered after the samples, as they are listed.
+    report.warnings = laser_warnings(&task, patterns.iter().chain(&options.own));
     Ok(NextTrials { report, patterns, sectors, material })
 }
 
@@ -192,7 +192,7 @@ fn asked(
     let count = task.target.points().len();
     let conditions = std::iter::once(task.condition).chain(further.iter().map(|further| further.at.condition));
     let pressures_pa = task.pressures_pa();
-    let (mut lower, mut upper) = (Vec::new(), Vec::new());
+    let (mut lower, mut upper, mut tolerances) = (Vec::new(), Vec::new(), Vec::new());
     for (place, condition) in conditions.enumerate() {
         let excess = material.excess(&pressures_pa, condition.as_ref());
         for (row, demand) in task.target.points().iter().enumerate() {
@@ -210,13 +210,14 @@ fn asked(
             let [lowest, highest] = demand.wanted.band();
             lower.push(lowest.unwrap_or(0.0) / flat);
             upper.push(highest.unwrap_or(f64::INFINITY) / flat);
+            tolerances.push(demand.wanted.tolerance().unwrap_or(0.0) / flat);
         }
     }
     if !task.target.has_demands() {
         let reason = "a target that demands nothing cannot be missed: there is no trial to choose";
         return Err(crate::Refusal::new(TaskPart::Whole, reason).into());
     }
-    Ok(Asked { loads, wanted: Wanted { lower, upper }, learned })
+    Ok(Asked { loads, wanted: Wanted { lower, upper }, tolerances, learned })
 }
 
 /// The samples of `search` to cut next, as `options` ask, on sectors of `division` where there is one.
@@ -232,6 +233,7 @@ fn choose(
         !pending.iter().any(|cut| is_same(cut, own)) && division.is_none_or(|division| division.holds(pattern))
     };
     let (pool, compared) = search.best(&is_open, 0.0, options.count);
+    search.stage.heed()?;
     if pool.is_empty() {
         let reason = match division {
             Some(division) => coarse(division),
@@ -244,6 +246,7 @@ fn choose(
         return Err(DesignError::Failed(reason));
     }
     let own = |pattern: &Pattern| {
+        search.stage.heed()?;
         let refused = |failure| DesignError::refused(format!("the candidate cannot be computed: {failure}"));
         search.exactly(pattern).map_err(refused)
     };
@@ -307,28 +310,17 @@ fn several<'a>(pool: &'a [Judged], pending: &[Judged], options: &NextOptions, as
     (chosen.into_iter().map(|place| &pool[place]).collect(), together)
 }
 
-/// What the laser of `task` will not cut of `patterns` as they are designed.
-fn laser_warnings(task: &DesignTask, patterns: &[Pattern]) -> Vec<String> {
-    let of = |(number, pattern): (usize, &Pattern)| {
+/// What the laser of `task` will not cut of `patterns` as they are designed, each with the number of its sample.
+fn laser_warnings<'a>(task: &DesignTask, patterns: impl Iterator<Item = &'a Pattern>) -> Vec<String> {
+    let of = |(number, pattern): (usize, &'a Pattern)| {
+        let broken = task.constraints.limits.violations(pattern);
+        let mut warnings: Vec<String> = broken.iter().map(ToString::to_string).collect();
+        warnings.extend(task.laser.check_depth(pattern.depth_m()).err().map(|error| error.to_string()));
         let removal = task.specimen.layout(*pattern).ok().and_then(|layout| Removal::new(&layout, &task.laser));
-        let warnings = removal.map_or_else(Vec::new, |removal| removal.warnings);
+        warnings.extend(removal.into_iter().flat_map(|removal| removal.warnings));
         warnings.into_iter().map(move |warning| format!("sample {}: {warning}", number + 1))
     };
-    patterns.iter().enumerate().flat_map(of).collect()
-}
-
-/// What keeps the laser of `task` from cutting `own`, which was asked for, as it is.
-fn own_warnings(task: &DesignTask, own: &Pattern) -> Vec<String> {
-    let limits = &task.constraints.limits;
-    let mut broken: Vec<String> = limits.violations(own).iter().map(ToString::to_string).collect();
-    if let Some(burst_m) = limits.depth_per_burst_m {
-        let bursts = own.depth_m() / burst_m;
-        if (bursts - bursts.round()).abs() > OF_A_BURST {
-            broken.push(format!("a depth of {bursts:.2} bursts: expected a whole number of bursts"));
-        }
-    }
-    let lengths = PatternReport::from(own).lengths_in_words();
-    broken.into_iter().map(|broken| format!("yours, {lengths} um: {broken}")).collect()
+    patterns.enumerate().flat_map(of).collect()
 }
 
 /// Why no design fits on a sector.

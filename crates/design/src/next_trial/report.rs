@@ -183,11 +183,10 @@ pub struct PredictedRatio {
 }
 
 impl PredictedRatio {
-    /// Whether the median misses what is accepted by no more than half its width.
-    pub(super) fn is_near(&self) -> bool {
-        let (lowest, highest) = (self.lowest.unwrap_or(0.0), self.highest.unwrap_or(f64::INFINITY));
-        let margin = if highest.is_finite() { 0.5 * (highest - lowest) } else { 0.0 };
-        self.of.ratio >= lowest - margin && self.of.ratio <= highest + margin
+    /// Whether the median misses what is accepted by no more than `margin`.
+    pub(super) fn is_near(&self, margin: f64) -> bool {
+        self.lowest.is_none_or(|lowest| self.of.ratio >= lowest - margin)
+            && self.highest.is_none_or(|highest| self.of.ratio <= highest + margin)
     }
 
     /// What is predicted of `judged` at every load.

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use slipgrid_discrepancy::{Features, Predictor, Ranking};
+use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::ModelFailure;
 use slipgrid_pattern::Pattern;
 
@@ -9,7 +10,6 @@ use super::climb::{Climb, Known, Place, Steps, climb};
 use super::interpolation::{Interpolation, Modelled, Models};
 use super::{Asked, Design, Judged};
 use crate::chance::{About, Chances};
-use crate::lattice_table::lattice;
 use crate::task::DesignTask;
 
 /// How much is looked at.
@@ -58,22 +58,6 @@ pub const OF_CHANCE: f64 = 0.25;
 /// Lengths that differ by less are the same, relative.
 const SAME_LENGTH: f64 = 1e-3;
 
-/// Designs of whole blocks and bursts within the bounds and the laser's limits, about `most` of them.
-fn designs(task: &DesignTask, most: usize) -> Vec<Pattern> {
-    let (all, _) = lattice(task);
-    let [spacings, depths] = [Pattern::spacing_m, Pattern::depth_m].map(|of| {
-        let mut lengths: Vec<u64> = all.iter().map(|design| of(design).to_bits()).collect();
-        lengths.sort_unstable();
-        lengths.dedup();
-        lengths.len()
-    });
-    // A stride that has no divisor with an axis in common spreads what is left out.
-    let shares = |step: usize, axis: usize| (2..=step).any(|by| step.is_multiple_of(by) && axis.is_multiple_of(by));
-    let least = all.len().div_ceil(most).max(1);
-    let step = (least..).find(|step| !shares(*step, spacings) && !shares(*step, depths)).unwrap_or(least);
-    all.into_iter().step_by(step).collect()
-}
-
 /// Whether two textures are one: trials know their features alone.
 pub fn is_same(a: &Features, b: &Features) -> bool {
     let same = |of: fn(&Features) -> f64| (of(a) - of(b)).abs() <= SAME_LENGTH * of(a).max(of(b));
@@ -90,6 +74,8 @@ pub struct Search<'a> {
     /// What is not known exactly beside what trials tell of.
     chances: &'a Chances<'a>,
     scope: &'a Scope,
+    /// Whom it reports to, and who ends it.
+    pub stage: &'a dyn Monitor,
 }
 
 impl<'a> Search<'a> {
@@ -99,22 +85,22 @@ impl<'a> Search<'a> {
         models: &'a Models<'a>,
         chances: &'a Chances<'a>,
         (interpolation, scope): (&'a Interpolation, &'a Scope),
+        stage: &'a dyn Monitor,
     ) -> Self {
-        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope }
+        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope, stage }
     }
 
     /// Covariance of the ratios of samples of `pattern` by their dimensions.
     fn covariance(&self, pattern: &Pattern) -> Option<Vec<f64>> {
         let std_m = self.task.tolerances.map_or([0.0; 3], |scatter| scatter.tolerances.std_m);
-        self.interpolation.covariance([pattern.width_m(), pattern.spacing_m(), pattern.depth_m()], std_m)
+        self.interpolation.covariance(pattern.lengths_m(), std_m)
     }
 
     /// `pattern` by the model itself in the layer's blocks and what smaller ones change of its like, with the scatter of its dimensions.
     fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
         let covariance = self.covariance(pattern).unwrap_or_default();
         let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
-        let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
-        let design = design.in_smaller_blocks(self.interpolation.shifts(lengths_m));
+        let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m()));
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -143,10 +129,8 @@ impl<'a> Search<'a> {
 
     /// The region of the bounds that `pattern` lies in, by the logarithms of its lengths.
     fn region(&self, pattern: &Pattern) -> usize {
-        let space = &self.task.space;
-        let bounds = [space.width_m(), space.spacing_m(), space.depth_m()];
-        let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
-        bounds.into_iter().zip(lengths_m).fold(0, |region, ([low, high], length_m)| {
+        let bounds = self.task.space.lengths_m().into_iter();
+        bounds.zip(pattern.lengths_m()).fold(0, |region, ([low, high], length_m)| {
             let share = if low < high { (length_m / low).ln() / (high / low).ln() } else { 0.0 };
             REGIONS * region + ((share * REGIONS as f64) as usize).min(REGIONS - 1)
         })
@@ -155,15 +139,19 @@ impl<'a> Search<'a> {
     /// What looks best by the interpolated model, the best of every region among it, and how many were compared. Designs of less than
     /// `least_chance` are passed by, and of regions those of less than [`OF_CHANCE`] of the greatest.
     fn looked_over(&self, is_open: &dyn Fn(&Pattern) -> bool, least_chance: f64) -> (Vec<Pattern>, usize) {
-        let patterns: Vec<Pattern> = designs(self.task, self.scope.designs).into_iter().filter(is_open).collect();
+        let all = Steps::new(self.task).spread(self.scope.designs);
+        let patterns: Vec<Pattern> = all.into_iter().filter(is_open).collect();
         let between = |pattern: &Pattern| {
-            let lengths_m = [pattern.width_m(), pattern.spacing_m(), pattern.depth_m()];
+            if self.stage.cancelled() {
+                return None;
+            }
+            let lengths_m = pattern.lengths_m();
             let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
             Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)))
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
-        let candidate = |place: usize| Some(left[place].candidate());
+        let candidate = |place: usize| (!self.stage.cancelled()).then(|| left[place].candidate());
         let ranking = Ranking::new(&self.predictor, &self.asked.wanted, least_chance, left.len(), &candidate);
         let found = ranking.best(self.scope.judged, least_chance, &|_| true);
         let enough = found.iter().fold(least_chance, |most, of| most.max(OF_CHANCE * of.score.chance));
@@ -180,8 +168,20 @@ impl<'a> Search<'a> {
         (best.into_iter().map(|place| left[place].pattern).collect(), left.len())
     }
 
+    /// What `judge` says of each of `all`, as a fifth of the stage; of none once that is cancelled.
+    fn each<T: Send>(&self, all: Vec<T>, judge: &(dyn Fn(T) -> Result<Judged, ModelFailure> + Sync)) -> Vec<Judged> {
+        let (part, share) = (Part::new(self.stage, 0.2), 1.0 / all.len().max(1) as f64);
+        let judged = |of: T| {
+            let found = if part.cancelled() { None } else { judge(of).ok() };
+            part.advance(share);
+            found
+        };
+        all.into_par_iter().map(judged).collect::<Vec<_>>().into_iter().flatten().collect()
+    }
+
     /// The designs of the greatest scores among those that were not cut and are `open`, at least `count` where there are as many, the greatest
-    /// first, and how many were compared. Designs whose chance by the interpolated model is below `least_chance` are passed by.
+    /// first, and how many were compared; what is known so far where the stage is cancelled. Designs whose chance by the interpolated model
+    /// is below `least_chance` are passed by.
     ///
     /// All are ranked by the interpolated model, the best are judged by the model itself, and from the best of these of different
     /// regions is climbed over whole blocks and bursts: first by the model in the layer's blocks and what smaller ones change of their like, then with everything that counts.
@@ -196,10 +196,11 @@ impl<'a> Search<'a> {
             let own = Features::from(pattern);
             !cut.iter().any(|cut| is_same(cut, &own)) && open(pattern, &own)
         };
+        let part = Part::new(self.stage, 0.2);
         let (best, compared) = self.looked_over(&is_open, least_chance);
         // The model itself at what looks best by the interpolated one.
-        let drafts: Vec<Option<Judged>> = best.par_iter().map(|pattern| self.drafted(pattern).ok()).collect();
-        let mut pool: Vec<Judged> = drafts.into_iter().flatten().collect();
+        self.stage.advance(0.2);
+        let mut pool = self.each(best, &|pattern| self.drafted(&pattern));
         let value = |of: &Judged| of.score.value();
         // Stable: of equal scores the earlier first.
         let sort = |pool: &mut Vec<Judged>| pool.sort_by(|a, b| value(b).total_cmp(&value(a)));
@@ -219,7 +220,7 @@ impl<'a> Search<'a> {
         }
         let climbed = Climb { step: 4, most: self.scope.climbed };
         let draft = |pattern: &Pattern| self.drafted(pattern).ok();
-        let ends = climb(&steps, &starts, climbed, &mut known, (&is_open, &draft, &value));
+        let ends = climb(&steps, &starts, climbed, &mut known, (&is_open, &draft, &value), &part);
         // What the climbs ended at, before what was known: neighbours of one design would crowd out all others.
         let is_known = |pool: &[Judged], of: &Judged| pool.iter().any(|own| own.design.pattern == of.design.pattern);
         let ended = ends.iter().filter_map(|end| known.get(end).cloned().flatten());
@@ -228,15 +229,14 @@ impl<'a> Search<'a> {
         first.append(&mut pool);
         sort(&mut first);
         first.truncate(self.scope.completed.max(2 * count));
-        let whole: Vec<Option<Judged>> = first.into_par_iter().map(|draft| self.completed(draft).ok()).collect();
-        let mut pool: Vec<Judged> = whole.into_iter().flatten().collect();
+        let mut pool = self.each(first, &|draft| self.completed(draft));
         sort(&mut pool);
 
         let mut known: Known<Judged> = pool.iter().filter_map(|of| Some((place(of)?, Some(of.clone())))).collect();
         let start: Vec<Place> = pool.first().and_then(place).into_iter().collect();
         let climbed = Climb { step: 1, most: self.scope.climbed_whole };
         let whole = |pattern: &Pattern| self.exactly(pattern).ok();
-        let ends = climb(&steps, &start, climbed, &mut known, (&is_open, &whole, &value));
+        let ends = climb(&steps, &start, climbed, &mut known, (&is_open, &whole, &value), &part);
         let ended: Vec<Judged> = ends.iter().filter_map(|end| known.get(end).cloned().flatten()).collect();
         pool.extend(ended.into_iter().filter(|of| !is_known(&pool, of)).collect::<Vec<_>>());
         sort(&mut pool);

@@ -1,8 +1,10 @@
+use std::sync::Mutex;
+
 use slipgrid_discrepancy::{Conditions, Hyperparameters};
 use slipgrid_material::{Elastic, Friction, LocalFriction, Material, Provenance};
 use slipgrid_monitor::{Stage, Unwatched};
-use slipgrid_optimize::{DesignSpace, Target, TargetPoint};
-use slipgrid_pattern::Planform;
+use slipgrid_optimize::{DesignSpace, Target, TargetPoint, Wanted as Accepted};
+use slipgrid_pattern::{ManufacturingLimits, Planform};
 use slipgrid_springblock::Layer;
 
 use super::*;
@@ -188,7 +190,7 @@ fn no_narrower_bounds_and_no_neighbour_have_a_clearly_greater_chance() {
     let (chance, best, _) = chances(&task, Vec::new());
     let block_m = task.layer.block_m;
     let steps = [[block_m, 0.0, 0.0], [0.0, block_m, 0.0], [0.0, 0.0, 2e-6], [block_m, block_m, 0.0]];
-    let lengths_m = [best.width_m(), best.spacing_m(), best.depth_m()];
+    let lengths_m = best.lengths_m();
     let moved = |by: [f64; 3], side: f64| {
         let [width_m, spacing_m, depth_m] = std::array::from_fn(|axis| lengths_m[axis] + side * by[axis]);
         let is_within = |[low, high]: [f64; 2], length_m: f64| (low..=high).contains(&length_m);
@@ -204,4 +206,102 @@ fn no_narrower_bounds_and_no_neighbour_have_a_clearly_greater_chance() {
     let narrower = DesignSpace::new(Planform::Groove, [60e-6, 120e-6], [100e-6, 200e-6], [20e-6, 30e-6]).unwrap();
     let inside = chances(&DesignTask { space: narrower, ..task.clone() }, Vec::new()).0;
     assert!(inside < chance + 0.005, "{inside} {chance}");
+}
+
+/// The stages that began, with the shares of their work that were done.
+#[derive(Default)]
+struct Shares(Mutex<Vec<(String, f64)>>);
+
+impl Monitor for Shares {
+    fn stage(&self, name: &str) {
+        self.0.lock().unwrap().push((name.to_owned(), 0.0));
+    }
+
+    fn advance(&self, share: f64) {
+        self.0.lock().unwrap().last_mut().unwrap().1 += share;
+    }
+}
+
+/// Where nothing may be asked any more.
+struct Over;
+
+impl Monitor for Over {
+    fn cancelled(&self) -> bool {
+        true
+    }
+}
+
+#[test]
+fn every_stage_comes_to_its_whole_and_a_search_that_is_over_asks_nothing() {
+    let task = task(Planform::Groove);
+    let shares = Shares::default();
+    next_trials(&task, &NextOptions { count: 1, ..NextOptions::default() }, &shares).unwrap();
+    let all = shares.0.into_inner().unwrap();
+    assert_eq!(all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["model", "trials"]);
+    assert!(all.iter().all(|(_, share)| (share - 1.0).abs() < 1e-6), "{all:?}");
+
+    let model = model(&task);
+    let asked = asked(&task, &known(), &[], &model).unwrap();
+    let (models, chances) =
+        (Models::new(&model, &known()).unwrap(), Chances::new(&task, &known(), &model, &[]).unwrap());
+    let scope = Scope::BESIDE;
+    let nodes = Interpolation::new(&task, &models, (scope.nodes, scope.blocks), &Unwatched).unwrap();
+    let search = Search::new(&task, &asked, &models, &chances, (&nodes, &scope), &Over);
+    let (pool, compared) = search.best(&|_, _| true, 0.0, 1);
+    assert_eq!((pool.len(), compared), (0, 0));
+}
+
+#[test]
+fn what_the_laser_cannot_cut_is_said_with_the_number_of_the_sample() {
+    let mut task = task(Planform::Groove);
+    task.constraints.limits = ManufacturingLimits { spot_m: Some(20e-6), ..ManufacturingLimits::default() };
+    // 20 um spots every 2 um on lines 10 um apart: one pass removes 3.1416 um.
+    task.laser = slipgrid_export::Laser {
+        spot_um: Some(20.0),
+        repetition_hz: Some(50e3),
+        speed_mm_s: Some(100.0),
+        hatch_um: Some(10.0),
+        depth_per_burst_um: Some(0.2),
+        ..slipgrid_export::Laser::default()
+    };
+    let said = |width_um: f64, depth_um: f64| -> Vec<String> {
+        let whole = Pattern::new(Planform::Groove, 120e-6, 300e-6, 4e-6 * std::f64::consts::PI).unwrap();
+        let own = Pattern::new(Planform::Groove, width_um * 1e-6, 300e-6, depth_um * 1e-6).unwrap();
+        let all = laser_warnings(&task, [whole, own].iter());
+        all.into_iter().filter(|said| !said.contains("mean depth")).collect()
+    };
+    // Written to a hundredth of a micrometre, four passes remove 12.57 um.
+    assert_eq!(said(120.0, 12.57), Vec::<String>::new());
+    let off = said(120.0, 12.6);
+    assert!(
+        off.len() == 1 && off[0].starts_with("sample 2: the depth of 12.6 um is no whole number of passes"),
+        "{off:?}"
+    );
+    let narrow = said(15.0, 12.57);
+    assert!(narrow[0].contains("laser spot") && narrow.iter().all(|said| said.starts_with("sample 2: ")), "{narrow:?}");
+}
+
+#[test]
+fn a_median_is_near_what_is_accepted_within_the_tolerance_on_either_side() {
+    let mut task = task(Planform::Groove);
+    let model = model(&task);
+    let mut near = |wanted: Accepted, ratio: f64| {
+        let demand = slipgrid_optimize::Demand { pressure_pa: 2.6e6, wanted, weight: 1.0 };
+        task.target = Target::of(Quantity::Ratio, vec![demand], None).unwrap();
+        let tolerance = asked(&task, &known(), &[], &model).unwrap().tolerances[0];
+        let [lowest, highest] = wanted.band();
+        let of = RatioPrediction {
+            pressure_mpa: 2.6,
+            speed_mm_s: 2.0,
+            humidity_pct: 40.0,
+            modelled: ratio,
+            ratio,
+            interval_95: [ratio; 2],
+        };
+        PredictedRatio { of, lowest, highest }.is_near(tolerance)
+    };
+    let at_most = Accepted::AtMost { highest: 0.8, margin: 0.02 };
+    assert!(near(at_most, 0.1) && near(at_most, 0.815) && !near(at_most, 0.83));
+    let between = Accepted::Between { lowest: 0.8, highest: 0.9 };
+    assert!(near(between, 0.76) && near(between, 0.94) && !near(between, 0.74) && !near(between, 0.96));
 }

@@ -14,7 +14,7 @@ fn uncertainty(correlation: f64, parameters: &[Vec<f64>]) -> Uncertainty {
 
 /// v1 = 2e-3 w + 1e-3 s + p1, v2 = 5e-3 d - p1 + 2 p2; lengths in um.
 fn linear(at: &Pattern, p: &[f64]) -> Result<Vec<f64>, ModelFailure> {
-    let [w, s, d] = lengths_m(at).map(|length_m| length_m * 1e6);
+    let [w, s, d] = at.lengths_m().map(|length_m| length_m * 1e6);
     Ok(vec![2e-3 * w + 1e-3 * s + p[0], 5e-3 * d - p[0] + 2.0 * p[1]])
 }
 

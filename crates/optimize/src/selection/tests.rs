@@ -6,7 +6,7 @@ use slipgrid_pattern::{ManufacturingLimits, Planform};
 const PRESSURES_PA: [f64; 2] = [1e6, 2e6];
 
 fn um(design: &Pattern) -> [f64; 3] {
-    [design.width_m(), design.spacing_m(), design.depth_m()].map(|length_m| length_m * 1e6)
+    design.lengths_m().map(|length_m| length_m * 1e6)
 }
 
 /// Lowering goes with width over pitch and rises with the depth.

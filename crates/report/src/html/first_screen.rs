@@ -53,31 +53,15 @@ pub(super) fn first_screen(page: &mut Page, report: &DesignReport, outputs: &Out
 }
 
 fn verdict(page: &mut Page, report: &DesignReport) {
-    let scope = if report.section_model { " (by the vertical section, as grooves)" } else { "" };
     if let Some(found) = &report.chance {
         chance(page, found, report.advice.as_ref());
     }
     if let Some(advice) = &report.advice {
         page.paragraph(&sentence(&advice.words));
     }
-    if let Some(flat) = &report.flat {
-        let words = &flat.words;
-        page.marked(
-            MISSED,
-            &format!("No pattern: {words}. What follows is the pattern that lowers it least; cut none."),
-        );
-        return;
-    }
-    let (class, words) = match report.status.as_ref() {
-        "met" if report.goal.is_some() => ("verdict", "Best design found within bounds and limits".to_owned()),
-        "met" => ("verdict", "Target met by the model".to_owned()),
-        "unreachable" => (MISSED, "Target not reachable within bounds and limits; nearest design below".to_owned()),
-        _ if report.out_of_time => {
-            (MISSED, "The seconds allowed were spent before the search had ended; best design so far below".to_owned())
-        }
-        _ => (MISSED, format!("Target {}; nearest design below", report.unmet())),
-    };
-    page.marked(class, &format!("{words}{scope}."));
+    let verdict = report.verdict();
+    let nearest = if verdict.shows_nearest { "; nearest design below" } else { "" };
+    page.marked(if verdict.is_met { "verdict" } else { MISSED }, &sentence(&format!("{}{nearest}", verdict.words)));
 }
 
 /// The chance that a cut sample is on target, first of all.

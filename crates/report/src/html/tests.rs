@@ -112,6 +112,22 @@ fn a_page_holds_every_number_with_its_error_and_asks_the_network_for_nothing() {
 }
 
 #[test]
+fn the_page_says_what_the_text_says_of_the_verdict_and_of_shares() {
+    let outputs = Outputs::default();
+    let mut found = report();
+    let robustness = found.robustness.as_mut().unwrap();
+    (robustness.samples.probability, robustness.samples.probability_stderr) = (Some(0.0), Some(0.0));
+    // The search for a goal was cut short, and its design confirmed.
+    (found.status, found.goal, found.misfit.confirmed) = ("budget".into(), Some(goal()), Some(0.9));
+    let (page, text) = (page_of(&found, &outputs), found.summary());
+    assert!(page.contains("none of samples") && text.contains("none of "), "{text}");
+    let verdict = found.verdict();
+    assert!(verdict.is_met && verdict.words.starts_with("best so far"), "{verdict:?}");
+    assert!(text.contains(&verdict.words) && page.contains(&verdict.words[1..]), "{text}");
+    assert!(!page.contains("not confirmed") && !page.contains("verdict missed"));
+}
+
+#[test]
 fn a_report_is_read_back_as_it_was_written() {
     let stored = slipgrid_results::json(&report()).unwrap();
     assert_eq!(serde_json::from_str::<DesignReport>(&stored).unwrap(), report());

@@ -7,7 +7,7 @@ use slipgrid_design::records::{
 use slipgrid_results::ErrorsReport;
 
 use super::design::{lengths, three_lengths};
-use super::page::{Page, ends, known, number, percent, plain, sentence, with_error};
+use super::page::{Page, ends, known, number, plain, sentence, with_error};
 use crate::Outputs;
 
 /// A slope in units of 0.0001 per micrometre with its error, where both are known.
@@ -116,11 +116,6 @@ pub(super) fn discrepancy(page: &mut Page, found: &DiscrepancyReport) {
 
 /// What samples made after the design do.
 pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
-    let within = |share: Option<f64>, error: Option<f64>| match known(share).zip(known(error)) {
-        Some((share, _)) if share >= 1.0 => "all".to_owned(),
-        Some((share, error)) => format!("{} ± {} %", percent(share, 1), percent(error, 1)),
-        None => "-".to_owned(),
-    };
     let how = match found.method.as_ref() {
         "sampled" => "draws of the steady model about the confirming run",
         _ => "draws of the steady model to first order about the confirming run",
@@ -129,7 +124,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
     page.paragraph(&format!(
         "Within the tolerance at all pressures, from tolerances alone: {} of samples of the material as calibrated, by {} {how} ({} could not be \
          computed and count as outside, {} without a positive dimension were drawn again). After ± the binomial standard error.",
-        within(samples.probability, samples.probability_stderr),
+        samples.share("±"),
         samples.draws,
         samples.failed,
         samples.redrawn,
@@ -137,7 +132,7 @@ pub(super) fn robustness(page: &mut Page, found: &RobustnessReport) {
     if let Some(material) = &found.with_material {
         page.paragraph(&format!(
             "The same from tolerances and what is not known of the material, which all samples share: {}.",
-            within(material.probability, material.probability_stderr)
+            material.share("±")
         ));
     }
     if samples.probability.is_some() {

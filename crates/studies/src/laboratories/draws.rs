@@ -53,13 +53,11 @@ impl Draws {
     /// What is left where it is known that `target` was drawn until a texture truly reaches it: a laboratory of whose targets few
     /// are reached is the likelier for each of these.
     pub fn of_reached(&self, generator: &Generator, target: &[f64; LOADS]) -> Self {
-        let [lower, upper] = between(target, REACHED * TOLERANCE);
+        let near = between(target, REACHED * TOLERANCE);
         let mut left = Vec::new();
         for draw in &self.all {
             let truths = || (0..generator.textures()).map(|place| generator.log_truth(draw, place));
-            let mut is_near =
-                truths().map(|log| (0..LOADS).all(|load| (lower[load]..=upper[load]).contains(&log[load])));
-            if is_near.any(|is_near| is_near) {
+            if truths().any(|log| is_within(&log, &near)) {
                 let share = share_reached(truths().map(|log| log.map(f64::exp)));
                 left.push(Draw { weight: draw.weight / share, ..*draw });
             }
@@ -93,9 +91,19 @@ impl Draws {
     }
 }
 
-/// Logarithms of the ratios `distance` below and above `target`.
+/// The ratios `distance` below and above `target`.
+pub fn around(target: &[f64; LOADS], distance: f64) -> [[f64; LOADS]; 2] {
+    [-distance, distance].map(|distance| target.map(|ratio| ratio + distance))
+}
+
+/// Their logarithms.
 pub fn between(target: &[f64; LOADS], distance: f64) -> [[f64; LOADS]; 2] {
-    [-distance, distance].map(|distance| target.map(|ratio| (ratio + distance).ln()))
+    around(target, distance).map(|ratios| ratios.map(f64::ln))
+}
+
+/// Whether every value is within its bounds.
+pub fn is_within(values: &[f64; LOADS], [lower, upper]: &[[f64; LOADS]; 2]) -> bool {
+    (0..LOADS).all(|load| (lower[load]..=upper[load]).contains(&values[load]))
 }
 
 /// The chance that a sample is on target whose logarithms are `log` as it was designed.

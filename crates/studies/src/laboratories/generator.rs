@@ -8,9 +8,10 @@
 
 use slipgrid_discrepancy::{Hyperparameters, Trial};
 use slipgrid_statistics::Normals;
+use slipgrid_statistics::cholesky::{cholesky, dot, solve_lower, solve_upper};
 
 use super::draws::{Draw, Draws};
-use super::physics::{LOADS, Solved};
+use super::physics::{LOADS, Physics, Solved};
 use super::truth::{
     DIMENSIONS_STD, FLAT_SHARE, MODULUS_STD, MOST_LOG_MODULUS, Mechanism, SAMPLE_STD, SLOPE_SHARE, amplitude,
 };
@@ -64,15 +65,6 @@ pub struct Kind {
     slopes: Vec<[f64; 2]>,
 }
 
-/// What a texture does by physics: ln R, its derivatives by ln E, and what rims add.
-#[derive(Clone, Copy, Debug)]
-struct Physics {
-    log: [f64; LOADS],
-    slope: [f64; LOADS],
-    curvature: [f64; LOADS],
-    of_rims: [f64; LOADS],
-}
-
 /// How laboratories are made.
 #[derive(Clone, Debug)]
 pub struct Generator {
@@ -116,18 +108,13 @@ struct Component {
     std: Vector,
     mean: Vector,
     /// Factor of the precision, in units of these.
-    factor: Matrix,
+    factor: Vec<f64>,
 }
 
 impl Generator {
     /// Of these `mechanisms`, alike likely.
     pub fn new(textures: &[Solved], mechanisms: &[Mechanism], of_sizes: Sizes) -> Self {
-        let physics = textures.iter().map(|of| Physics {
-            log: of.log_ratio(0.0),
-            slope: of.sensitivity,
-            curvature: of.curvature,
-            of_rims: of.of_rims,
-        });
+        let physics = textures.iter().map(|of| of.physics);
         let kinds = mechanisms.iter().flat_map(|&mechanism| {
             let has_scale = matches!(mechanism, Mechanism::Saturating | Mechanism::Depth);
             let scales = mechanism.scales().into_iter().take(if has_scale { 4 } else { 1 });
@@ -143,15 +130,9 @@ impl Generator {
 
     /// Logarithms of what a sample of the texture at `place` does as it was designed.
     pub fn log_truth(&self, of: &Draw, place: usize) -> [f64; LOADS] {
-        let (kind, physics) = (&self.kinds[of.kind], &self.physics[place]);
-        let (m, value) = (of.log_modulus, kind.values[place]);
-        let rims = if kind.mechanism == Mechanism::Rims { 1.0 } else { 0.0 };
-        std::array::from_fn(|load| {
-            physics.log[load]
-                + m * (physics.slope[load] + 0.5 * m * physics.curvature[load])
-                + value * of.amplitude[load]
-                + rims * physics.of_rims[load]
-        })
+        let kind = &self.kinds[of.kind];
+        let grown = (kind.values[place], &of.amplitude);
+        self.physics[place].log_truth(of.log_modulus, grown, kind.mechanism == Mechanism::Rims)
     }
 
     /// How many textures there are.
@@ -187,7 +168,7 @@ impl Generator {
         normals: &mut Normals,
     ) -> Option<Draw> {
         let mut z: Vector = std::array::from_fn(|_| normals.draw());
-        solve_upper(&of.factor, &mut z);
+        solve_upper(&of.factor, N, &mut z);
         let c: Vector = std::array::from_fn(|k| of.std[k] * (of.mean[k] + z[k]));
         let (size, log_modulus) = (of.size.at + c[0], of.modulus.at + c[3]);
         let amplitude = amplitude(size, c[1], c[2]);
@@ -239,12 +220,12 @@ impl Generator {
         for (place, kind) in self.kinds.iter().enumerate() {
             for modulus in &self.moduli {
                 let sums = self.sums(kind, modulus, seen, noise);
-                found.extend(kind.sizes.iter().zip(&kind.slopes).map(|(size, [beta, gamma])| {
+                found.extend(kind.sizes.iter().zip(&kind.slopes).filter_map(|(size, [beta, gamma])| {
                     let mut std = [FLAT_SHARE * noise; N];
                     std[..4].copy_from_slice(&[size.std, *beta, *gamma, modulus.std]);
                     let prior = kind.share * size.share * modulus.share;
-                    let (mean, factor, evidence) = sums.regression(&std, size.at);
-                    Component {
+                    let (mean, factor, evidence) = sums.regression(&std, size.at)?;
+                    Some(Component {
                         kind: place,
                         size: *size,
                         modulus: *modulus,
@@ -252,7 +233,7 @@ impl Generator {
                         std,
                         mean,
                         factor,
-                    }
+                    })
                 }));
             }
         }
@@ -263,15 +244,10 @@ impl Generator {
         let mut sums = Sums::default();
         for at in seen {
             let (value, physics) = (kind.values[at.place], &self.physics[at.place]);
-            let rims = if kind.mechanism == Mechanism::Rims { 1.0 } else { 0.0 };
             let [of_beta, of_gamma] = [amplitude(0.0, 1.0, 0.0), amplitude(0.0, 0.0, 1.0)];
             let m = modulus.at;
-            let rest: [f64; LOADS] = std::array::from_fn(|load| {
-                at.log[load]
-                    - physics.log[load]
-                    - m * (physics.slope[load] + 0.5 * m * physics.curvature[load])
-                    - rims * physics.of_rims[load]
-            });
+            let none = physics.log_truth(m, (0.0, &[0.0; LOADS]), kind.mechanism == Mechanism::Rims);
+            let rest: [f64; LOADS] = std::array::from_fn(|load| at.log[load] - none[load]);
             // Columns: what each coefficient does at each load.
             let mut columns = [[0.0; LOADS]; N];
             for load in 0..LOADS {
@@ -306,21 +282,21 @@ impl Sums {
     }
 
     /// Mean and factor of the precision of the coefficients, in units of `std`, and the logarithm of the evidence but for what is
-    /// common to all components. The size is `size` before.
-    fn regression(&self, std: &Vector, size: f64) -> (Vector, Matrix, f64) {
+    /// common to all components; `None` of numbers that are none. The size is `size` before.
+    fn regression(&self, std: &Vector, size: f64) -> Option<(Vector, Vec<f64>, f64)> {
         // A = 1 + S X^T W X S,  b = S X^T W (y - x0 size)
-        let mut factor: Matrix =
+        let mut precision: Matrix =
             std::array::from_fn(|row| std::array::from_fn(|column| std[row] * self.matrix[row][column] * std[column]));
-        (0..N).for_each(|row| factor[row][row] += 1.0);
+        (0..N).for_each(|row| precision[row][row] += 1.0);
         let mut mean: Vector = std::array::from_fn(|row| std[row] * (self.right[row] - size * self.matrix[row][0]));
         let square = self.square - 2.0 * size * self.right[0] + size * size * self.matrix[0][0];
-        cholesky(&mut factor);
-        solve_lower(&factor, &mut mean);
+        let factor = cholesky(precision.as_flattened(), N)?;
+        solve_lower(&factor, N, &mut mean);
         // ln evidence = -(y^T W y - b^T A^-1 b) / 2 - ln det A / 2
         let known: f64 = mean.iter().map(|x| x * x).sum();
-        let determinant: f64 = (0..N).map(|row| factor[row][row].ln()).sum();
-        solve_upper(&factor, &mut mean);
-        (mean, factor, -0.5 * (square - known) - determinant)
+        let determinant: f64 = (0..N).map(|row| factor[row * N + row].ln()).sum();
+        solve_upper(&factor, N, &mut mean);
+        Some((mean, factor, -0.5 * (square - known) - determinant))
     }
 }
 
@@ -451,35 +427,6 @@ fn moduli() -> Vec<Node> {
     let mut nodes = cover(-MOST_LOG_MODULUS, MOST_LOG_MODULUS, MODULI, &|at| step * prior.density(at));
     nodes.extend([-MOST_LOG_MODULUS, MOST_LOG_MODULUS].map(|at| Node { at, std: 0.0, share: beyond }));
     nodes
-}
-
-fn dot(a: &[f64; LOADS], b: &[f64; LOADS]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// The lower factor of a matrix that is positive definite, in its place.
-fn cholesky(matrix: &mut Matrix) {
-    for row in 0..N {
-        for column in 0..=row {
-            let known: f64 = (0..column).map(|k| matrix[row][k] * matrix[column][k]).sum();
-            let left = matrix[row][column] - known;
-            matrix[row][column] = if row == column { left.sqrt() } else { left / matrix[column][column] };
-        }
-    }
-}
-
-fn solve_lower(factor: &Matrix, values: &mut Vector) {
-    for row in 0..N {
-        let known: f64 = (0..row).map(|k| factor[row][k] * values[k]).sum();
-        values[row] = (values[row] - known) / factor[row][row];
-    }
-}
-
-fn solve_upper(factor: &Matrix, values: &mut Vector) {
-    for row in (0..N).rev() {
-        let known: f64 = (row + 1..N).map(|k| factor[k][row] * values[k]).sum();
-        values[row] = (values[row] - known) / factor[row][row];
-    }
 }
 
 #[cfg(test)]

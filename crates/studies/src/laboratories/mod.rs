@@ -18,6 +18,7 @@ use slipgrid_monitor::{Monitor, Stage};
 use slipgrid_statistics::{Normals, normal_probability};
 
 use crate::StudyError;
+use draws::{around, is_within};
 use generator::{Generator, Sizes};
 use physics::{LOADS, Solved};
 use policy::{Informed, Known, Told, candidate, covariances, learned, wanted};
@@ -210,10 +211,8 @@ fn target(truths: &[[f64; LOADS]], of: TargetOf, normals: &mut Normals) -> [f64;
             continue;
         }
         let wanted: [f64; LOADS] = std::array::from_fn(|load| middle + at_fall(fall, load));
-        let is_near = |truth: &[f64; LOADS]| {
-            truth.iter().zip(&wanted).all(|(truth, wanted)| (truth - wanted).abs() <= REACHED * truth::TOLERANCE)
-        };
-        if of == TargetOf::Any || truths.iter().any(is_near) {
+        let near = around(&wanted, REACHED * truth::TOLERANCE);
+        if of == TargetOf::Any || truths.iter().any(|truth| is_within(truth, &near)) {
             return wanted;
         }
     }
@@ -294,15 +293,15 @@ impl Bench {
                 judged_from,
             };
             let told = Told { is_reached: self.told.is_reached && job.target == TargetOf::Reached, ..self.told };
-            let informed = (policy == Policy::Generator).then(|| Informed::new(&self.generator, told, &known));
+            let informed =
+                (policy == Policy::Generator).then(|| Informed::new(&self.generator, told, &known)).transpose()?;
             let place = match &informed {
                 Some(informed) => informed.next(&known)?,
                 None => policy.next(&known)?,
             };
             let of = &textures[place];
             let made = laboratory.cut(of);
-            let is_on_target =
-                (0..LOADS).all(|load| (wanted.lower[load]..=wanted.upper[load]).contains(&made.truth[load]));
+            let is_on_target = is_within(&made.truth, &around(&target, truth::TOLERANCE));
             if let Some(informed) = &informed {
                 found.chances.push((informed.chance(place), is_on_target));
                 found.below.extend(informed.below(place, &made.trial));

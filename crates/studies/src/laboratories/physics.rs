@@ -31,21 +31,38 @@ pub struct Solved {
     pub features: Features,
     /// Modelled ratio at each load.
     pub ratio: [f64; LOADS],
+    /// Their logarithms, and how these change.
+    pub physics: Physics,
+}
+
+/// What a texture does by physics at each load.
+#[derive(Clone, Copy, Debug)]
+pub struct Physics {
+    /// ln R.
+    pub log: [f64; LOADS],
     /// g = d ln R / d ln E.
-    pub sensitivity: [f64; LOADS],
+    pub slope: [f64; LOADS],
     /// d2 ln R / d (ln E)2.
     pub curvature: [f64; LOADS],
     /// ln of the ratio with rims over that without.
     pub of_rims: [f64; LOADS],
 }
 
-impl Solved {
-    /// ln R where the logarithm of the modulus is larger by `log_modulus`.
-    pub fn log_ratio(&self, log_modulus: f64) -> [f64; LOADS] {
+impl Physics {
+    /// ln R of a laboratory whose modulus has a logarithm larger by `log_modulus`, with a mechanism of this `value` at the texture and of
+    /// this `amplitude` at each load, and with rims where it `has_rims`.
+    pub fn log_truth(
+        &self,
+        log_modulus: f64,
+        (value, amplitude): (f64, &[f64; LOADS]),
+        has_rims: bool,
+    ) -> [f64; LOADS] {
+        let (m, rims) = (log_modulus, if has_rims { 1.0 } else { 0.0 });
         std::array::from_fn(|load| {
-            self.ratio[load].ln()
-                + self.sensitivity[load] * log_modulus
-                + 0.5 * self.curvature[load] * log_modulus * log_modulus
+            self.log[load]
+                + m * (self.slope[load] + 0.5 * m * self.curvature[load])
+                + value * amplitude[load]
+                + rims * self.of_rims[load]
         })
     }
 }
@@ -150,8 +167,11 @@ fn solve(pattern: &Pattern, scenes: &[Scene]) -> Option<Solved> {
         pattern: *pattern,
         features: Features::from(pattern),
         ratio: all[1],
-        sensitivity: std::array::from_fn(|load| (log(2, load) - log(0, load)) / (2.0 * step)),
-        curvature: std::array::from_fn(|load| (log(2, load) - 2.0 * log(1, load) + log(0, load)) / (step * step)),
-        of_rims: std::array::from_fn(|load| (strip(with[load]) / strip(without[load])).ln()),
+        physics: Physics {
+            log: all[1].map(f64::ln),
+            slope: std::array::from_fn(|load| (log(2, load) - log(0, load)) / (2.0 * step)),
+            curvature: std::array::from_fn(|load| (log(2, load) - 2.0 * log(1, load) + log(0, load)) / (step * step)),
+            of_rims: std::array::from_fn(|load| (strip(with[load]) / strip(without[load])).ln()),
+        },
     })
 }

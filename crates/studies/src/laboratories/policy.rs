@@ -5,7 +5,7 @@ use slipgrid_discrepancy::{
 };
 use slipgrid_statistics::Normals;
 
-use super::draws::{Draws, between};
+use super::draws::{Draws, around, between};
 use super::generator::{Generator, Seen, logs};
 use super::physics::{LOADS, Solved, loads};
 use super::truth::{MODULUS_STD, TOLERANCE, of_dimensions};
@@ -82,10 +82,8 @@ impl Policy {
 
 /// What is wanted: these ratios, each within the tolerance.
 pub fn wanted(target: &[f64; LOADS]) -> Wanted {
-    Wanted {
-        lower: target.iter().map(|ratio| ratio - TOLERANCE).collect(),
-        upper: target.iter().map(|ratio| ratio + TOLERANCE).collect(),
-    }
+    let [lower, upper] = around(target, TOLERANCE).map(Vec::from);
+    Wanted { lower, upper }
 }
 
 /// What is known after `trials`.
@@ -122,7 +120,7 @@ fn of_form(form: Form) -> Hyperparameters {
 
 /// The candidate that a texture is, with `covariance` for its dimensions.
 pub fn candidate<'a>(of: &'a Solved, covariance: &'a [f64]) -> Candidate<'a> {
-    Candidate { features: of.features, modelled: &of.ratio, modulus_sensitivity: &of.sensitivity, covariance }
+    Candidate { features: of.features, modelled: &of.ratio, modulus_sensitivity: &of.physics.slope, covariance }
 }
 
 /// What is known before the next cut.
@@ -226,7 +224,10 @@ pub struct Informed<'a> {
 
 impl<'a> Informed<'a> {
     /// From what was measured, and from what is `told` of the target.
-    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Self {
+    ///
+    /// # Errors
+    /// [`StudyError::Failed`] where no laboratory that was drawn can be this one.
+    pub fn new(generator: &'a Generator, told: Told, known: &Known<'_>) -> Result<Self, StudyError> {
         let seen = |(number, (trial, place)): (usize, (&Trial, &usize))| {
             Seen::new(trial, *place, told.is_missed && number >= known.judged_from)
         };
@@ -240,8 +241,11 @@ impl<'a> Informed<'a> {
                 break;
             }
         }
+        if draws.all.is_empty() {
+            return Err(StudyError::Failed("laboratories: none that was drawn can be the one at hand".to_owned()));
+        }
         let chances = draws.chances(generator, &wanted);
-        Self { generator, draws, chances, noise: known.noise }
+        Ok(Self { generator, draws, chances, noise: known.noise })
     }
 
     /// The texture of the greatest chance that was not cut yet.

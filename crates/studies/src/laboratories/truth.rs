@@ -174,12 +174,8 @@ impl Laboratory {
 
     /// Logarithm of the true ratio of a texture, as it was designed.
     fn log_truth(&self, of: &Solved) -> [f64; LOADS] {
-        let physics = of.log_ratio(self.log_modulus);
         let value = self.mechanism.value(&of.features, self.scale);
-        let is_rims = self.mechanism == Mechanism::Rims;
-        std::array::from_fn(|load| {
-            physics[load] + value * self.amplitude[load] + if is_rims { of.of_rims[load] } else { 0.0 }
-        })
+        of.physics.log_truth(self.log_modulus, (value, &self.amplitude), self.mechanism == Mechanism::Rims)
     }
 
     /// True ratios of a texture, as it was designed.
@@ -201,7 +197,7 @@ impl Laboratory {
                 modelled: of.ratio[load],
                 patterned_std: self.noise,
                 flat_std: FLAT_SHARE * self.noise,
-                modulus_sensitivity: of.sensitivity[load],
+                modulus_sensitivity: of.physics.slope[load],
             });
         }
         // What the dimensions do of what was measured.

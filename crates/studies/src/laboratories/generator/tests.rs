@@ -1,4 +1,4 @@
-use super::super::draws::{between, chance_of};
+use super::super::draws::{between, chance_of, is_within};
 use super::super::physics;
 use super::super::truth::{Laboratory, TOLERANCE};
 use super::*;
@@ -47,17 +47,17 @@ fn a_regression_is_what_the_dense_covariance_says() {
             let same = if row == column { noise * noise } else { 0.0 };
             if row / LOADS == column / LOADS { SAMPLE_STD * SAMPLE_STD + log(row) * log(column) + same } else { 0.0 }
         };
-        let mut dense: Matrix = std::array::from_fn(|row| {
+        let dense: Matrix = std::array::from_fn(|row| {
             std::array::from_fn(|column| {
                 let of_coefficients = |k: usize| of.std[k].powi(2) * columns[k][row] * columns[k][column];
                 own(row, column) + (0..N).map(of_coefficients).sum::<f64>()
             })
         });
-        cholesky(&mut dense);
-        solve_lower(&dense, &mut rest);
+        let dense = cholesky(dense.as_flattened(), N).unwrap();
+        solve_lower(&dense, N, &mut rest);
         let square: f64 = rest.iter().map(|x| x * x).sum();
-        let evidence = -0.5 * square - (0..N).map(|row| dense[row][row].ln()).sum::<f64>();
-        solve_upper(&dense, &mut rest);
+        let evidence = -0.5 * square - (0..N).map(|row| dense[row * N + row].ln()).sum::<f64>();
+        solve_upper(&dense, N, &mut rest);
         let kind = &generator.kinds[of.kind];
         let difference = of.weight - (kind.share * of.size.share * of.modulus.share).ln() - evidence;
         let offset = *offset.get_or_insert(difference);
@@ -84,7 +84,7 @@ fn a_sample_that_missed_is_as_likely_as_the_sum_over_its_scatter_says() {
         for z in deviates() {
             for t in deviates() {
                 let truth = log.map(|log| (1.0 + DIMENSIONS_STD * z) * log + SAMPLE_STD * t);
-                if (0..LOADS).any(|load| truth[load] < wanted[0][load] || truth[load] > wanted[1][load]) {
+                if !is_within(&truth, &wanted) {
                     let square: f64 = (0..LOADS).map(|load| ((measured[load] - truth[load]) / noise).powi(2)).sum();
                     sum += (-0.5 * (square + z * z + t * t)).exp();
                 }

@@ -114,7 +114,7 @@ impl<'a> Table<'a> {
         for _ in 0..100 {
             let (t, more) = (SAMPLE_STD * normals.draw(), 1.0 + DIMENSIONS_STD * normals.draw());
             sample = own.map(|log| more * log + t);
-            if (0..LOADS).any(|load| sample[load] < self.wanted[0][load] || sample[load] > self.wanted[1][load]) {
+            if !is_within(&sample, &self.wanted) {
                 break;
             }
         }
@@ -236,7 +236,7 @@ fn what_looking_ahead_gains() {
                 table.best(&table.weights(), &cut)
             };
             let made = laboratory.cut(&bench.textures[place]);
-            if (0..LOADS).all(|load| (made.truth[load] - target[load]).abs() <= TOLERANCE) {
+            if is_within(&made.truth, &around(&target, TOLERANCE)) {
                 on_target = Some(CUTS + 1 - left);
                 break;
             }
