@@ -6,7 +6,7 @@ use slipgrid_monitor::{Monitor, Part};
 use slipgrid_optimize::{ModelFailure, Status};
 
 use super::interpolation::{Interpolation, Modelled, Models};
-use super::search::{OF_CHANCE, Scope, Search};
+use super::search::{OF_CHANCE, Scope, Search, is_same};
 use super::{Asked, Design, Judged, PredictedRatio, SERIES, TrialCandidateReport, asked};
 use crate::DesignError;
 use crate::chance::{About, Chances, Expansion};
@@ -35,8 +35,8 @@ pub struct AdviceReport {
     pub words: String,
     /// What is predicted of a cut sample.
     pub predicted: Vec<PredictedRatio>,
-    /// Samples that are clearly likelier on target, the most likely first, where this is a trial; before any trial those alone whose
-    /// median is near the target; empty in space, where
+    /// Samples that are clearly likelier on target, the most likely first, where this is a trial, their ratios off the steady model by as
+    /// much as the confirmed ones of this design are; before any trial those alone whose median is near the target; empty in space, where
     /// `slipgrid next` looks for them.
     #[serde(default)]
     pub rather: Vec<TrialCandidateReport>,
@@ -135,7 +135,11 @@ impl MultiFidelityLoop<'_> {
             format!("cut it as a {advice}: its chance, {}, is {side} one half", percent(chance))
         };
         let predicted = PredictedRatio::of(&asked, &judged);
-        let rather = if chance > SERIES { None } else { self.rather(task, &asked, (&models, chances), chance) };
+        let rather = if chance > SERIES {
+            None
+        } else {
+            self.rather(task, &asked, (&models, chances), (&judged.design, chance))
+        };
         let words = match &rather {
             Some(rather) if !rather.is_empty() && trials == 0 => {
                 format!("{words}; others may be likelier, by what is believed before any trial")
@@ -149,13 +153,14 @@ impl MultiFidelityLoop<'_> {
         Ok(Some(AdviceReport { advice, chance: tidy(chance), trials, words, predicted, rather }))
     }
 
-    /// Samples that are clearly likelier on target than with `chance`, the likeliest first; `None` in space, and where time is spent.
+    /// Samples that are clearly likelier on target than `found` with its `chance`, the likeliest first; `None` in space, and where time is
+    /// spent. What a run in time of `found` says beside the steady model is taken to hold of all.
     fn rather(
         &self,
         task: &DesignTask,
         asked: &Asked,
         (models, chances): (&Models<'_>, &Chances<'_>),
-        chance: f64,
+        (found, chance): (&Design, f64),
     ) -> Option<Vec<TrialCandidateReport>> {
         if self.model.is_spatial() {
             return None;
@@ -164,9 +169,14 @@ impl MultiFidelityLoop<'_> {
         let scope = Scope::BESIDE;
         let half = Part::new(&stage, 0.5);
         let interpolation = Interpolation::new(task, models, (scope.nodes, scope.blocks), &half);
-        let found = interpolation.and_then(|nodes| {
-            let search = Search::new(task, asked, models, chances, (&nodes, &scope), &half);
-            let (mut best, _) = search.best(&|_, _| true, OF_CHANCE * (chance + CLEARLY), RATHER);
+        let best = interpolation.and_then(|nodes| {
+            let mut search = Search::new(task, asked, models, chances, (&nodes, &scope), &half);
+            if let Ok(steady) = search.exactly(&found.pattern) {
+                let ratios = found.ratio.iter().zip(&steady.design.ratio);
+                search.off = ratios.map(|(confirmed, steady)| (confirmed / steady).ln()).collect();
+            }
+            let is_other = |_: &_, of: &_| !is_same(of, &found.features);
+            let (mut best, _) = search.best(&is_other, OF_CHANCE * (chance + CLEARLY), RATHER);
             if stage.cancelled() {
                 return None;
             }
@@ -180,7 +190,7 @@ impl MultiFidelityLoop<'_> {
             Some(best)
         });
         stage.finish();
-        let mut best = found?;
+        let mut best = best?;
         best.truncate(RATHER);
         Some(best.iter().map(|of| TrialCandidateReport::new(task, asked, of)).collect())
     }

@@ -91,9 +91,13 @@ impl Design {
     }
 
     /// The same with what smaller blocks change of the logarithms of its ratios.
-    fn in_smaller_blocks(mut self, shifts: Option<Vec<f64>>) -> Self {
-        let shifts = shifts.unwrap_or_default();
-        self.ratio.iter_mut().zip(shifts).for_each(|(ratio, shift)| *ratio *= shift.exp());
+    fn in_smaller_blocks(self, shifts: Option<Vec<f64>>) -> Self {
+        self.moved(&shifts.unwrap_or_default())
+    }
+
+    /// The same with what else moves the logarithms of its ratios.
+    fn moved(mut self, by: &[f64]) -> Self {
+        self.ratio.iter_mut().zip(by).for_each(|(ratio, by)| *ratio *= by.exp());
         self
     }
 

@@ -282,6 +282,7 @@ impl NextReport {
         } else {
             format!("cut it as a trial: {} chance that a cut sample is on target\n", chance(greatest))
         };
+        text += "chances by the steady model: a run in time, which optimize makes, moves ratios by some thousandths\n";
         if let Some(own) = self.likelier_own() {
             text += &format!("yours, {} um, is likelier: {}\n", own.design.lengths_in_words(), chance(own.chance));
         }

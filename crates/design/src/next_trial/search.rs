@@ -74,6 +74,8 @@ pub struct Search<'a> {
     /// What is not known exactly beside what trials tell of.
     chances: &'a Chances<'a>,
     scope: &'a Scope,
+    /// By how much the logarithms of ratios are greater than this model says, at each load; nowhere where it is empty.
+    pub off: Vec<f64>,
     /// Whom it reports to, and who ends it.
     pub stage: &'a dyn Monitor,
 }
@@ -87,7 +89,8 @@ impl<'a> Search<'a> {
         (interpolation, scope): (&'a Interpolation, &'a Scope),
         stage: &'a dyn Monitor,
     ) -> Self {
-        Self { task, asked, predictor: asked.learned.at(&asked.loads), models, interpolation, chances, scope, stage }
+        let predictor = asked.learned.at(&asked.loads);
+        Self { task, asked, predictor, models, interpolation, chances, scope, off: Vec::new(), stage }
     }
 
     /// Covariance of the ratios of samples of `pattern` by their dimensions.
@@ -100,7 +103,7 @@ impl<'a> Search<'a> {
     fn drafted(&self, pattern: &Pattern) -> Result<Judged, ModelFailure> {
         let covariance = self.covariance(pattern).unwrap_or_default();
         let design = Design::new(*pattern, self.models.at(pattern)?, covariance);
-        let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m()));
+        let design = design.in_smaller_blocks(self.interpolation.shifts(pattern.lengths_m())).moved(&self.off);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -123,7 +126,7 @@ impl<'a> Search<'a> {
         let about = About { design: &pattern, still: &still, values: &ratio, numerical: &open };
         let covariance = self.chances.log_covariance(&about)?;
         let log_ratio = ratio.iter().map(|ratio| ratio.ln()).collect();
-        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance);
+        let design = Design::new(pattern, Modelled { log_ratio, sensitivity }, covariance).moved(&self.off);
         Ok(design.judged(&self.predictor, &self.asked.wanted))
     }
 
@@ -147,7 +150,7 @@ impl<'a> Search<'a> {
             }
             let lengths_m = pattern.lengths_m();
             let design = Design::new(*pattern, self.interpolation.at(lengths_m)?, self.covariance(pattern)?);
-            Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)))
+            Some(design.in_smaller_blocks(self.interpolation.shifts(lengths_m)).moved(&self.off))
         };
         let drafts: Vec<Option<Design>> = patterns.par_iter().map(between).collect();
         let left: Vec<Design> = drafts.into_iter().flatten().collect();
