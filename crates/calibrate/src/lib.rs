@@ -99,4 +99,4 @@ pub use marginal_uncertainty::{FlatLoad, marginal_relative_std};
 pub use scaled_area_law::AreaLawScale;
 pub use select_measurements::{Selection, measured_friction};
 pub use surface_findings::{AreaLawOrigin, SurfaceFindings};
-pub use trials::{CutSample, LearnedSamples, TrialsTask, learn, learn_alone};
+pub use trials::{CutSample, LearnedSamples, ModelledRatio, PendingSample, TrialsTask, learn, learn_alone};

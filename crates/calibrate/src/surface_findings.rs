@@ -3,7 +3,7 @@
 use slipgrid_contact::AreaPoint;
 use slipgrid_material::{AreaLaw, THRESHOLD_PRESSURE_PA};
 use slipgrid_monitor::{Monitor, Stage};
-use slipgrid_topography::{PreparedMap, SpectrumWindow};
+use slipgrid_topography::{LIMITED_BY_PIXELS, PreparedMap};
 use slipgrid_units::{LENGTH_UM, PRESSURE_MPA};
 
 use crate::area_law::{
@@ -16,8 +16,6 @@ use crate::{AreaLawScale, Fit};
 
 /// Local pressures at which maps before and after a test are compared.
 const AFTER_MPA: [f64; 3] = [1.3, 2.6, 8.0];
-/// Share of the squared slope in waves shorter than two of the shortest from which on pixels limit the slope.
-const LIMITED_BY_PIXELS: f64 = 0.4;
 /// Name of the fitted scale among the parameters of a fit.
 const SCALE_PARAMETER: &str = "area_law_scale_pa";
 /// Tabulated pressures of a law that is fitted: dense, so that it bends smoothly.
@@ -196,28 +194,15 @@ fn of_map(
     })
 }
 
-/// Says that finer pixels would find a higher slope, and so another law: where more than 40 % of the squared slope lies in waves that are
-/// shorter than two of the shortest. A ring of N waves of the spectrum C has
-///
-/// ```text
-/// s^2 = N C q^2
-/// ```
+/// Says that finer pixels would find a higher slope, and so another law.
 fn limited_by_pixels(map: &PreparedMap) -> Option<String> {
-    let spectrum = map.map.radial_spectrum(SpectrumWindow::None).ok()?;
-    let shortest_m = std::f64::consts::TAU / spectrum.iter().map(|ring| ring.q_per_m).fold(0.0, f64::max);
-    let squared_slope = |least_per_m: f64| -> f64 {
-        let rings = spectrum.iter().filter(|ring| ring.q_per_m > least_per_m);
-        rings.map(|ring| ring.waves * ring.psd_m4 * ring.q_per_m.powi(2)).sum()
-    };
-    let share = squared_slope(0.5 * std::f64::consts::TAU / shortest_m) / squared_slope(0.0);
-    (share > LIMITED_BY_PIXELS).then(|| {
-        let [from, to] = [1.0, 2.0].map(|times| LENGTH_UM.from_si(times * shortest_m));
-        format!(
-            "area law: {:.0} % of the map's squared slope lies in waves between {from:.2} and {to:.2} um, the shortest that it resolves: finer \
-             pixels would find a higher slope, and the law holds for these pixels",
-            100.0 * share
-        )
-    })
+    let short = map.map.short_waves().ok().filter(|short| short.slope_share > LIMITED_BY_PIXELS)?;
+    Some(format!(
+        "area law: {:.0} % of the map's squared slope lies in waves shorter than {:.2} um, four of its pixels: finer pixels would find a \
+         higher slope, and the law holds for these pixels",
+        100.0 * short.slope_share,
+        LENGTH_UM.from_si(short.below_m)
+    ))
 }
 
 /// How the map `after` the test differs from the one before, on which the law rests.

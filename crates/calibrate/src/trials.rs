@@ -69,8 +69,45 @@ pub fn learn(
 pub struct LearnedSamples {
     /// The discrepancy.
     pub discrepancy: Discrepancy,
-    /// Pending samples at the flat sample's conditions: their modelled ratios, beside measured ones of 1, which nobody measured.
-    pub pending: Vec<Trial>,
+    /// What is modelled of the pending samples.
+    pub pending: Vec<PendingSample>,
+}
+
+/// A sample that was cut and not yet measured, as it is modelled at the flat sample's conditions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PendingSample {
+    /// Its name.
+    pub name: String,
+    /// Its texture.
+    pub features: Features,
+    /// What is modelled, one a condition.
+    pub modelled: Vec<ModelledRatio>,
+    /// Changes of ln(modelled ratio) by the errors of its dimensions, one list a dimension.
+    pub of_dimensions: Vec<Vec<f64>>,
+}
+
+/// The modelled ratio of patterned to flat friction at one load.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelledRatio {
+    /// Pressure, speed and humidity.
+    pub load: Load,
+    /// The ratio.
+    pub ratio: f64,
+    /// d ln(ratio) / d ln(Young's modulus).
+    pub modulus_sensitivity: f64,
+}
+
+impl From<Trial> for PendingSample {
+    /// Without what stands for measurements.
+    fn from(trial: Trial) -> Self {
+        let Trial { name, features, measured, of_dimensions, .. } = trial;
+        let modelled = measured.iter().map(|at| ModelledRatio {
+            load: at.load,
+            ratio: at.modelled,
+            modulus_sensitivity: at.modulus_sensitivity,
+        });
+        Self { name, features, modelled: modelled.collect(), of_dimensions }
+    }
 }
 
 /// The same without fitting anything to flat samples, but where the area law is fitted to them. Stages of the monitor: those of the
@@ -92,9 +129,9 @@ pub fn learn_alone(task: &CalibrationTask, monitor: &dyn Monitor) -> Result<Lear
     let pending = pending.map(|sample| {
         // Each flat measurement beside itself: what is modelled there.
         let sample = CutSample { measured: task.flat.clone(), ..sample.clone() };
-        trial(task, &sample, law, &Part::new(&stage, 0.0))
+        trial(task, &sample, law, &Part::new(&stage, 0.0)).map(PendingSample::from)
     });
-    let pending = pending.collect::<Result<Vec<Trial>, CalibrationError>>();
+    let pending = pending.collect::<Result<Vec<_>, CalibrationError>>();
     stage.finish();
     if monitor.cancelled() {
         return Err(CalibrationError::Cancelled);
@@ -332,7 +369,6 @@ mod tests {
         task.trials.samples[0].measured.clear();
         let found = learn_alone(&task, &Unwatched).unwrap();
         assert!(found.discrepancy.trials().is_empty());
-        let modelled = |trial: &Trial| trial.measured.iter().map(|at| at.modelled).collect::<Vec<f64>>();
-        assert_eq!(modelled(&found.pending[0]), modelled(&known.discrepancy.trials()[0]));
+        assert_eq!(found.pending[0], PendingSample::from(known.discrepancy.trials()[0].clone()));
     }
 }

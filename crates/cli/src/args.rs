@@ -307,18 +307,18 @@ pub struct ValidateArgs {
     /// Compare this [[trial]], by the lengths of its own pattern; without patterned samples the first measured one
     #[arg(long, value_name = "NAME")]
     pub trial: Option<String>,
-    /// Width of a cavity along the sliding direction
-    #[arg(long, default_value_t = 130.0, value_name = "UM")]
-    pub width_um: f64,
-    /// Gap between two cavities
-    #[arg(long, default_value_t = 370.0, value_name = "UM")]
-    pub spacing_um: f64,
-    /// Depth of the modelled cavities
-    #[arg(long, default_value_t = 20.0, value_name = "UM")]
-    pub depth_um: f64,
-    /// Depth of the measured cavities: the report says what the other depth changes
-    #[arg(long, default_value_t = 5.2, value_name = "UM")]
-    pub measured_depth_um: f64,
+    /// Width of a cavity along the sliding direction; 130 when absent. A trial has its own lengths
+    #[arg(long, value_name = "UM")]
+    pub width_um: Option<f64>,
+    /// Gap between two cavities; 370 when absent
+    #[arg(long, value_name = "UM")]
+    pub spacing_um: Option<f64>,
+    /// Depth of the modelled cavities; 20 when absent
+    #[arg(long, value_name = "UM")]
+    pub depth_um: Option<f64>,
+    /// Depth of the measured cavities, 5.2 when absent: the report says what the other depth changes
+    #[arg(long, value_name = "UM")]
+    pub measured_depth_um: Option<f64>,
     /// Factors on the slopes of the surface, separated by commas; 1 is always among them
     #[arg(long, value_delimiter = ',', default_values_t = [0.5, 1.0, 2.0], value_name = "S,S,...")]
     pub slope_factors: Vec<f64>,

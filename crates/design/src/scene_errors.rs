@@ -1,7 +1,7 @@
 //! The error beside every number of a solved scene.
 
 use slipgrid_calibrate::uncertainty::{
-    Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
+    Deviation, Deviations, DiscrepancyAt, InputUncertainty, SamplingScatter, Slopes, sampling_scatter,
 };
 use slipgrid_discrepancy::Features;
 use slipgrid_material::{Condition, MaterialError};
@@ -86,7 +86,7 @@ impl Solved<'_> {
             mu_flat: flat.map(|flat| {
                 let own = self.of_run(flat.mu_dynamic, flat.mu_dynamic_stderr, drawn.flat);
                 // It is known as well where the patterned surface has no ratio.
-                let of = flat.mu_dynamic.map(|mu| Slopes::of_flat(place, mu, self.knowledge));
+                let of = flat.mu_dynamic.map(|mu| Deviation::of_flat(place, mu, self.knowledge));
                 ErrorReport::new(flat.mu_dynamic, own, of.as_ref())
             }),
             mu_static: self.of_static(place, surface, drawn.mu),

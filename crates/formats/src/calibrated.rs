@@ -75,7 +75,7 @@ fn known_material(
         return Ok(known);
     }
     let found = outcome(&task, calibration, path, monitor)?;
-    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(&task, &found).ok()?)));
+    let file = memory.and_then(|(memory, key)| Some((memory, key, material_toml(&task, &found, None).ok()?)));
     let known = KnownMaterial { material: found.material, uncertainty: found.uncertainty };
     // Only what reads back as it was written is kept.
     if let Some((memory, key, text)) = file

@@ -17,7 +17,7 @@ use super::document::Document;
 use super::file_kind::FileKind;
 use super::laser;
 use super::material::{DEFAULT_STATIC_OVER_DYNAMIC, existing};
-use super::measured::{self, Placed, Specimens};
+use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::{PatternFile, read_pattern};
 use super::relief::read_relief;
@@ -25,7 +25,7 @@ use super::scene::DEFAULT_LAYER;
 use super::surface::{Surface, SurfaceFile};
 use super::trace_table::TraceReader;
 use super::traces::{self, ConditionTraces, SurfaceKind};
-use super::trials;
+use super::trials::{self, FlatSamples};
 use crate::altitude_map::read_period;
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{DENSITY, MODULUS, SPECIMEN};
@@ -124,16 +124,19 @@ impl Calibration {
             })?;
         let outline = read_outline(document, &file.specimen)?;
         let specimens = Specimens { area_m2: area_m2(&outline), modulus_pa: elastic.youngs_modulus_pa() };
-        let mut told = bulk_told(document, bulk)?;
-        told.extend(outline_told(document, &file.specimen, &outline)?);
-        let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref))?;
+        let mut remarks = Remarks { told: bulk_told(document, bulk)?, doubts: Vec::new() };
+        remarks.told.extend(outline_told(document, &file.specimen, &outline)?);
+        let of_trials = file.trial.iter().filter_map(|trial| trial.get_ref().traces()).flatten();
+        let mut reader = TraceReader::new(document, file.traces.as_ref().map(Spanned::get_ref), of_trials)?;
         let Measured { flat: placed, patterned, mut traces } = read_measured(document, &file, &mut reader)?;
         for rows in [&placed, &patterned] {
-            told.extend(measured::check(rows, &specimens)?);
+            remarks.told.extend(measured::check(rows, &specimens)?);
         }
-        told.extend(measured::check_partners(&patterned, &placed)?);
-        let mut doubts = measured::doubtful_ratios(&patterned, &placed);
-        measured::refuse_repeated(&placed, coefficients)?;
+        remarks.told.extend(measured::check_partners(&patterned, &placed)?);
+        remarks.doubts.extend(measured::doubtful_ratios(&patterned, &placed));
+        if coefficients == Coefficients::PerCondition {
+            measured::refuse_repeated(&placed)?;
+        }
         let pattern = file.pattern.as_ref();
         let pattern = pattern.map(|table| read_fitting_pattern(document, table, &outline)).transpose()?;
         let relief = match file.pattern.as_ref().zip(pattern.as_ref()) {
@@ -142,14 +145,10 @@ impl Calibration {
         };
         let first = pattern.filter(|_| !patterned.is_empty());
         let first = first.map(|pattern| trials::of_tables(pattern, relief, &patterned));
-        let own = (&file.trial[..], file.trial_prior.as_ref());
-        let (trials, of_trials) = trials::read_trials(
-            document,
-            own,
-            (&outline, &specimens, &placed),
-            (first, &mut reader),
-            [&mut told, &mut doubts],
-        )?;
+        let flat = FlatSamples { outline: &outline, specimens: &specimens, measured: &placed };
+        let prior = file.trial_prior.as_ref();
+        let (trials, of_trials) =
+            trials::read_trials(document, &file.trial, prior, &flat, first, &mut reader, &mut remarks)?;
         traces.extend(of_trials);
         let area_law_scale_pa = read_scale(document, &file)?;
         let measured_law = match (&surface, &file.surface) {
@@ -181,8 +180,8 @@ impl Calibration {
                 .optional(fit.and_then(|fit| fit.relative_std.as_ref()), RELATIVE_STD)?
                 .unwrap_or(super::material::DEFAULT_RELATIVE_STD),
             placed,
-            told: told.iter().map(Diagnostic::to_string).collect(),
-            doubts: doubts.iter().map(|doubt| format!("measured ratio: {doubt}")).collect(),
+            told: remarks.told.iter().map(Diagnostic::to_string).collect(),
+            doubts: remarks.doubts.iter().map(|doubt| format!("measured ratio: {doubt}")).collect(),
         })
     }
 
@@ -415,7 +414,7 @@ fn read_measured(
     }
     let mut read = Vec::new();
     if let Some(table) = &file.traces {
-        let needed = !file.trial.iter().any(|trial| trial.get_ref().has_traces());
+        let needed = !file.trial.iter().any(|trial| trial.get_ref().traces().is_some());
         let conditions = reader.table(table, needed)?;
         for kind in SurfaceKind::ALL {
             if !tables[kind as usize].is_empty() && conditions.iter().any(|(_, condition)| condition.surface == kind) {

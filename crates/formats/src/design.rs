@@ -17,6 +17,7 @@ use read::{read_date, read_dimensions, read_limits, read_material_input, read_ra
 
 use super::condition_ranges::ConditionRangeFile;
 use super::document::Document;
+use super::explored::of_material;
 use super::file_kind::FileKind;
 use super::laser::{LaserFile, SpecimenFile, check_fits, read_laser, read_specimen};
 use super::limits::{LimitsFile, read_limited};
@@ -117,6 +118,8 @@ pub struct Design {
     pub inputs: Vec<PathBuf>,
     /// What is unusual in the design's file.
     pub told: Vec<Diagnostic>,
+    /// The material or calibration that was given in place of a design.
+    pub(crate) stands_for: Option<PathBuf>,
     document: Document,
     places: Places,
 }
@@ -264,7 +267,7 @@ impl Design {
         let inputs = std::iter::once(document.path().to_owned()).chain(named).chain(drawing).collect();
         let (pattern, sample) = (file.pattern.get_ref(), file.sample.get_ref());
         told.extend(unusual::of_rims(&document, task.space.texture().rim(), pattern, sample));
-        let mut design = Self { task, calibration, inputs, told, document, places };
+        let mut design = Self { task, calibration, inputs, told, stands_for: None, document, places };
         if let Some(known) = design.task.material.clone() {
             design.task.check(&known).map_err(|refused| design.refuse(&refused))?;
         }
@@ -297,6 +300,10 @@ impl Design {
                 },
             },
         };
-        Diagnostic { expected: refused.expected.clone(), ..found }
+        let found = Diagnostic { expected: refused.expected.clone(), ..found };
+        match &self.stands_for {
+            Some(material) => of_material(found, self.document.path(), material),
+            None => found,
+        }
     }
 }

@@ -17,16 +17,21 @@ const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.6
 /// humidity in per cent where that is given.
 ///
 /// # Errors
-/// [`Diagnostic`] for a file that is refused, for a material that needs a condition, and for a design with one of its own.
+/// [`Diagnostic`] for a file that is refused, for a material that needs a condition, and for a condition beside a design.
 pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Result<Design, Diagnostic> {
     let read = Document::read_any(source, path, FileKind::Design)?;
     if !matches!(read.kind(), Some(FileKind::Material | FileKind::Calibration)) {
         read.require(FileKind::Design)?;
-        if condition.is_some() {
-            let reason = "names its own speed and humidity";
-            return Err(Diagnostic::file(path, reason).expected("no --speed-mm-s and no --humidity-pct with a design"));
+        let design = Design::from_document(read)?;
+        if condition.is_none() {
+            return Ok(design);
         }
-        return Design::from_document(read);
+        let reason = if design.task.ranges.is_empty() {
+            "is a design without a condition, and --speed-mm-s and --humidity-pct are of a material alone"
+        } else {
+            "names its own speed and humidity"
+        };
+        return Err(Diagnostic::file(path, reason).expected("no --speed-mm-s and no --humidity-pct with a design"));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let at = condition.map_or_else(String::new, |[speed_mm_s, humidity_pct]| {
@@ -34,10 +39,20 @@ pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Re
     });
     let text = format!("name = {:?}\nmaterial = {name:?}\n{at}{OF_A_MATERIAL}", read.stem());
     let within = Document::within(source, path.with_file_name("explored.toml"), text);
-    // Nobody wrote the design that is refused: what is said is said of the material.
-    let of_material = |refused: Diagnostic| {
-        let expected = "--speed-mm-s and --humidity-pct, or a design file that says so";
-        Diagnostic { file: Some(path.into()), line: None, key: None, value: None, ..refused }.expected(expected)
-    };
-    Design::from_document(within).map_err(of_material)
+    let made_up = within.path().to_owned();
+    let mut design = Design::from_document(within).map_err(|refused| of_material(refused, &made_up, path))?;
+    design.stands_for = Some(path.to_owned());
+    Ok(design)
+}
+
+/// What is said of the `made_up` design, which nobody wrote, said of the `material` that it stands for. What is refused in a file that
+/// somebody wrote stays as it is.
+pub(crate) fn of_material(refused: Diagnostic, made_up: &Path, material: &Path) -> Diagnostic {
+    if refused.file.as_deref() != Some(made_up) {
+        return refused;
+    }
+    let of_condition = matches!(refused.key.as_deref(), Some("condition" | "material"));
+    let flags = of_condition.then(|| "--speed-mm-s and --humidity-pct, or a design file that says so".to_owned());
+    let expected = refused.expected.or(flags);
+    Diagnostic { file: Some(material.into()), line: None, key: None, value: None, expected, ..refused }
 }

@@ -1,17 +1,17 @@
 //! `[made_from]` of a material file: the calibration that it was made from, so that a calibration which has changed since is noticed.
 
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use slipgrid_monitor::Key;
+use sha2::{Digest, Sha256};
 
 use crate::calibration::Calibration;
 use crate::diagnostic::Diagnostic;
 use crate::document::Document;
 use crate::source::{Entry, Source};
 
-/// Letters of a fingerprint: two files share them once in 10^19 times.
-const LETTERS: usize = 16;
+/// Bytes of a fingerprint, of two letters each: two calibrations share them once in 10^19 times.
+const BYTES: usize = 8;
 
 /// The calibration that a material was made from.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -33,8 +33,7 @@ impl MadeFrom {
     pub fn new(calibration: &Calibration, path: &Path, output: &Path, files: &Source) -> Option<Self> {
         let folder = output.parent().unwrap_or_else(|| Path::new(""));
         let name = |file: &Path| {
-            let canonical = || relative(&files.canonical(folder), &files.canonical(file));
-            relative(folder, file).or_else(canonical)
+            relative(folder, file).or_else(|| relative(&canonical(folder, files), &files.canonical(file)))
         };
         let tables = calibration.tables.iter();
         let fingerprint = fingerprint(std::iter::once(path).chain(tables.clone().map(AsRef::as_ref)), files)?;
@@ -64,12 +63,23 @@ impl MadeFrom {
     }
 }
 
-/// What the contents of `paths` come to; nothing where one cannot be read.
+/// The path by which a `folder` is known under any name, though it may not be made yet: that of its nearest part which is there.
+fn canonical(folder: &Path, files: &Source) -> PathBuf {
+    let here = |folder: &Path| if folder.as_os_str().is_empty() { Path::new(".").into() } else { folder.to_owned() };
+    let there = folder.ancestors().find(|part| files.entry(&here(part)).is_ok()).unwrap_or(folder);
+    let rest = folder.strip_prefix(there).unwrap_or_else(|_| Path::new(""));
+    files.canonical(&here(there)).join(rest)
+}
+
+/// What the contents of `paths` come to, each behind its length; nothing where one cannot be read.
 fn fingerprint<'a>(paths: impl Iterator<Item = &'a Path>, files: &Source) -> Option<String> {
-    let contents = paths.map(|path| files.read(path).ok()).collect::<Option<Vec<Vec<u8>>>>()?;
-    let key = Key::of("calibration", &contents);
-    let name = key.name();
-    Some(name[name.len().saturating_sub(LETTERS)..].to_owned())
+    let mut hash = Sha256::new();
+    for path in paths {
+        let bytes = files.read(path).ok()?;
+        hash.update((bytes.len() as u64).to_le_bytes());
+        hash.update(bytes);
+    }
+    Some(hash.finalize().iter().take(BYTES).map(|byte| format!("{byte:02x}")).collect())
 }
 
 /// The way from `folder` to `path`, by their names alone; nothing where one of them starts at the root and the other does not, or where they

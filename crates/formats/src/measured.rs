@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use slipgrid_calibrate::{Coefficients, Measurement, StaticPeak};
+use slipgrid_calibrate::{Measurement, StaticPeak};
 
 use crate::diagnostic::Diagnostic;
 use crate::plausible::{FORCE, FRICTION, PRESSURE, RATIO, RELATIVE_DEVIATION, SPEED, STRAIN};
@@ -20,6 +20,15 @@ pub struct Placed {
     pub path: PathBuf,
     /// Its line there, from 1.
     pub line: u32,
+}
+
+/// What is said of measurements that are read all the same.
+#[derive(Debug, Default)]
+pub(crate) struct Remarks {
+    /// What is unusual.
+    pub(crate) told: Vec<Diagnostic>,
+    /// Ratios that are hardly meant.
+    pub(crate) doubts: Vec<Diagnostic>,
 }
 
 /// Part by which the pressure on a face of another size may differ from the one that a flat sample was measured at, and count as it: forces
@@ -166,14 +175,12 @@ pub fn doubtful_ratios(rows: &[Placed], flat: &[Placed]) -> Vec<Diagnostic> {
     rows.iter().filter_map(doubtful).collect()
 }
 
-/// Refuses one condition twice where each has coefficients of its own.
+/// Refuses one condition twice: of a flat sample with coefficients per condition, or of one cut sample, where two ratios would count as if
+/// they knew nothing of each other.
 ///
 /// # Errors
 /// [`Diagnostic`] at the second.
-pub fn refuse_repeated(rows: &[Placed], coefficients: Coefficients) -> Result<(), Diagnostic> {
-    if coefficients == Coefficients::Single {
-        return Ok(());
-    }
+pub fn refuse_repeated(rows: &[Placed]) -> Result<(), Diagnostic> {
     for (place, row) in rows.iter().enumerate() {
         if let Some(first) = rows[..place].iter().find(|first| first.is_at_condition_of(row)) {
             let reason = format!("has {} again, as line {} has", row.condition(), first.line);

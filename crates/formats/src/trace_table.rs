@@ -37,7 +37,7 @@ pub struct TracesFile {
     condition: Option<Spanned<Vec<TraceConditionFile>>>,
 }
 
-/// Exports of one condition.
+/// Exports of one condition; tables of one condition are repeats of it.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TraceConditionFile {
@@ -76,11 +76,15 @@ pub(crate) struct TraceReader<'d> {
 }
 
 impl<'d> TraceReader<'d> {
-    /// What the table `[traces]` says of all traces.
+    /// What the table `[traces]` says of all traces, those of the conditions `of_trials` among them.
     ///
     /// # Errors
     /// [`Diagnostic`] for anything refused in it.
-    pub(crate) fn new(document: &'d Document, file: Option<&TracesFile>) -> Result<Self, Diagnostic> {
+    pub(crate) fn new<'f>(
+        document: &'d Document,
+        file: Option<&TracesFile>,
+        mut of_trials: impl Iterator<Item = &'f TraceConditionFile>,
+    ) -> Result<Self, Diagnostic> {
         let window_s = read_window(document, file.and_then(|file| file.window_s.as_ref()))?;
         let specimens = file.and_then(|file| file.specimens.as_ref()).map_or(Ok(1), |count| {
             u32::try_from(*count.get_ref()).ok().filter(|_| (1..=MOST_SPECIMENS).contains(count.get_ref())).ok_or_else(
@@ -96,7 +100,8 @@ impl<'d> TraceReader<'d> {
         let reciprocating = file.and_then(|file| file.reciprocating).unwrap_or(false);
         let share = file.and_then(|file| file.stroke_share.as_ref());
         let conditions = file.and_then(|file| file.condition.as_ref()).map_or(&[][..], |list| list.get_ref());
-        let some_turn = reciprocating || conditions.iter().any(|condition| condition.reciprocating == Some(true));
+        let turns = |condition: &TraceConditionFile| condition.reciprocating == Some(true);
+        let some_turn = reciprocating || conditions.iter().any(turns) || of_trials.any(turns);
         if let Some(share) = share.filter(|_| !some_turn) {
             return Err(needs_reciprocating(document, share));
         }
@@ -129,7 +134,8 @@ impl<'d> TraceReader<'d> {
         }
     }
 
-    /// Conditions of a list, of a trial or of the table; files are looked for.
+    /// Conditions of a list, of a trial or of the table; files are looked for. A condition that is named again, as once for each repeat,
+    /// has the exports of both.
     ///
     /// # Errors
     /// [`Diagnostic`] for anything refused in them.
@@ -143,7 +149,15 @@ impl<'d> TraceReader<'d> {
                 if trial.is_some() { "at least one [[trial.traces]]" } else { "at least one [[traces.condition]]" };
             return Err(self.document.refuse(list.span(), "is empty").expected(one));
         }
-        list.get_ref().iter().map(|file| Ok((file.force_n.span(), self.condition(file, trial)?))).collect()
+        let mut all = PlacedConditions::new();
+        for file in list.get_ref() {
+            let found = self.condition(file, trial)?;
+            match all.iter_mut().find(|(_, other)| other.is_repeated_by(&found)) {
+                Some((_, other)) => other.files.extend(found.files),
+                None => all.push((file.force_n.span(), found)),
+            }
+        }
+        Ok(all)
     }
 
     /// Reads and analyses every trace of `conditions`.

@@ -79,6 +79,12 @@ pub struct TraceCondition {
 }
 
 impl TraceCondition {
+    /// Whether `other` is the same condition of the same sample, read in the same way: its exports are further repeats.
+    #[must_use]
+    pub fn is_repeated_by(&self, other: &Self) -> bool {
+        Self { files: other.files.clone(), ..self.clone() } == *other
+    }
+
     /// The sample in words: `flat sample`, or the name of a trial.
     #[must_use]
     pub fn sample(&self) -> String {
@@ -150,9 +156,20 @@ pub fn analyse_condition(
     analyse_among(source, setup, condition, &mut Vec::new())
 }
 
-/// A trace that was read, by its label, its samples and its fingerprint.
-pub(crate) type Seen = (String, usize, [u64; 3]);
+/// A trace that was read.
+pub(crate) struct Seen {
+    /// Its file, and its number there.
+    label: String,
+    /// How many samples it has.
+    samples: usize,
+    /// [`TraceChannels::fingerprint`](slipgrid_traces::TraceChannels::fingerprint).
+    sums: [u64; 3],
+}
 
+/// The same among the traces that were `seen` before, to which it adds its own.
+///
+/// # Errors
+/// As [`analyse_condition`]; a trace that was seen is given twice.
 pub(crate) fn analyse_among(
     source: &Source,
     setup: &TraceSetup,
@@ -176,13 +193,13 @@ pub(crate) fn analyse_among(
             let label = if several { format!("{name}, repeat {}", repeat.number) } else { name };
             let which = if several { format!("repeat {}: ", repeat.number) } else { String::new() };
             let (samples, sums) = (repeat.channels.time_s.len(), repeat.channels.fingerprint());
-            if let Some((other, ..)) = seen.iter().find(|(_, n, other)| (*n, other) == (samples, &sums)) {
-                let reason = format!("{which}holds the {samples} samples of {other} again: one export given twice");
+            if let Some(Seen { label, .. }) = seen.iter().find(|other| (other.samples, other.sums) == (samples, sums)) {
+                let reason = format!("{which}holds the {samples} samples of {label} again: one export given twice");
                 return Err(
                     Diagnostic::file(path, reason).expected("each repeat once; remove or replace one of the two")
                 );
             }
-            seen.push((label.clone(), samples, sums));
+            seen.push(Seen { label: label.clone(), samples, sums });
             if let Some(reason) = stands_still(condition, repeat) {
                 refused.push(Diagnostic::file(path, format!("{which}{reason}")));
                 continue;

@@ -12,7 +12,7 @@ use super::calibration::{area_m2, read_fitting_pattern, read_outline};
 use super::calibration_file::FaceFile;
 use super::document::Document;
 use super::material::existing;
-use super::measured::{self, Placed, Specimens};
+use super::measured::{self, Placed, Remarks, Specimens};
 use super::measurements;
 use super::pattern::PatternFile;
 use super::relief::read_relief;
@@ -22,7 +22,7 @@ use super::values::Number;
 use crate::diagnostic::Diagnostic;
 use slipgrid_units::{HUMIDITY_PCT, LENGTH_STD_UM, LENGTH_UM, PRESSURE_MPA, RELATIVE_STD, SPEED_MM_S, tidy};
 
-/// `[[trial]]`: a sample that was cut, and measured unless it is pending.
+/// `[[trial]]`: a sample that was cut; pending until it has measurements or traces.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrialFile {
@@ -36,7 +36,7 @@ pub struct TrialFile {
     notes: String,
     /// Its pattern, as measured.
     pattern: Spanned<PatternFile>,
-    /// CSV table of friction in the columns of flat samples; a trial without it is pending.
+    /// CSV table of friction in the columns of flat samples.
     measurements: Option<Spanned<String>>,
     /// Raw exports of a tribometer in place of the table, one table a condition; `[traces]` says how they are read.
     traces: Option<Spanned<Vec<TraceConditionFile>>>,
@@ -55,16 +55,16 @@ pub struct TrialFile {
 }
 
 impl TrialFile {
-    /// The table of its measurements; `None` while it is pending.
+    /// The table of its measurements, where it has one.
     #[must_use]
     pub fn measurements(&self) -> Option<&str> {
         self.measurements.as_ref().map(|name| name.get_ref().as_str())
     }
 
-    /// It has traces of its own.
+    /// Conditions of its own traces, where it has some.
     #[must_use]
-    pub const fn has_traces(&self) -> bool {
-        self.traces.is_some()
+    pub fn traces(&self) -> Option<&[TraceConditionFile]> {
+        self.traces.as_ref().map(|list| list.get_ref().as_slice())
     }
 }
 
@@ -132,19 +132,31 @@ impl PriorFile {
     }
 }
 
-/// Reads the trials of a calibration whose specimens have this `outline`, and whose `flat` samples were measured so, after the sample
-/// `first` that its own tables name; their traces are read by `reader`, and returned. Adds what is unusual to `told`, and
-/// ratios that are hardly meant to `doubts`.
+/// The flat samples of a calibration, beside which its trials stand.
+pub(crate) struct FlatSamples<'a> {
+    /// Outline of their specimens.
+    pub(crate) outline: &'a Outline,
+    /// What measurements on them are judged by.
+    pub(crate) specimens: &'a Specimens,
+    /// The measurements.
+    pub(crate) measured: &'a [Placed],
+}
+
+/// Reads the `trials` of a calibration with these `flat` samples, and what is believed before them, after the sample `first` that its own
+/// tables name; their traces are read by `reader`, and returned. Adds to `remarks`.
 ///
 /// # Errors
 /// [`Diagnostic`] for anything refused in them.
 pub(crate) fn read_trials(
     document: &Document,
-    (trials, prior): (&[Spanned<TrialFile>], Option<&Spanned<PriorFile>>),
-    (outline, specimens, flat): (&Outline, &Specimens, &[Placed]),
-    (first, reader): (Option<CutSample>, &mut TraceReader<'_>),
-    [told, doubts]: [&mut Vec<Diagnostic>; 2],
+    trials: &[Spanned<TrialFile>],
+    prior: Option<&Spanned<PriorFile>>,
+    flat: &FlatSamples<'_>,
+    first: Option<CutSample>,
+    reader: &mut TraceReader<'_>,
+    remarks: &mut Remarks,
 ) -> Result<(TrialsTask, Vec<ConditionTraces>), Diagnostic> {
+    let FlatSamples { outline, specimens, measured: flat } = *flat;
     let mut read = Vec::new();
     let mut samples: Vec<CutSample> = first.into_iter().collect();
     for (table, number) in trials.iter().zip(1..) {
@@ -176,10 +188,11 @@ pub(crate) fn read_trials(
             }
             (None, None) => Vec::new(),
         };
-        told.extend(measured::check(&rows, &own_specimens)?);
+        measured::refuse_repeated(&rows)?;
+        remarks.told.extend(measured::check(&rows, &own_specimens)?);
         let rows: Vec<Placed> = rows.iter().map(|row| row.on(&own_specimens, specimens, flat)).collect();
-        told.extend(measured::check_partners(&rows, flat)?);
-        doubts.extend(measured::doubtful_ratios(&rows, flat));
+        remarks.told.extend(measured::check_partners(&rows, flat)?);
+        remarks.doubts.extend(measured::doubtful_ratios(&rows, flat));
         let std = |number: &Option<Number>| -> Result<f64, Diagnostic> {
             Ok(document.optional(number.as_ref(), LENGTH_STD_UM)?.unwrap_or(0.0))
         };

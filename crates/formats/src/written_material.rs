@@ -24,19 +24,12 @@ pub enum UnwritableMaterial {
     Pairs(String),
 }
 
-/// The material as TOML.
+/// The material as TOML. `[made_from]` is for a file beside its calibration, as `calibrate -o` writes it; pages, kept results and Python
+/// have none.
 ///
 /// # Errors
 /// [`UnwritableMaterial`] if the fit has not one pair, or one pair per measurement.
-pub fn material_toml(task: &CalibrationTask, outcome: &CalibrationOutcome) -> Result<String, UnwritableMaterial> {
-    material_made_from(task, outcome, None)
-}
-
-/// The same with the calibration that it was made from.
-///
-/// # Errors
-/// As [`material_toml`].
-pub fn material_made_from(
+pub fn material_toml(
     task: &CalibrationTask,
     outcome: &CalibrationOutcome,
     made_from: Option<MadeFrom>,
@@ -197,7 +190,7 @@ mod tests {
     fn read_back(coefficients: Coefficients, surface: Surface) -> CalibrationOutcome {
         let task = task(coefficients, surface);
         let outcome = slipgrid_calibrate::run(&task, &Unwatched).unwrap();
-        let document = Document::new("m.toml", material_toml(&task, &outcome).unwrap());
+        let document = Document::new("m.toml", material_toml(&task, &outcome, None).unwrap());
         let (material, uncertainty) = read_known(&document, &document.parse().unwrap(), &(0..0)).unwrap();
         assert_eq!(material, outcome.material);
         assert_eq!(uncertainty, outcome.uncertainty);

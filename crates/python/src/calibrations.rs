@@ -82,9 +82,9 @@ impl Calibration {
 
 #[pymethods]
 impl Fitted {
-    /// The material file.
+    /// The material file, but for `[made_from]`, which the program writes.
     fn material_toml(&self, py: Python<'_>) -> PyResult<String> {
-        material_toml(&self.task, &self.outcome).map_err(|error| refused::failed(py, &error.to_string()))
+        material_toml(&self.task, &self.outcome, None).map_err(|error| refused::failed(py, &error.to_string()))
     }
 
     /// The fit as fit.json holds it.

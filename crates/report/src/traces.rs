@@ -38,8 +38,16 @@ pub fn files(conditions: &[ConditionTraces]) -> Result<Outputs, ChartError> {
         }
     }
     outputs.add("traces.csv", table(conditions));
+    let mut names: Vec<String> = Vec::new();
     for traces in conditions {
-        outputs.add(format!("{}.svg", name(&traces.condition)), picture(traces)?);
+        let own = name(&traces.condition);
+        // One condition may be read twice, over two windows.
+        let again = match names.iter().filter(|other| **other == own).count() {
+            0 => String::new(),
+            before => format!("-{}", before + 1),
+        };
+        outputs.add(format!("{own}{again}.svg"), picture(traces)?);
+        names.push(own);
     }
     Ok(outputs)
 }

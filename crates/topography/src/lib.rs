@@ -65,8 +65,8 @@ pub use form::Form;
 pub use level::Plane;
 pub use map::{HeightMap, MOST_POINTS};
 pub use parameters::{
-    CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, MaterialRatioCurve, Sides,
-    SpectrumBin, SpectrumWindow,
+    CORRELATION_THRESHOLD, CoreParameters, CorrelationLengths, HeightParameters, LIMITED_BY_PIXELS, MaterialRatioCurve,
+    ShortWaves, Sides, SpectrumBin, SpectrumWindow,
 };
 pub use periodic::{periodic_component, side_step_ratio};
 pub use plausibility::{MapWarning, limits};

@@ -1,6 +1,6 @@
 //! Mean, error and drift over the averaging window.
 
-use super::time_series::mean_between;
+use super::time_series::{line_through, mean_between};
 
 /// Batches into which the window is cut. More would be shorter than what friction remembers, fewer
 /// would leave the error itself uncertain.
@@ -25,14 +25,13 @@ pub fn window_mean(time_s: &[f64], mu: &[f64], window_s: [f64; 2]) -> WindowMean
     let length = to - from;
     let edge = |i: usize| from + length * i as f64 / BATCHES as f64;
     let means: Vec<f64> = (0..BATCHES).map(|i| mean_between(time_s, mu, edge(i), edge(i + 1))).collect();
-    let mean = means.iter().sum::<f64>() / BATCHES as f64;
-    // Line through the batch means, x from -1/2 to 1/2 over the window: drift = sum(x y) / sum(x^2).
-    let x = |i: usize| (i as f64 + 0.5) / BATCHES as f64 - 0.5;
-    let sum_xx: f64 = (0..BATCHES).map(|i| x(i) * x(i)).sum();
-    let drift = means.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
-    let left: f64 = means.iter().enumerate().map(|(i, y)| (y - mean - drift * x(i)).powi(2)).sum();
-    let variance = left / (BATCHES - 2) as f64;
-    WindowMean { mu: mean, stderr: (variance / BATCHES as f64).sqrt(), drift, drift_stderr: (variance / sum_xx).sqrt() }
+    let line = line_through(&means);
+    WindowMean {
+        mu: line.mean,
+        stderr: (line.variance / BATCHES as f64).sqrt(),
+        drift: line.change,
+        drift_stderr: line.change_stderr,
+    }
 }
 
 #[cfg(test)]

@@ -96,9 +96,10 @@ const COARSE_LEVELS: usize = 10;
 /// Longest way, in metres, that a drive goes from one slip to the next: what an arm and a specimen yield until they slip. Tribometers
 /// yield by 1 um to 1 mm, sleds on a cord by some millimetres.
 const LONGEST_SLIP_M: f64 = 0.01;
-/// Drift over the window that is flagged, relative to the mean, if it also exceeds this many of its standard
-/// errors (the 99 % point of Student's t for eight degrees of freedom).
-const DRIFT: (f64, f64) = (0.02, 3.36);
+/// Drift over the window that is flagged, relative to the mean ...
+const DRIFT: f64 = 0.02;
+/// ... if it also exceeds this many of its standard errors (the 99 % point of Student's t for eight degrees of freedom).
+const DRIFT_ERRORS: f64 = 3.36;
 
 /// What the tribometer recorded of friction.
 #[derive(Clone, Debug, PartialEq)]
@@ -180,7 +181,7 @@ pub struct TraceFindings {
     pub window_s: [f64; 2],
     /// Mean, error and drift over the window.
     pub window: WindowMean,
-    /// Static peak, where friction stands out before the window.
+    /// Static peak, where friction stands out at the onset of sliding.
     pub static_peak: Option<TracePeak>,
     /// Stick-slip in the window.
     pub stick_slip: Option<StickSlip>,
@@ -237,17 +238,17 @@ pub fn analyse(channels: &TraceChannels, options: &TraceOptions) -> Result<Trace
     if window.mu.abs() < NO_FRICTION {
         return Err(TraceError::NoFriction { mu: window.mu });
     }
-    if window.drift.abs() > (UNSETTLED * window.mu).max(DRIFT.1 * window.drift_stderr) {
+    if window.drift.abs() > (UNSETTLED * window.mu).max(DRIFT_ERRORS * window.drift_stderr) {
         return Err(TraceError::Unsettled { relative: window.drift / window.mu });
     }
-    if window.drift.abs() > (DRIFT.0 * window.mu).max(DRIFT.1 * window.drift_stderr) {
+    if window.drift.abs() > (DRIFT * window.mu).max(DRIFT_ERRORS * window.drift_stderr) {
         flags.push(TraceFlag::Drift { relative: window.drift / window.mu, stderr: window.drift_stderr / window.mu });
     }
     let one_way = options.stroke_share.is_none();
     let saturated = flags.iter().any(|flag| matches!(flag, TraceFlag::PeakSaturated { .. }));
-    let before = one_way && options.static_peak && !saturated;
-    let before = before.then(|| {
-        let window = (options.window_s, &window);
+    let is_sought = one_way && options.static_peak && !saturated;
+    let before = is_sought.then(|| {
+        let window = (options.window_s, window.mu);
         before_window(&time_s, &mu, window, options.speed_m_s, usual_pause(&time_s))
     });
     let static_peak = before.and_then(|found| found.peak);

@@ -35,24 +35,36 @@ pub fn average(repeats: &[TraceFindings]) -> Option<Repeats> {
     if count == 0 {
         return None;
     }
-    let over = |values: &[(f64, f64)]| {
-        let mean = values.iter().map(|(value, _)| value).sum::<f64>() / values.len() as f64;
-        let squares: f64 = values.iter().map(|(value, _)| (value - mean).powi(2)).sum();
-        let between = if values.len() > 1 { (squares / (values.len() - 1) as f64).sqrt() } else { 0.0 };
-        let within = (values.iter().map(|(_, error)| error * error).sum::<f64>() / values.len() as f64).sqrt();
-        MeanStd { mean, std: between.max(within) }
-    };
     let dynamic: Vec<(f64, f64)> = repeats.iter().map(|found| (found.window.mu, found.window.stderr)).collect();
-    // What sampling missed differs from repeat to repeat, and is in their scatter.
-    let error = |peak: &TracePeak| if count > 1 { peak.noise } else { peak.std };
-    let peaks: Vec<(f64, f64)> =
-        repeats.iter().filter_map(|found| found.static_peak.map(|peak| (peak.mu, error(&peak)))).collect();
+    let peaks: Vec<TracePeak> = repeats.iter().filter_map(|found| found.static_peak).collect();
     Some(Repeats {
         count,
-        mu_dynamic: over(&dynamic),
-        mu_static: (peaks.len() == count).then(|| over(&peaks)),
+        mu_dynamic: mean_std(&dynamic),
+        mu_static: (peaks.len() == count).then(|| static_peak(&peaks)),
         peaks: peaks.len(),
         stick_slips: repeats.iter().filter(|found| found.stick_slip.is_some()).count(),
         normal_force_n: repeats.iter().map(|found| found.normal_force_n).sum::<f64>() / count as f64,
     })
+}
+
+/// Mean of values with their errors, and what spreads about it.
+fn mean_std(values: &[(f64, f64)]) -> MeanStd {
+    let count = values.len() as f64;
+    let mean = values.iter().map(|(value, _)| value).sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|(value, _)| (value - mean).powi(2)).sum();
+    let between = if values.len() > 1 { (squares / (count - 1.0)).sqrt() } else { 0.0 };
+    let within = (values.iter().map(|(_, error)| error * error).sum::<f64>() / count).sqrt();
+    MeanStd { mean, std: between.max(within) }
+}
+
+/// Static friction of repeats. Sampling reads every peak too low, in recordings that a trigger starts by the same part of what it may
+/// have missed each time: their scatter does not hold it. Of several repeats its deviation is that of a part which may be any.
+fn static_peak(peaks: &[TracePeak]) -> MeanStd {
+    if let [peak] = peaks {
+        return MeanStd { mean: peak.mu, std: peak.std };
+    }
+    let found = mean_std(&peaks.iter().map(|peak| (peak.mu, peak.noise)).collect::<Vec<_>>());
+    let missed = peaks.iter().map(|peak| peak.missed).sum::<f64>() / peaks.len() as f64;
+    // Evenly spread from 0 to `missed`.
+    MeanStd { std: found.std.hypot(missed / 12.0_f64.sqrt()), ..found }
 }

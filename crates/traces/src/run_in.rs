@@ -1,12 +1,12 @@
 //! Run-in: what friction changes between the onset of sliding and the window.
 //!
 //! Friction that wanders differs between any two times. The mean of its first part behind the onset is run-in only where it departs
-//! from the mean over the window by more than means over parts as long do within the window, which hold whatever friction remembers.
+//! from what friction settles at, its mean over the second half of the time before the window, by more than means over parts as long do
+//! within the window, which hold whatever friction remembers.
 
 use slipgrid_statistics::Confidence;
 
-use super::averaging_window::WindowMean;
-use super::time_series::mean_between;
+use super::time_series::{line_through, mean_between};
 
 /// The longest first part: this share of the time before the window, and of the window.
 const LONGEST_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
@@ -14,10 +14,8 @@ const LONGEST_PART: [f64; 2] = [1.0 / 4.0, 1.0 / 8.0];
 const HALVINGS: i32 = 4;
 /// Pauses between samples that the shortest part takes.
 const FEWEST_PAUSES: f64 = 3.0;
-/// All of them together are taken for run-in, where there is none, twice in a hundred times.
+/// All of them together are taken for run-in, where there is none, in less than 5 % of traces.
 const CONFIDENCE: Confidence = Confidence::PERCENT_99_5;
-/// Drift over the window, in its standard errors, from which its mean is not what friction had settled at before.
-const DRIFTS: f64 = 3.36;
 /// Least change, relative to friction.
 const LEAST_RELATIVE: f64 = 0.01;
 
@@ -34,14 +32,8 @@ pub struct RunIn {
     pub half_s: f64,
 }
 
-/// Run-in from `from_s` to the window over whose seconds friction has the mean `window`.
-pub fn run_in(
-    time_s: &[f64],
-    mu: &[f64],
-    from_s: f64,
-    (window_s, window): ([f64; 2], &WindowMean),
-    pause_s: f64,
-) -> Option<RunIn> {
+/// Run-in from `from_s` to the window. What friction settles at is its mean over the second half of that time.
+pub fn find_run_in(time_s: &[f64], mu: &[f64], from_s: f64, window_s: [f64; 2], pause_s: f64) -> Option<RunIn> {
     let (before_s, length_s) = (window_s[0] - from_s, window_s[1] - window_s[0]);
     let longest_s = (LONGEST_PART[0] * before_s).min(LONGEST_PART[1] * length_s);
     let mean = |from: f64, to: f64| mean_between(time_s, mu, from, to);
@@ -50,19 +42,21 @@ pub fn run_in(
         (0..count).map(|i| from + f64::from(i) * part_s).map(|at| mean(at, (at + part_s).min(to))).collect()
     };
     let settled = mean(from_s + before_s / 2.0, window_s[0]);
-    let drifts = window.drift.abs() > DRIFTS * window.drift_stderr;
-    let (mut settled_variance, mut shortest_s) = (window.stderr.powi(2), None);
+    let (mut settled_variance, mut shortest_s) = (0.0, None);
     for halving in 0..HALVINGS {
         let part_s = longest_s * 0.5_f64.powi(halving);
         if part_s.is_nan() || part_s < FEWEST_PAUSES * pause_s {
             break;
         }
         let steady = parts(window_s[0], window_s[1], part_s);
-        let variance = variance_about_line(&steady)?;
-        if drifts && halving == 0 {
+        if steady.len() < 3 {
+            return None;
+        }
+        let variance = line_through(&steady).variance;
+        if halving == 0 {
             settled_variance = variance * part_s / (before_s / 2.0);
         }
-        let departs = mean(from_s, from_s + part_s) - if drifts { settled } else { window.mu };
+        let departs = mean(from_s, from_s + part_s) - settled;
         let error = (variance + settled_variance).sqrt();
         if departs.abs() > CONFIDENCE.student_t(steady.len() - 2) * error {
             shortest_s = Some(part_s);
@@ -81,16 +75,4 @@ pub fn run_in(
     let middle_s = from_s + part_s / 2.0;
     let half_s = middle_s + part_s * ((passed - 1) as f64 + share);
     Some(RunIn { change, relative: change / settled, from_s: middle_s, half_s })
-}
-
-/// Variance of values about the line through them; `None` of fewer than three.
-fn variance_about_line(values: &[f64]) -> Option<f64> {
-    let count = values.len() as f64;
-    let freedom = values.len().checked_sub(2).filter(|freedom| *freedom > 0)?;
-    let x = |i: usize| i as f64 - (count - 1.0) / 2.0;
-    let mean = values.iter().sum::<f64>() / count;
-    let sum_xx: f64 = (0..values.len()).map(|i| x(i) * x(i)).sum();
-    let slope = values.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
-    let left: f64 = values.iter().enumerate().map(|(i, y)| (y - mean - slope * x(i)).powi(2)).sum();
-    Some(left / freedom as f64)
 }

@@ -8,9 +8,8 @@
 //! A peak is looked for where friction rises to that of sliding, and within the same slip behind it. Higher values later are
 //! noise, of which the highest in seconds of sliding always stands out.
 
-use super::averaging_window::WindowMean;
-use super::run_in::{RunIn, run_in};
-use super::time_series::{median, median_of_three, sample_noise};
+use super::run_in::{RunIn, find_run_in};
+use super::time_series::{highest, median, median_of_three, sample_noise};
 
 /// The peak stands out by this multiple of the noise, or it is none.
 const STANDS_OUT: f64 = 5.0;
@@ -49,7 +48,7 @@ pub struct TracePeak {
     pub std: f64,
     /// The sample noise alone.
     pub noise: f64,
-    /// What sampling may have missed: the smaller change to the next samples.
+    /// What sampling may have missed: the smaller change to the next samples, where there are some on both sides.
     pub missed: f64,
     /// When, in seconds since the first sample.
     pub time_s: f64,
@@ -82,7 +81,7 @@ struct UpToWindow<'a> {
     smooth: Vec<f64>,
     /// Samples before the window.
     before: usize,
-    /// Deviation from sample to sample.
+    /// Deviation from sample to sample while the sample slides.
     noise: f64,
     /// Friction in the window.
     steady: f64,
@@ -100,44 +99,43 @@ struct Onset {
     end: usize,
 }
 
-/// What friction does before the window over whose seconds it has the mean `window`; `pause_s` is the usual time between samples.
+/// What friction does before the window over whose seconds it has the mean `steady`; `pause_s` is the usual time between samples.
 pub fn before_window(
     time_s: &[f64],
     mu: &[f64],
-    (window_s, window): ([f64; 2], &WindowMean),
+    (window_s, steady): ([f64; 2], f64),
     speed_m_s: f64,
     pause_s: f64,
 ) -> BeforeWindow {
     let until = time_s.partition_point(|&t| t <= window_s[1]);
     let (time_s, mu) = (&time_s[..until], &mu[..until]);
-    let trace = UpToWindow {
+    let mut trace = UpToWindow {
         time_s,
         mu,
         smooth: median_of_three(mu),
         before: time_s.partition_point(|&t| t < window_s[0]),
-        noise: sample_noise(mu),
-        steady: window.mu,
+        noise: 0.0,
+        steady,
         window_start_s: window_s[0],
     };
     let slip_s = (ONSET_SLIP_M / speed_m_s).max(FEWEST_PAUSES * pause_s);
     let Some(onset) = trace.onset(slip_s) else { return BeforeWindow::default() };
+    // At rest a sensor may be still.
+    trace.noise = sample_noise(&mu[onset.first..]);
     let peak = trace.peak(onset, slip_s);
     let end_s = time_s[onset.end];
-    let run_in = |from_s: f64| run_in(time_s, mu, from_s, (window_s, window), pause_s);
+    let found_from = |from_s: f64| find_run_in(time_s, mu, from_s, window_s, pause_s);
     let run_in = match peak {
-        Some(peak) => run_in(peak.time_s + 3.0 * slip_s),
+        Some(peak) => found_from(peak.time_s + 3.0 * slip_s),
         // What yields is loaded while friction rises; that this goes on for as long again is no run-in.
-        None => run_in(end_s).filter(|found| found.change < 0.0).or_else(|| run_in(2.0 * end_s - time_s[onset.rest])),
+        None => found_from(end_s)
+            .filter(|found| found.change < 0.0)
+            .or_else(|| found_from(2.0 * end_s - time_s[onset.rest])),
     };
     BeforeWindow { peak, run_in }
 }
 
 impl UpToWindow<'_> {
-    /// Where `smooth` is highest from one sample to another.
-    fn highest(&self, from: usize, to: usize) -> usize {
-        (from..=to).fold(from, |best, i| if self.smooth[i] > self.smooth[best] { i } else { best })
-    }
-
     /// The last sample before the window that is at most `seconds` behind `sample`; a few at least.
     fn within(&self, sample: usize, seconds: f64, fewest: usize) -> usize {
         let to = self.time_s.partition_point(|&t| t <= self.time_s[sample] + seconds);
@@ -154,7 +152,7 @@ impl UpToWindow<'_> {
         let rest = (0..first).rev().find(|&i| self.smooth[i] < RESTS * self.steady).unwrap_or(0);
         let mut end = first;
         loop {
-            let next = self.highest(end, ahead(end));
+            let next = highest(&self.smooth, end..ahead(end) + 1);
             if self.smooth[next] - self.smooth[end] < LEAST_RISE * self.steady || next == end {
                 return Some(Onset { rest, first, end });
             }
@@ -169,8 +167,7 @@ impl UpToWindow<'_> {
     /// The highest sample of all, where it ends the rise rather than being an outlier.
     fn end_of_rise(&self, onset: Onset, to: usize, smooth: f64) -> Option<usize> {
         let mu = self.mu;
-        let top =
-            (onset.first.saturating_sub(1)..=to).fold(onset.first, |best, i| if mu[i] > mu[best] { i } else { best });
+        let top = highest(mu, onset.first.saturating_sub(1)..to + 1);
         let (&last, &own) = (mu.get(top.checked_sub(1)?)?, mu.get(top)?);
         let rise = top.checked_sub(2).map_or(0.0, |i| last - mu[i]).max(0.0);
         let noise = STANDS_OUT * self.noise;
@@ -182,7 +179,7 @@ impl UpToWindow<'_> {
     fn peak(&self, onset: Onset, slip_s: f64) -> Option<TracePeak> {
         let Self { time_s, mu, before, noise, .. } = *self;
         let to = self.within(onset.end, slip_s, FEWEST_PAUSES as usize);
-        let flat = self.highest(onset.first, to);
+        let flat = highest(&self.smooth, onset.first..to + 1);
         // The median of three flattens a top that is a single sample.
         let sharp = self.end_of_rise(onset, to, self.smooth[flat]);
         let (top, values) = sharp.map_or((flat, &self.smooth[..]), |top| (top, mu));
@@ -203,16 +200,18 @@ impl UpToWindow<'_> {
         if !self.stands_out(lowest, settled) || height < PROMPT * (next - later) {
             return None;
         }
-        if height < OVER_LATER * highest_later(&time_s[before..], &mu[before..], slip_s) {
+        if height < OVER_LATER * self.highest_later(slip_s) {
             return None;
         }
         let is_near = |value: &&f64| **value > next + 0.75 * height;
         let near = values[top..before].iter().take_while(is_near).count()
             + values[..top].iter().rev().take_while(is_near).count();
-        // The median of three flattens the top: the change to the samples beyond its neighbours counts.
+        // The median of three flattens the top: the change to the samples beyond its neighbours counts. A trace that begins at its peak
+        // has them on one side alone.
         let far = if sharp.is_some() { 1 } else { 2 };
-        let step = [top.saturating_sub(far), (top + far).min(before - 1)].map(|i| (value - values[i]).abs());
-        let missed = step[0].min(step[1]);
+        let beside = [top.checked_sub(far), Some(top + far).filter(|i| *i < before)];
+        let steps = beside.into_iter().flatten().map(|i| (value - values[i]).abs());
+        let missed = steps.reduce(f64::min).unwrap_or(0.0);
         Some(TracePeak {
             mu: value,
             std: noise.hypot(missed),
@@ -222,24 +221,24 @@ impl UpToWindow<'_> {
             samples_at_top: near,
         })
     }
-}
 
-/// The most that friction is, in the steady part of a trace, above what follows from one to two slips of `slip_s` seconds later.
-fn highest_later(time_s: &[f64], mu: &[f64], slip_s: f64) -> f64 {
-    let smooth = median_of_three(mu);
-    let at = |time: f64| time_s.partition_point(|&t| t < time);
-    let (mut highest, mut from) = (0.0_f64, 0);
-    while let Some(&start_s) = time_s.get(from) {
-        let to = at(start_s + SLIPS_A_PEAK * slip_s).max(from + 1);
-        let top = (from..to).fold(from, |best, i| if smooth[i] > smooth[best] { i } else { best });
-        let behind = at(time_s[top] + slip_s)..(at(time_s[top] + 2.0 * slip_s) + 1).min(mu.len());
-        if behind.is_empty() {
-            break;
+    /// The most that friction is, in the window, above what follows from one to two slips of `slip_s` seconds later.
+    fn highest_later(&self, slip_s: f64) -> f64 {
+        let at = |time: f64| self.time_s.partition_point(|&t| t < time);
+        let (mut most, mut from) = (0.0_f64, self.before);
+        while let Some(&start_s) = self.time_s.get(from) {
+            let to = at(start_s + SLIPS_A_PEAK * slip_s).max(from + 1);
+            let top = highest(&self.smooth, from..to);
+            let top_s = self.time_s[top];
+            let behind = at(top_s + slip_s)..(at(top_s + 2.0 * slip_s) + 1).min(self.mu.len());
+            if behind.is_empty() {
+                break;
+            }
+            most = most.max(self.smooth[top] - median(self.mu[behind].to_vec()));
+            from = to;
         }
-        highest = highest.max(smooth[top] - median(mu[behind].to_vec()));
-        from = to;
+        most
     }
-    highest
 }
 
 #[cfg(test)]
@@ -264,7 +263,7 @@ mod tests {
     /// With the window from `window_start_s` to the end.
     fn before(time: &[f64], mu: &[f64], window_start_s: f64, speed_m_s: f64, pause_s: f64) -> BeforeWindow {
         let window_s = [window_start_s, time[time.len() - 1]];
-        before_window(time, mu, (window_s, &window_mean(time, mu, window_s)), speed_m_s, pause_s)
+        before_window(time, mu, (window_s, window_mean(time, mu, window_s).mu), speed_m_s, pause_s)
     }
 
     /// The static peak at 50 um/s, at which a fall within 0.4 s is one within 20 um.
@@ -387,6 +386,25 @@ mod tests {
                 assert_eq!(before(&time, &mu, 10.0, 2e-3, 0.02).peak, None, "{spike}");
             }
         }
+    }
+
+    #[test]
+    fn a_trace_that_begins_at_its_peak_may_have_missed_as_much_as_any_other() {
+        let time: Vec<f64> = (0..=3000).map(|i| f64::from(i) * 0.02).collect();
+        let mu = add(&time, &red_noise(&time, 0.0005, 1e-3, 1), |t| 0.28 + 0.09 * (-t / 0.02).exp());
+        let peak = before(&time, &mu, 10.0, 2e-3, 0.02).peak.unwrap();
+        assert!(peak.time_s == 0.0 && (peak.mu - 0.37).abs() < 0.003, "{peak:?}");
+        assert!(peak.missed > 0.05 && peak.std >= peak.missed, "{peak:?}");
+    }
+
+    #[test]
+    fn noise_is_that_of_sliding_however_long_the_sample_rests() {
+        let time: Vec<f64> = (0..=3000).map(|i| f64::from(i) * 0.02).collect();
+        let noise = red_noise(&time, 0.001, 1e-3, 4);
+        let onset = |t: f64| 0.28 + 0.09 * (-(t - 40.0) / 0.013).exp();
+        let mu: Vec<f64> = time.iter().zip(noise).map(|(&t, n)| if t < 40.0 { 0.0 } else { onset(t) + n }).collect();
+        let peak = before(&time, &mu, 45.0, 2e-3, 0.02).peak.unwrap();
+        assert!((peak.noise - 0.001).abs() < 0.0003, "{peak:?}");
     }
 
     #[test]

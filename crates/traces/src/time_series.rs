@@ -1,5 +1,7 @@
 //! Values against time, at samples that need not be even.
 
+use std::ops::Range;
+
 use slipgrid_statistics::upper_median;
 
 /// Mean over time of the line through the samples, from `from` to `to`. Beyond the samples the nearest
@@ -24,6 +26,36 @@ pub fn mean_between(time_s: &[f64], values: &[f64], from: f64, to: f64) -> f64 {
     }
     area += (to - last.0) * (at(to) + last.1) / 2.0;
     area / (to - from)
+}
+
+/// The line through values at even steps.
+pub struct Line {
+    /// Mean of the values.
+    pub mean: f64,
+    /// Change over as many steps as there are values.
+    pub change: f64,
+    /// Its standard error.
+    pub change_stderr: f64,
+    /// Variance of the values about the line.
+    pub variance: f64,
+}
+
+/// The line through `values` by least squares; of fewer than three its errors are no numbers.
+pub fn line_through(values: &[f64]) -> Line {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    // x from -1/2 to 1/2 over all: change = sum(x y) / sum(x^2).
+    let x = |i: usize| (i as f64 + 0.5) / count - 0.5;
+    let sum_xx: f64 = (0..values.len()).map(|i| x(i) * x(i)).sum();
+    let change = values.iter().enumerate().map(|(i, y)| x(i) * (y - mean)).sum::<f64>() / sum_xx;
+    let left: f64 = values.iter().enumerate().map(|(i, y)| (y - mean - change * x(i)).powi(2)).sum();
+    let variance = if values.len() < 3 { f64::NAN } else { left / (count - 2.0) };
+    Line { mean, change, change_stderr: (variance / sum_xx).sqrt(), variance }
+}
+
+/// Where `values` are highest within `range`, the first of equal ones; `range` lies within them and is not empty.
+pub fn highest(values: &[f64], range: Range<usize>) -> usize {
+    range.clone().fold(range.start, |best, i| if values[i] > values[best] { i } else { best })
 }
 
 /// The middle of some values, the upper one of an even count; zero of none.

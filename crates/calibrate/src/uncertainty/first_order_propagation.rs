@@ -58,6 +58,19 @@ pub struct Deviation {
     pub reach_95: [f64; 2],
 }
 
+impl Deviation {
+    /// What is not known of the flat surface's friction `mu_flat` at load number `load`, whatever a pattern does.
+    #[must_use]
+    pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Self {
+        let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
+        friction.map_or_else(Self::default, |variance| {
+            let std = mu_flat * variance.sqrt();
+            let (reach_68, reach_95) = ([std; 2], [NORMAL_95 * std; 2]);
+            Self { std, parts: vec![(Source::FlatFriction, std)], reach_68, reach_95 }
+        })
+    }
+}
+
 /// What the material leaves open at one load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Deviations {
@@ -124,17 +137,6 @@ impl Slopes {
         let moves = knowledge.scale.as_ref().is_some_and(|scale| !scale.is_fitted);
         let slopes = self.by_load.iter().map(|slope| slope.filter(|_| moves).map_or(0.0, |slope| slope.scale));
         slopes.zip(ratios).map(|(slope, ratio)| slope / ratio).collect()
-    }
-
-    /// What is not known of the flat surface's friction `mu_flat` at load number `load`, whatever a pattern does.
-    #[must_use]
-    pub fn of_flat(load: usize, mu_flat: f64, knowledge: &InputUncertainty) -> Deviation {
-        let friction = knowledge.flat_friction.as_ref().and_then(|all| all.get(load));
-        friction.map_or_else(Deviation::default, |variance| {
-            let std = mu_flat * variance.sqrt();
-            let (reach_68, reach_95) = ([std; 2], [NORMAL_95 * std; 2]);
-            Deviation { std, parts: vec![(Source::FlatFriction, std)], reach_68, reach_95 }
-        })
     }
 
     /// Standard deviations at load number `load`, where the model gives `ratio` to a flat surface that slides at
@@ -212,7 +214,7 @@ impl Slopes {
                 reach_95: reach(bent.map(|all| [all[0], all[3]]), NORMAL_95),
             }
         };
-        let flat = Self::of_flat(load, mu_flat, knowledge);
+        let flat = Deviation::of_flat(load, mu_flat, knowledge);
         Some(Deviations { ratio: deviation(ratio_slope, 1.0), mu: deviation(mu_slope, mu_flat), flat })
     }
 }

@@ -11,7 +11,7 @@ use slipgrid_formats::calibrated::calibrate;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::made_from::MadeFrom;
 use slipgrid_formats::scene::DEFAULT_SPECIMEN;
-use slipgrid_formats::written_material::material_made_from;
+use slipgrid_formats::written_material::material_toml;
 use slipgrid_report::calibration;
 
 /// Seed of the flat sample's local coefficients where nothing else names one.
@@ -32,7 +32,7 @@ pub fn run(args: &CalibrateArgs, console: &mut Console<'_>) -> Result<u8, CliErr
     let (task, outcome) =
         calibrate(&read, &args.calibration, &disk(), sample, Selection::default(), &Job::new(console))?;
     let made_from = args.output.as_ref().and_then(|path| MadeFrom::new(&read, &args.calibration, path, &disk()));
-    let file = material_made_from(&task, &outcome, made_from)?;
+    let file = material_toml(&task, &outcome, made_from)?;
     if let Some(path) = &args.output {
         write_file(path, file.as_bytes())?;
     }

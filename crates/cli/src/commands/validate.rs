@@ -44,13 +44,16 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     }
     let (given, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
+    let mut compared = None;
     let patterns = match trial(args, &calibration)? {
         None => given,
         Some(cut) => {
+            refuse_lengths(args, &cut)?;
             console.note(&format!("trial \"{}\": its measurements, and grooves of its lengths", cut.name));
             let lengths_m = [cut.pattern.width_m(), cut.pattern.spacing_m()];
             let groove = grooves(lengths_m, checked_depth("depth_um", LENGTH_UM.from_si(cut.pattern.depth_m()))?)?;
             calibration.patterned.clone_from(&cut.measured);
+            compared = Some(cut.name);
             Patterns { modelled: groove, measured: groove }
         }
     };
@@ -61,6 +64,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let task = ValidationTask {
         path: &args.calibration,
         calibration: &calibration,
+        trial: compared,
         patterns,
         slope_factors,
         all: args.all,
@@ -90,12 +94,41 @@ fn trial(args: &ValidateArgs, calibration: &Calibration) -> Result<Option<CutSam
     let samples = &calibration.trials.samples;
     let mut measured = samples.iter().filter(|cut| !cut.measured.is_empty());
     let Some(name) = &args.trial else {
-        return Ok(measured.next().filter(|_| calibration.patterned.is_empty()).cloned());
+        let first = measured.next();
+        if calibration.patterned.is_empty() && first.is_none() {
+            let reason = "has no measured sample with a pattern, so there is no ratio to compare";
+            return Err(Diagnostic::file(&args.calibration, reason).expected(
+                "patterned = \"patterned.csv\" in [measurements], a table in the columns of the flat one, or a [[trial]] with its pattern \
+                 and measurements = \"trial.csv\"",
+            ));
+        }
+        return Ok(first.filter(|_| calibration.patterned.is_empty()).cloned());
     };
     let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
     let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
     let refused = Diagnostic::flag("--trial", name.clone(), "is no measured trial of this calibration");
     measured.find(|cut| cut.name == *name).cloned().map(Some).ok_or_else(|| refused.expected(expected))
+}
+
+/// Refuses lengths beside the trial `cut`, which has its own.
+fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic> {
+    for (flag, given, _) in lengths(args) {
+        if let Some(length_um) = given {
+            let reason = format!("stands beside the trial \"{}\", which has lengths of its own", cut.name);
+            return Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"));
+        }
+    }
+    Ok(())
+}
+
+/// The lengths of the pattern in micrometres by their flags, as given and as published: as that paper modelled it and as it was measured.
+const fn lengths(args: &ValidateArgs) -> [(&'static str, Option<f64>, f64); 4] {
+    [
+        ("--width-um", args.width_um, 130.0),
+        ("--spacing-um", args.spacing_um, 370.0),
+        ("--depth-um", args.depth_um, 20.0),
+        ("--measured-depth-um", args.measured_depth_um, 5.2),
+    ]
 }
 
 /// A depth that leaves something of the layer, in metres.
@@ -117,11 +150,12 @@ fn grooves([width_m, spacing_m]: [f64; 2], depth_m: f64) -> Result<Pattern, Diag
 
 /// The pattern at both depths.
 fn patterns(args: &ValidateArgs) -> Result<Patterns, Diagnostic> {
-    let lengths_m =
-        [checked("--width-um", args.width_um, PATTERN_UM)?, checked("--spacing-um", args.spacing_um, PATTERN_UM)?];
+    let given = lengths(args).map(|(flag, given, usual)| (flag, given.unwrap_or(usual)));
+    let [width, spacing, depth, measured] = given;
+    let lengths_m = [checked(width.0, width.1, PATTERN_UM)?, checked(spacing.0, spacing.1, PATTERN_UM)?];
     Ok(Patterns {
-        modelled: grooves(lengths_m, checked_depth("--depth-um", args.depth_um)?)?,
-        measured: grooves(lengths_m, checked_depth("--measured-depth-um", args.measured_depth_um)?)?,
+        modelled: grooves(lengths_m, checked_depth(depth.0, depth.1)?)?,
+        measured: grooves(lengths_m, checked_depth(measured.0, measured.1)?)?,
     })
 }
 

@@ -204,6 +204,26 @@ fn conditions_and_trials_have_traces_of_their_own() {
         trial("")
     );
     assert_eq!(read(setup.clone()).unwrap().trials, own.trials);
+    // A share of strokes is that of a trial that alone turns.
+    let share = setup.replace("radius_mm = 40.0\n", "radius_mm = 40.0\nstroke_share = 0.4\n");
+    assert_eq!(read(share).unwrap().traces[1].condition.stroke_share, Some(0.4));
+    // One table a repeat is one condition with its repeats; one read over two windows is no two ratios.
+    let each = |more: &str| {
+        condition("trial.traces", "2.0", "cut-1.csv", "") + &condition("trial.traces", "2.0", "cut-2.csv", more)
+    };
+    let split =
+        |more: &str| text("").replace(&condition("trial.traces", "2.0", "cut-1.csv\", \"cut-2.csv", ""), &each(more));
+    assert_ne!(split(""), text(""));
+    assert_eq!(read(split("")).unwrap().trials, own.trials);
+    let flats = text("").replace("files = [\"a-*.csv\"]", "files = [\"a-1.csv\"]")
+        + "[[traces.condition]]\nforce_n = 50.0\nspeed_mm_s = 2.0\nhumidity_pct = 15.0\nfiles = [\"a-2.csv\"]\n";
+    assert_eq!(read(flats).unwrap().flat[0], own.flat[0]);
+    let two = condition("traces.condition", "2.0", "a-1.csv\", \"cut-1.csv", "")
+        + &condition("traces.condition", "2.0", "a-2.csv\", \"cut-2.csv", "window_s = [20.0, 40.0]\n");
+    let windows = format!("{head}[traces]\neffective_radius_mm = 40.0\n{two}{tail}").replace("per-condition", "single");
+    read(windows).unwrap();
+    place.succeed(&["traces", "c.toml", "-o", "twice"]);
+    assert!(place.path("twice/flat-50N-2mm_s-15pct-2.svg").is_file());
     for (text, says) in [
         (text("measurements = \"out/trial-1-measured.csv\"\n"), "stands beside measurements; expected one of the two"),
         (
@@ -216,6 +236,7 @@ fn conditions_and_trials_have_traces_of_their_own() {
             "needs `reciprocating = true`",
         ),
         (setup.replace(&cut, ""), "traces.condition: is missing"),
+        (split("window_s = [20.0, 40.0]\n"), "has 50 N, 2 mm/s, 15 % again"),
     ] {
         let refused = read(text.clone()).unwrap_err().to_string();
         assert!(refused.contains(says), "{refused}\n{text}");

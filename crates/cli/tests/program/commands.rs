@@ -391,6 +391,8 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     let material =
         "youngs_modulus_gpa = 0.38\ndensity_g_cm3 = 0.9\n[friction]\nstatic_mean = 0.30\ndynamic_mean = 0.27\n";
     let place = Place::with(&[("design.toml", &small()), ("material.toml", material), ("scene.toml", SCENE)]);
+    std::fs::write(place.path("calibration.toml"), CALIBRATION).unwrap();
+    std::fs::write(place.path("flat.csv"), FLAT).unwrap();
     for (file, page) in [("design.toml", "explore.html"), ("material.toml", "m.html")] {
         place.succeed(&["explore", file, "-o", page]);
         let text = std::fs::read_to_string(place.path(page)).unwrap();
@@ -410,8 +412,32 @@ fn a_page_explores_a_design_or_a_material_before_any_search() {
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(said.contains("conditions.toml: ") && said.contains("--speed-mm-s"), "{said}");
     place.succeed(&["explore", "conditions.toml", "--speed-mm-s", "2", "--humidity-pct", "50", "-o", "c.html"]);
-    let refused = place.run(&["explore", "design.toml", "--speed-mm-s", "2", "--humidity-pct", "50"]);
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("its own speed"), "{refused:?}");
+    let said = |args: &[&str]| {
+        let ended = place.run(&[&["explore", "-o", "r.html"], args].concat());
+        assert_eq!(ended.status.code(), Some(2), "{args:?}");
+        String::from_utf8_lossy(&ended.stderr).into_owned()
+    };
+    let at = |speed: &'static str, humidity: &'static str| ["--speed-mm-s", speed, "--humidity-pct", humidity];
+    // What stands in a file or in a flag is refused there, and no condition is asked for in its place.
+    std::fs::write(place.path("high.toml"), material.replace("0.27", "27")).unwrap();
+    let high = said(&["high.toml"]);
+    assert!(high.contains("high.toml:5: friction.dynamic_mean: 27") && !high.contains("--speed-mm-s"), "{high}");
+    let flags = said(&[&["conditions.toml"], &at("-5", "400")[..]].concat());
+    assert!(flags.contains("--speed-mm-s: -5 is out of range"), "{flags}");
+    let bare = said(&[&["design.toml"], &at("2", "50")[..]].concat());
+    assert!(bare.contains("a design without a condition"), "{bare}");
+    let own = format!("condition = {{ speed_mm_s = 2.0, humidity_pct = 50.0 }}\n{}", small());
+    std::fs::write(place.path("own.toml"), own).unwrap();
+    let own = said(&[&["own.toml"], &at("2", "50")[..]].concat());
+    assert!(own.contains("its own speed"), "{own}");
+    // A calibration is refused by its own name, too, not by that of a design that nobody wrote.
+    let unmeasured = said(&[&["calibration.toml"], &at("50", "15")[..]].concat());
+    assert!(unmeasured.contains("calibration.toml: no coefficients for 50 mm/s"), "{unmeasured}");
+    // What is unusual is told.
+    place.succeed(&["calibrate", "calibration.toml", "-o", "made.toml"]);
+    std::fs::write(place.path("flat.csv"), FLAT.replace("0.248", "0.249")).unwrap();
+    let told = place.run(&[&["explore", "made.toml", "-o", "s.html"], &at("2", "15")[..]].concat());
+    assert!(String::from_utf8_lossy(&told.stderr).contains("which has changed since"), "{told:?}");
     let refused = place.run(&["explore", "scene.toml"]);
     assert!(String::from_utf8_lossy(&refused.stderr).contains("seems to be a scene file"), "{refused:?}");
     // Reports have the explorer, unless it is left out.

@@ -216,9 +216,47 @@ fn a_material_is_told_from_its_calibration_that_has_changed_since() {
     assert!(!told().contains("has changed since"));
     fs::write(place.path("a.csv"), table([0.9, 0.88, 0.87])).unwrap();
     assert!(told().contains("has changed since"));
+    // However the calibration is named, and though the folder of the material is made only now.
+    let absolute = place.path("calibration.toml").display().to_string();
+    for (calibration, output, way) in [
+        (absolute.as_str(), "m.toml", "calibration = \"calibration.toml\""),
+        (absolute.as_str(), "new/m.toml", "calibration = \"../calibration.toml\""),
+        ("calibration.toml", "newer/m.toml", "calibration = \"../calibration.toml\""),
+    ] {
+        place.succeed(&["calibrate", calibration, "-o", output, "-q"]);
+        let text = fs::read_to_string(place.path(output)).unwrap();
+        assert!(text.contains("[made_from]") && text.contains(way), "{text}");
+    }
     // A calibration that went elsewhere is not missed.
     fs::remove_file(place.path("calibration.toml")).unwrap();
     assert!(!told().contains("has changed since"));
+}
+
+/// A trial is compared by its own lengths, and named; two rows of one condition are no two ratios.
+#[test]
+fn a_trial_that_is_compared_is_named_and_has_its_own_lengths() {
+    let place = place();
+    let more = trial("A", [100.0, 200.0, 10.4], "measurements = \"a.csv\"\n");
+    fs::write(place.path("a.csv"), table([0.9, 0.88, 0.86])).unwrap();
+    fs::write(place.path("calibration.toml"), format!("{CALIBRATION}\n{more}")).unwrap();
+    let validate = ["validate", "calibration.toml", "--trial", "A"];
+    let refused = place.run(&[&validate[..], &["--depth-um", "20"]].concat());
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("--depth-um: 20 stands beside the trial \"A\""), "{said}");
+    place.succeed(&[&validate[..], &["--sliding-um", "0", "-o", "out"]].concat());
+    assert_eq!(crate::common::result(&place, "out")["trial"], "A");
+    let page = fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("Compared is the trial"));
+    // Without any there is nothing to compare.
+    fs::write(place.path("flat-alone.toml"), CALIBRATION).unwrap();
+    let refused = place.run(&["validate", "flat-alone.toml"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(said.contains("has no measured sample with a pattern") && said.contains("[[trial]]"), "{said}");
+    let rows = table([0.9, 0.88, 0.86]);
+    let again = rows.lines().last().unwrap();
+    fs::write(place.path("a.csv"), format!("{rows}{again}\n")).unwrap();
+    let refused = place.run(&["trials", "calibration.toml"]);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("% again, as line 4 has"), "{refused:?}");
 }
 
 /// A pending sample is predicted where flat ones were measured.

@@ -99,8 +99,8 @@ pub fn calibration(fitted: Fitted<'_>, outputs: &Outputs) -> String {
         page.fold("Notes", |page| {
             page.list(&outcome.material.provenance.notes.iter().map(|note| sentence(note)).collect::<Vec<_>>())
         });
-        if let Ok(file) = material_toml(task, outcome) {
-            page.folded("The material, as -o MATERIAL.toml writes it", &file);
+        if let Ok(file) = material_toml(task, outcome, None) {
+            page.folded("The material, as -o MATERIAL.toml writes it with [made_from]", &file);
         }
     });
     page.finish(&title, VERSION)

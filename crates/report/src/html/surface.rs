@@ -3,9 +3,8 @@
 use super::page::{Page, number, percent, sentence};
 use crate::Outputs;
 use crate::surface::SurfaceReport;
+use slipgrid_topography::LIMITED_BY_PIXELS;
 
-/// Share of the squared slope in waves shorter than two of the shortest from which on pixels limit the slope.
-const LIMITED_BY_PIXELS: f64 = 0.4;
 /// Share of the squared height in the longest waves from which on the map's size limits the heights.
 const LIMITED_BY_SIDE: f64 = 0.4;
 /// Missing points that are worth a sentence.
@@ -121,31 +120,27 @@ fn doubts(page: &mut Page, report: &SurfaceReport) {
 /// How far pixel and side of the map decide its parameters.
 fn limits(report: &SurfaceReport) -> Vec<String> {
     let mut all = Vec::new();
-    // Of a ring of the spectrum: waves times density, in proportion to the square of the heights; times q^2 to that of the slopes.
-    let share = |power: i32, is_in: &dyn Fn(f64) -> bool| {
-        let of = |is_counted: &dyn Fn(f64) -> bool| -> f64 {
-            let rings = report.spectrum.iter().filter(|ring| is_counted(ring.wavelength_um));
-            rings.map(|ring| ring.waves * ring.psd_um4 * ring.q_per_um.powi(power)).sum()
-        };
-        let whole = of(&|_| true);
-        (whole > 0.0).then(|| of(is_in) / whole)
-    };
-    let lengths = || report.spectrum.iter().map(|ring| ring.wavelength_um);
-    let (shortest_um, longest_um) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(0.0, f64::max));
-    if let Some(slope) = share(2, &|wavelength_um| wavelength_um < 2.0 * shortest_um) {
-        let words = if slope > LIMITED_BY_PIXELS {
+    if let Some(short) = &report.short_waves {
+        let words = if short.slope_share > LIMITED_BY_PIXELS {
             "finer pixels would find a higher one, and an area law from this map holds for these pixels"
         } else {
             "finer pixels would change it little unless the surface has more below them"
         };
         all.push(format!(
-            "Rms slope and Sdq: {} % of the squared slope lies in waves between {} and {} µm, the shortest that the map resolves: {words}.",
-            percent(slope, 0),
-            number(shortest_um, 2),
-            number(2.0 * shortest_um, 2)
+            "Rms slope and Sdq: {} % of the squared slope lies in waves shorter than {} µm, four pixels: {words}.",
+            percent(short.slope_share, 0),
+            number(short.below_um, 2)
         ));
     }
-    if let Some(height) = share(0, &|wavelength_um| wavelength_um > 0.5 * longest_um) {
+    // Of a ring of the spectrum: waves times density, in proportion to the square of the heights.
+    let longest_um = report.spectrum.iter().map(|ring| ring.wavelength_um).fold(0.0, f64::max);
+    let squares = |from_um: f64| -> f64 {
+        let rings = report.spectrum.iter().filter(|ring| ring.wavelength_um > from_um);
+        rings.map(|ring| ring.waves * ring.psd_um4).sum()
+    };
+    let whole = squares(0.0);
+    if whole > 0.0 {
+        let height = squares(0.5 * longest_um) / whole;
         let words = if height > LIMITED_BY_SIDE {
             "a larger map would find higher ones, and what form was subtracted decides them"
         } else {

@@ -44,7 +44,19 @@ pub struct SurfaceReport {
     pub(crate) parameters: ParameterReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) cavities: Option<CavityReport>,
+    /// The shortest waves, of the map as one period, from which the area law's slope is taken, too.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) short_waves: Option<ShortWavesReport>,
     pub(crate) spectrum: Vec<SpectrumReport>,
+}
+
+/// What the shortest waves have of the squared slope.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct ShortWavesReport {
+    /// Four pixels of the longer side: waves shorter than this count.
+    pub(crate) below_um: f64,
+    /// Their share.
+    pub(crate) slope_share: f64,
 }
 
 /// Parameters of ISO 25178-2, and the rms slope of contact theories.
@@ -138,6 +150,10 @@ impl SurfaceReport {
                 smr2_pct: tidy(100.0 * core.smr2),
             },
             cavities: cavities.map(CavityReport::from),
+            short_waves: map
+                .short_waves()
+                .ok()
+                .map(|short| ShortWavesReport { below_um: um(short.below_m), slope_share: tidy(short.slope_share) }),
             spectrum: spectrum
                 .iter()
                 .map(|bin| SpectrumReport {

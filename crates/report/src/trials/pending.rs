@@ -1,9 +1,9 @@
 //! Samples that were cut and are not measured yet: what is predicted of them.
 
 use serde::{Deserialize, Serialize};
-use slipgrid_calibrate::LearnedSamples;
+use slipgrid_calibrate::{LearnedSamples, PendingSample};
 use slipgrid_design::RatioPrediction;
-use slipgrid_discrepancy::{Discrepancy, Trial};
+use slipgrid_discrepancy::Discrepancy;
 use slipgrid_results::{Table, believed, believed_interval, fixed};
 use slipgrid_units::{LENGTH_UM, tidy};
 
@@ -25,16 +25,16 @@ pub struct PendingReport {
 }
 
 impl PendingReport {
-    fn new(of: &Trial, learned: &Discrepancy) -> Self {
-        let loads: Vec<_> = of.measured.iter().map(|at| at.load).collect();
-        let sensitivity: Vec<f64> = of.measured.iter().map(|at| at.modulus_sensitivity).collect();
+    fn new(of: &PendingSample, learned: &Discrepancy) -> Self {
+        let loads: Vec<_> = of.modelled.iter().map(|at| at.load).collect();
+        let sensitivity: Vec<f64> = of.modelled.iter().map(|at| at.modulus_sensitivity).collect();
         // Errors of its dimensions move all ratios together: cov_ij = sum of d_i d_j.
         let n = loads.len();
         let entry = |e: usize| of.of_dimensions.iter().map(|slopes| slopes[e / n] * slopes[e % n]).sum();
         let of_dimensions: Vec<f64> = (0..n * n).map(entry).collect();
         let found = learned.at(&loads).predict(&of.features, &sensitivity).with(&of_dimensions);
         let predicted =
-            of.measured.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.modelled, &found, row));
+            of.modelled.iter().enumerate().map(|(row, at)| RatioPrediction::new(&at.load, at.ratio, &found, row));
         Self {
             name: of.name.clone(),
             areal_density: tidy(of.features.areal_density),
@@ -49,7 +49,7 @@ impl TrialsReport {
     /// The same with what is predicted of the samples that are pending.
     #[must_use]
     pub fn with_pending(self, learned: &LearnedSamples) -> Self {
-        let of = |trial: &Trial| PendingReport::new(trial, &learned.discrepancy);
+        let of = |sample: &PendingSample| PendingReport::new(sample, &learned.discrepancy);
         Self { predicted: learned.pending.iter().map(of).collect(), ..self }
     }
 

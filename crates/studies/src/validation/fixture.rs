@@ -60,6 +60,7 @@ pub fn report() -> ValidationReport {
         schema: 1,
         name: "a <b> & \"c\"".into(),
         source: "a paper".into(),
+        trial: None,
         synthetic_surface: true,
         model: vec!["grooves".into()],
         errors: "+- of modelled values: nothing".into(),

@@ -45,6 +45,8 @@ pub struct ValidationTask<'a> {
     pub path: &'a Path,
     /// The measurements, on flat and on patterned samples.
     pub calibration: &'a Calibration,
+    /// Name of the trial whose measurements stand in place of the patterned samples'; `None` where these are compared.
+    pub trial: Option<String>,
     /// The pattern of the patterned samples, as grooves.
     pub patterns: Patterns,
     /// What the slopes of the surface are multiplied by, increasing, 1 among them.
@@ -228,6 +230,7 @@ fn compare(
         schema: SCHEMA,
         name: calibration.name.clone(),
         source: calibration.source.clone(),
+        trial: task.trial.clone(),
         synthetic_surface: surface.synthetic,
         model: model_notes(task, pairs, &surface.notes),
         errors: errors_note(calibration),

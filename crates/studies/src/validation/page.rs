@@ -13,6 +13,9 @@ pub fn validation(report: &ValidationReport, outputs: &Outputs) -> String {
     let title = format!("{}: measured and modelled", report.name);
     page.title(&title);
     page.paragraph(&format!("Measurements: {}. Nothing was tuned to the patterned samples.", report.source));
+    if let Some(trial) = &report.trial {
+        page.paragraph(&format!("Compared is the trial \"{trial}\", as grooves of its lengths."));
+    }
     if report.synthetic_surface {
         page.warning(
             "The altitude map behind the area law is synthetic, not measured: measured are the friction coefficients and the \

@@ -23,6 +23,9 @@ pub struct ValidationReport {
     pub name: String,
     /// Where the measurements come from.
     pub source: String,
+    /// Name of the trial that is compared; null where that is the patterned samples of the calibration.
+    #[serde(default)]
+    pub trial: Option<String>,
     /// The area law rests on a synthetic surface.
     pub synthetic_surface: bool,
     /// What was modelled and how.

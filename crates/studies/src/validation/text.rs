@@ -12,7 +12,8 @@ use slipgrid_units::{LENGTH_MM, LENGTH_UM};
 
 /// The report for people.
 pub fn table(report: &ValidationReport) -> String {
-    let mut text = format!("{} ({})\n", report.name, report.source);
+    let trial = report.trial.as_ref().map_or_else(String::new, |name| format!(", trial \"{name}\""));
+    let mut text = format!("{} ({}){trial}\n", report.name, report.source);
     for statement in &report.model {
         text += &format!("- {statement}\n");
     }

@@ -9,7 +9,7 @@ mod spectrum;
 pub use height::HeightParameters;
 pub use material_ratio::{CoreParameters, MaterialRatioCurve};
 pub use spatial::{CORRELATION_THRESHOLD, CorrelationLengths, Sides};
-pub use spectrum::{SpectrumBin, SpectrumWindow};
+pub use spectrum::{LIMITED_BY_PIXELS, ShortWaves, SpectrumBin, SpectrumWindow};
 
 use crate::fourier::Fourier;
 use crate::{HeightMap, MapError};

@@ -37,6 +37,20 @@ pub struct SpectrumBin {
     pub waves: f64,
 }
 
+/// Pixels, of the longer side, that a short wave is shorter than: two of the shortest waves that both axes resolve.
+const PIXELS_OF_A_SHORT_WAVE: f64 = 4.0;
+/// Share of the squared slope in short waves from which on pixels limit the slope.
+pub const LIMITED_BY_PIXELS: f64 = 0.4;
+
+/// What the shortest waves of a map have of its slope: finer pixels find what lies beyond them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShortWaves {
+    /// Waves shorter than this, in metres: four pixels of the longer side.
+    pub below_m: f64,
+    /// Their share of the squared slope.
+    pub slope_share: f64,
+}
+
 /// Bins of equal ratio per decade.
 const BINS_PER_DECADE: f64 = 10.0;
 
@@ -54,6 +68,29 @@ impl HeightMap {
         let count = ((shortest.log10() - first) * BINS_PER_DECADE).max(0.0).ceil();
         let edges: Vec<f64> = (0..=count as usize).map(|n| 10_f64.powf(first + n as f64 / BINS_PER_DECADE)).collect();
         self.radial_spectrum_between(&edges, window)
+    }
+
+    /// The share of the squared slope in waves that are short for the map's pixels, whose whole spectrum counts as one period:
+    ///
+    /// ```text
+    /// s^2 = sum of q^2 |h(q)|^2
+    /// ```
+    ///
+    /// # Errors
+    /// [`MapError::MissingPoints`] unless the map is complete.
+    pub fn short_waves(&self) -> Result<ShortWaves, MapError> {
+        self.require_complete()?;
+        let below_m = PIXELS_OF_A_SHORT_WAVE * self.dx_m().max(self.dy_m());
+        let (mut short, mut all) = (0.0, 0.0);
+        let fourier = Fourier::new(self.rows(), self.cols());
+        fourier.visit_waves(self.heights_m(), self.dx_m(), self.dy_m(), |q, twins, square| {
+            let squared_slope = twins * q * q * square;
+            all += squared_slope;
+            if q * below_m > TAU {
+                short += squared_slope;
+            }
+        });
+        Ok(ShortWaves { below_m, slope_share: if all > 0.0 { short / all } else { 0.0 } })
     }
 
     /// The spectrum in rings with the given increasing `edges`, in rad/m.
@@ -124,6 +161,24 @@ fn fade(height: &mut [f64], rows: usize, cols: usize, [dx_m, dy_m]: [f64; 2]) {
 mod tests {
     use super::*;
     use crate::SelfAffine;
+
+    #[test]
+    fn short_waves_are_all_those_shorter_than_four_of_the_longer_pixels() {
+        // Waves of 16 rows and of 2 columns: along the shorter pixels, beyond what both axes resolve, and in a corner of the spectrum.
+        let (n, dx_m, dy_m) = (64, 2e-6, 1e-6);
+        let height = |i: usize, j: usize| {
+            let (x, y) = (TAU * i as f64 / 16.0, PI * j as f64);
+            1e-6 * x.sin() + 1e-8 * y.cos() + 1e-8 * (PI * i as f64).cos() * y.cos()
+        };
+        let heights = (0..n * n).map(|at| height(at / n, at % n)).collect();
+        let short = HeightMap::new(n, n, dx_m, dy_m, heights).unwrap().short_waves().unwrap();
+        let (long, row, column) = (TAU / 32e-6, PI / 2e-6, PI / 1e-6);
+        let of_short = 1e-16 * (column * column + row * row + column * column);
+        // The mean square of sin is 1/2, that of an alternating row is 1.
+        let share = of_short / (of_short + 0.5e-12 * long * long);
+        assert_eq!(short.below_m, 8e-6);
+        assert!((short.slope_share / share - 1.0).abs() < 1e-9, "{short:?} {share}");
+    }
 
     #[test]
     fn a_wave_puts_all_its_power_into_one_ring() {

@@ -38,8 +38,15 @@ impl Header {
         Ok(self.titles(text, line)? || self.units_below_titles(text, line)?)
     }
 
-    /// Takes in what a comment says, or a line above the data that names a value as `Operator: Anna`.
-    pub(super) fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
+    /// Takes in what a line without a mark says that names a value above the data, as `Operator: Anna`. Programs write any words there:
+    /// where the value is none that we know, as of `Height: 480`, the line is a comment and nothing else.
+    pub(super) fn unmarked(&mut self, text: &str, line: usize) {
+        // What is refused was kept among the comments before it was read.
+        self.comment(text, line).ok();
+    }
+
+    /// Takes in what a comment says.
+    fn comment(&mut self, comment: &str, line: usize) -> Result<(), ReadError> {
         keep_comment(&mut self.comments, comment);
         let Some((key, value)) = comment.split_once([':', '=']) else { return Ok(()) };
         let value = value.trim();
@@ -286,6 +293,13 @@ mod tests {
         let named = read_map(named.as_bytes(), &ReadOptions::NONE).unwrap();
         assert_eq!((named.map.dx_m(), named.map.heights_m()), (1e-6, &[1e-9, 2e-9, 3e-9, 4e-9][..]));
         assert_eq!(named.comments[0], "Instrument: Profiler 9");
+        // Words of the instrument's own size neither refuse the points below titles nor make a matrix of them.
+        for words in ["Height: 480\nWidth: 640", "Width: 10 mm\nHeight: 10 mm", "Value units: counts"] {
+            let read =
+                read_map(format!("{words}\nX [um],Y [um],Z [nm]\n{points}").as_bytes(), &ReadOptions::NONE).unwrap();
+            assert_eq!((read.format, read.map.heights_m()), (MapFormat::Xyz, &[1e-9, 3e-9, 2e-9, 4e-9][..]), "{words}");
+            assert_eq!(read.comments[0], words.lines().next().unwrap());
+        }
         assert!(refused(&format!("Measurement,17\n{points}")).contains("lines above the data begin with #"));
         for text in [format!("Measurement,17\n{points}"), format!("a,b,c\n{points}"), "friction\n".to_owned()] {
             assert!(refused(&text).starts_with("line 1, column "), "{text}: {}", refused(&text));

@@ -99,8 +99,8 @@ impl MapFormat {
 /// What the caller knows about a file, and wants of it; what is given here goes before what the header says.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// The form; `None` decides by content: a header with width or height is a matrix, otherwise three
-    /// values on the first line of data are points.
+    /// The form; `None` decides by content: titles x, y, z stand above points, a header with width or height above a
+    /// matrix, otherwise three values on the first line of data are points.
     pub format: Option<MapFormat>,
     /// Pixel sides in the file, between rows and between columns, in metres.
     pub pixel_m: Option<[f64; 2]>,
@@ -243,7 +243,7 @@ impl Text<'_> {
         }
         if before_data && !self.header.titled && begins_with_a_word(text) {
             if names_a_value(text) {
-                self.header.comment(text, line)?;
+                self.header.unmarked(text, line);
                 return Ok(true);
             }
             self.preamble.get_or_insert_with(|| (line, text.to_owned()));
@@ -324,7 +324,8 @@ fn read_text(source: impl BufRead, options: &ReadOptions) -> Result<ReadMap, Rea
 /// The form of a text, from its header and its first line of data.
 fn detect(header: &Header, text: &str) -> MapFormat {
     let sized = header.width_m.is_some() || header.height_m.is_some() || header.pixels[1].is_some();
-    if !sized && Delimiter::of(text).fields(text).take(4).count() == 3 { MapFormat::Xyz } else { MapFormat::Matrix }
+    let is_point = || Delimiter::of(text).fields(text).take(4).count() == 3;
+    if header.titled || !sized && is_point() { MapFormat::Xyz } else { MapFormat::Matrix }
 }
 
 #[cfg(test)]
