@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use slipgrid_calibrate::{
-    CalibrationTask, Coefficients, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
+    CalibrationTask, Coefficients, CutSample, MapSurface, Measurement, Selection, Surface as LawSource, TrialsTask,
     flat_friction_law,
 };
 use slipgrid_export::Outline;
@@ -92,6 +92,30 @@ impl Calibration {
     /// [`Diagnostic`] for anything refused in it or in its tables.
     pub fn read(source: &Source, path: &Path) -> Result<Self, Diagnostic> {
         Self::from_document(&Document::read(source, path, FileKind::Calibration)?)
+    }
+
+    /// The trial that a validation of this calibration at `path` compares: the one of this `name`, or without patterned samples the
+    /// first that was measured.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] where there is no ratio to compare, and for a name that no measured trial has.
+    pub fn compared_trial(&self, path: &Path, name: Option<&str>) -> Result<Option<&CutSample>, Diagnostic> {
+        let mut measured = self.trials.samples.iter().filter(|cut| !cut.measured.is_empty());
+        let Some(name) = name else {
+            let first = measured.next().filter(|_| self.patterned.is_empty());
+            if self.patterned.is_empty() && first.is_none() {
+                let reason = "has no measured sample with a pattern, so there is no ratio to compare";
+                return Err(Diagnostic::file(path, reason).expected(
+                    "patterned = \"patterned.csv\" in [measurements], a table in the columns of the flat one, or a [[trial]] with its \
+                     pattern and measurements = \"trial.csv\"",
+                ));
+            }
+            return Ok(first);
+        };
+        let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
+        let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
+        let refused = Diagnostic::flag("--trial", name, "is no measured trial of this calibration");
+        measured.find(|cut| cut.name == name).map(Some).ok_or_else(|| refused.expected(expected))
     }
 
     /// Standard deviation of Young's modulus over itself, where it is named.

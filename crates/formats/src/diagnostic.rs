@@ -3,6 +3,8 @@
 use std::fmt;
 use std::path::Path;
 
+use slipgrid_units::Quantity;
+
 /// Why an input was refused.
 #[derive(Clone, Debug, Default, PartialEq, thiserror::Error)]
 pub struct Diagnostic {
@@ -138,6 +140,19 @@ fn edit_distance(a: &str, b: &str) -> usize {
         }
     }
     row[b.len()]
+}
+
+/// The number of a flag in SI units.
+///
+/// # Errors
+/// [`Diagnostic`] for a number that `quantity` does not accept.
+pub fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
+    if quantity.accepts(value) {
+        return Ok(quantity.to_si(value));
+    }
+    // Not with three hundred digits.
+    let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
+    Err(Diagnostic::flag(flag, given, "is out of range").expected(quantity.to_string()))
 }
 
 #[cfg(test)]

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use crate::design::Design;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, checked};
 use crate::document::Document;
 use crate::file_kind::FileKind;
 use crate::source::Source;
+use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// What is asked of a material alone.
 const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.65, 1.3, 1.95, 2.6]\ngoal = \"lowest\"\n\
@@ -19,6 +20,10 @@ const OF_A_MATERIAL: &str = "[target]\nquantity = \"ratio\"\npressure_mpa = [0.6
 /// # Errors
 /// [`Diagnostic`] for a file that is refused, for a material that needs a condition, and for a condition beside a design.
 pub fn explored(source: &Source, path: &Path, condition: Option<[f64; 2]>) -> Result<Design, Diagnostic> {
+    if let Some([speed_mm_s, humidity_pct]) = condition {
+        checked("--speed-mm-s", speed_mm_s, SPEED_MM_S)?;
+        checked("--humidity-pct", humidity_pct, HUMIDITY_PCT)?;
+    }
     let read = Document::read_any(source, path, FileKind::Design)?;
     if !matches!(read.kind(), Some(FileKind::Material | FileKind::Calibration)) {
         read.require(FileKind::Design)?;

@@ -69,5 +69,5 @@ pub mod unusual;
 pub mod values;
 pub mod written_material;
 
-pub use diagnostic::Diagnostic;
+pub use diagnostic::{Diagnostic, checked};
 pub use document::Document;

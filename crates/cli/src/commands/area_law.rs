@@ -13,15 +13,15 @@ use crate::interruption::heed;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{law_warnings, read_period, refuse_law};
 use slipgrid_formats::surface::MapOptions;
+use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_monitor::Monitor;
 use slipgrid_report::Outputs;
 use slipgrid_report::area_law::{
     AreaLawCurve, AreaLawReport, FACTOR_STATEMENT, model, picture, resolution_report, table, table_csv, window_report,
 };
-use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, Quantity, SLOPE, TOLERANCE};
+use slipgrid_units::{LENGTH_UM, MODULUS_GPA, POISSON, PRESSURE_MPA, SLOPE, TOLERANCE};
 
 /// Young's modulus of the published polyethylene, in GPa.
 const POLYETHYLENE_GPA: f64 = 0.38;
@@ -155,17 +155,6 @@ fn of_theory(rms_slope: f64, request: &AreaLawCurve) -> Result<AreaLawReport, Cl
         FACTOR_STATEMENT.to_owned(),
     ];
     Ok(AreaLawReport { model, ..request.report(&curve, rms_slope) })
-}
-
-/// The number of a flag in SI units.
-pub(super) fn checked(flag: &str, value: f64, quantity: Quantity) -> Result<f64, Diagnostic> {
-    if quantity.accepts(value) {
-        Ok(quantity.to_si(value))
-    } else {
-        // Not with three hundred digits.
-        let given = if value.abs() < 1e16 { value.to_string() } else { format!("{value:e}") };
-        Err(Diagnostic::flag(flag, given, "is out of range").expected(quantity.to_string()))
-    }
 }
 
 fn pressures(args: &AreaLawArgs) -> Result<Vec<f64>, Diagnostic> {

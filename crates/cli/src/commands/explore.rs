@@ -6,14 +6,12 @@ use slipgrid_formats::confirmed_scene::steady_scene;
 use slipgrid_formats::explored::explored;
 use slipgrid_report::html::exploration;
 
-use super::area_law::checked;
 use super::optimize::refused;
 use crate::args::ExploreArgs;
 use crate::output::{Place, check_file, write_file};
 use crate::progress::Job;
 use crate::{CliError, Console, exit_code};
 use slipgrid_disk::disk;
-use slipgrid_units::{HUMIDITY_PCT, SPEED_MM_S};
 
 /// Solves the surface and writes the page.
 pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError> {
@@ -21,10 +19,6 @@ pub fn run(args: &ExploreArgs, console: &mut Console<'_>) -> Result<u8, CliError
     let output = if is_folder { args.output.join("explore.html") } else { args.output.clone() };
     check_file(Place::output(&output), std::slice::from_ref(&args.file))?;
     let condition = args.speed_mm_s.zip(args.humidity_pct).map(<[f64; 2]>::from);
-    if let Some([speed_mm_s, humidity_pct]) = condition {
-        checked("--speed-mm-s", speed_mm_s, SPEED_MM_S)?;
-        checked("--humidity-pct", humidity_pct, HUMIDITY_PCT)?;
-    }
     let mut design = explored(&disk(), &args.file, condition)?;
     console.warn(&design.told);
     complete(&mut design, &disk(), &Job::new(console))?;

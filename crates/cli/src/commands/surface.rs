@@ -4,12 +4,12 @@ use slipgrid_topography::{
     CORRELATION_THRESHOLD, MapError, MapWarning, MaterialRatioCurve, PreparedMap, Sides, SpectrumWindow,
 };
 
-use super::area_law::{checked, map_options};
+use super::area_law::map_options;
 use crate::args::SurfaceArgs;
 use crate::output::{Place, check_file, check_folder, write_file};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
 use slipgrid_formats::altitude_map::{open, refuse as refuse_map};
+use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_report::surface::{FILES, Measured, SurfaceReport, files, period_note, period_text};
 use slipgrid_units::LENGTH_UM;
 

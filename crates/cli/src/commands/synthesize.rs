@@ -2,11 +2,10 @@
 
 use slipgrid_topography::{CutPattern, CutRim, CutShape, HeightMap, LengthUnit, MapError, MatrixStyle, SelfAffine};
 
-use super::area_law::checked;
 use crate::args::{CutName, SynthesizeArgs};
 use crate::output::{Place, check_file, write_file};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
+use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_results::fixed;
 use slipgrid_units::{LENGTH_MM, LENGTH_UM, SLOPE};
 

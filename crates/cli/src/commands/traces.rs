@@ -3,15 +3,13 @@
 use crate::args::TracesArgs;
 use crate::output::{Place, check_folder};
 use crate::{CliError, Console, exit_code};
-use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::file_kind::FileKind;
 use slipgrid_formats::traces::{SurfaceKind, TraceCondition, TraceSetup, analyse_condition};
+use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_report::traces;
 use slipgrid_traces::{DEFAULT_STROKE_SHARE, DEFAULT_WINDOW_S};
 use slipgrid_units::{FORCE_N, HUMIDITY_PCT, LENGTH_MM, Quantity, SPEED_MM_S, TIME_S};
-
-use super::area_law::checked;
 
 /// What is written.
 pub const FILES: [&str; 7] = [

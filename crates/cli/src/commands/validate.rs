@@ -1,14 +1,13 @@
 //! `validate`: measured ratios patterned/flat beside the model's.
 
 use slipgrid_calibrate::CutSample;
-use slipgrid_formats::Diagnostic;
 use slipgrid_formats::calibration::Calibration;
 use slipgrid_formats::scene::DEFAULT_LAYER;
+use slipgrid_formats::{Diagnostic, checked};
 use slipgrid_pattern::{Pattern, Planform};
 use slipgrid_studies::validation::{self, Patterns, ValidationTask, validate};
 use slipgrid_units::{LENGTH_UM, POSITIVE, Quantity};
 
-use super::area_law::checked;
 use crate::args::ValidateArgs;
 use crate::output::{Place, check_folder};
 use crate::progress::Job;
@@ -45,7 +44,7 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     let (given, slope_factors) = (patterns(args)?, slope_factors(&args.slope_factors)?);
     let mut calibration = Calibration::read(&disk(), &args.calibration)?;
     let mut compared = None;
-    let patterns = match trial(args, &calibration)? {
+    let patterns = match calibration.compared_trial(&args.calibration, args.trial.as_deref())?.cloned() {
         None => given,
         Some(cut) => {
             refuse_lengths(args, &cut)?;
@@ -89,36 +88,11 @@ pub fn run(args: &ValidateArgs, console: &mut Console<'_>) -> Result<u8, CliErro
     Ok(exit_code::DONE)
 }
 
-/// The trial that is compared: the one that is asked for, or without patterned samples the first that was measured.
-fn trial(args: &ValidateArgs, calibration: &Calibration) -> Result<Option<CutSample>, Diagnostic> {
-    let samples = &calibration.trials.samples;
-    let mut measured = samples.iter().filter(|cut| !cut.measured.is_empty());
-    let Some(name) = &args.trial else {
-        let first = measured.next();
-        if calibration.patterned.is_empty() && first.is_none() {
-            let reason = "has no measured sample with a pattern, so there is no ratio to compare";
-            return Err(Diagnostic::file(&args.calibration, reason).expected(
-                "patterned = \"patterned.csv\" in [measurements], a table in the columns of the flat one, or a [[trial]] with its pattern \
-                 and measurements = \"trial.csv\"",
-            ));
-        }
-        return Ok(first.filter(|_| calibration.patterned.is_empty()).cloned());
-    };
-    let names: Vec<&str> = measured.clone().map(|cut| cut.name.as_str()).collect();
-    let expected = if names.is_empty() { "a [[trial]] with measurements".to_owned() } else { names.join(", ") };
-    let refused = Diagnostic::flag("--trial", name.clone(), "is no measured trial of this calibration");
-    measured.find(|cut| cut.name == *name).cloned().map(Some).ok_or_else(|| refused.expected(expected))
-}
-
 /// Refuses lengths beside the trial `cut`, which has its own.
 fn refuse_lengths(args: &ValidateArgs, cut: &CutSample) -> Result<(), Diagnostic> {
-    for (flag, given, _) in lengths(args) {
-        if let Some(length_um) = given {
-            let reason = format!("stands beside the trial \"{}\", which has lengths of its own", cut.name);
-            return Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"));
-        }
-    }
-    Ok(())
+    let Some((flag, Some(length_um), _)) = lengths(args).into_iter().find(|of| of.1.is_some()) else { return Ok(()) };
+    let reason = format!("stands beside the trial \"{}\", which has lengths of its own", cut.name);
+    Err(Diagnostic::flag(flag, length_um.to_string(), reason).expected("no lengths beside a trial"))
 }
 
 /// The lengths of the pattern in micrometres by their flags, as given and as published: as that paper modelled it and as it was measured.
