@@ -16,8 +16,8 @@ pub const MEANING: &str = "Standard deviations of the dimensions are those of a 
                            and how the cavities of one sample scatter about its mean is averaged away by friction";
 
 /// How shares by the steady model stand to the chance that a design is announced with.
-pub const BESIDE: &str = "shares and chances by the steady model (here, among trade-offs and in the explorer) are to be compared with one \
-                          another, not with the chance above";
+pub const BESIDE: &str = "these shares are about the confirmed values, with what is not known as one normal distribution; chances among \
+                          trade-offs and in the explorer are about the steady model's values: compare each with its like";
 
 /// What samples made after a design do.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

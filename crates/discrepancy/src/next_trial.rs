@@ -83,22 +83,24 @@ impl Wanted {
         Score { chance, closeness: closeness(prediction, &bounds) }
     }
 
-    /// The same; `None` where the chance is below `least_chance`, or the score's value below `least_value`.
+    /// The same; `None` where the chance is below `least_chance`, or the score's value below `least_value`. `most_close` is no less than the
+    /// closeness, which is dearer than most chances that are too small.
     fn score_above(
         &self,
         prediction: &Prediction,
         modelled: &[f64],
         [least_chance, least_value]: [f64; 2],
+        most_close: f64,
     ) -> Option<Score> {
         let bounds = self.over(modelled);
-        // The cheaper part first: it says what chance is needed.
-        let closeness = closeness(prediction, &bounds);
-        let least = least_chance.max(least_value - OF_CLOSENESS * closeness);
-        chance(prediction, &bounds, least).map(|chance| Score { chance, closeness })
+        let least = least_chance.max(least_value - OF_CLOSENESS * most_close);
+        let chance = chance(prediction, &bounds, least)?;
+        let score = Score { chance, closeness: closeness(prediction, &bounds) };
+        (score.value() >= least_value).then_some(score)
     }
 
-    /// No less than the chance and the value of [`Wanted::score`]: by each load alone.
-    fn most(&self, prediction: &Prediction, modelled: &[f64], least_chance: f64) -> Option<f64> {
+    /// No less than the score of [`Wanted::score`]: by each load alone.
+    fn most(&self, prediction: &Prediction, modelled: &[f64], least_chance: f64) -> Option<Score> {
         let [lower, upper] = self.over(modelled);
         let chance = prediction.most_probability_within(&lower, &upper);
         if chance < least_chance {
@@ -118,7 +120,7 @@ impl Wanted {
             };
             of.weight * (0..n).map(at).fold(1.0, f64::min)
         };
-        Some(chance + SCATTER_OF_CLOSENESS * OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>())
+        Some(Score { chance, closeness: SCATTER_OF_CLOSENESS * prediction.components.iter().map(close).sum::<f64>() })
     }
 }
 
@@ -188,8 +190,8 @@ pub struct Ranking<'r, 'a> {
     predictor: &'r Predictor,
     wanted: &'r Wanted,
     of: &'r (dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
-    /// Places and bounds of the scores' values, the greatest first.
-    bounds: Vec<(usize, f64)>,
+    /// Places and bounds of the scores, the greatest value first.
+    bounds: Vec<(usize, Score)>,
 }
 
 impl<'r, 'a> Ranking<'r, 'a> {
@@ -201,14 +203,14 @@ impl<'r, 'a> Ranking<'r, 'a> {
         count: usize,
         of: &'r (dyn Fn(usize) -> Option<Candidate<'a>> + Sync),
     ) -> Self {
-        let mut bounds: Vec<(usize, f64)> = (0..count)
+        let mut bounds: Vec<(usize, Score)> = (0..count)
             .into_par_iter()
             .filter_map(|place| {
                 let candidate = of(place)?;
                 Some((place, wanted.most(&predictor.of(&candidate), candidate.modelled, least_chance)?))
             })
             .collect();
-        bounds.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        bounds.sort_by(|a, b| b.1.value().total_cmp(&a.1.value()).then(a.0.cmp(&b.0)));
         Self { predictor, wanted, of, bounds }
     }
 
@@ -216,18 +218,18 @@ impl<'r, 'a> Ranking<'r, 'a> {
     #[must_use]
     pub fn best(&self, most: usize, least_chance: f64, is_open: &dyn Fn(usize) -> bool) -> Vec<Chosen> {
         let Self { predictor, wanted, of, bounds } = self;
-        let bounds: Vec<(usize, f64)> = bounds.iter().copied().filter(|(place, _)| is_open(*place)).collect();
+        let bounds: Vec<(usize, Score)> = bounds.iter().copied().filter(|(place, _)| is_open(*place)).collect();
         let mut best: Vec<Chosen> = Vec::new();
         for batch in bounds.chunks(BATCH) {
-            if best.len() >= most && best.last().is_some_and(|last| batch[0].1 < last.score.value()) {
+            if best.len() >= most && best.last().is_some_and(|last| batch[0].1.value() < last.score.value()) {
                 break;
             }
             // What enters must not be below the least of those that are kept.
             let least_value = if best.len() < most { 0.0 } else { best.last().map_or(0.0, |last| last.score.value()) };
             let least = [least_chance, least_value];
-            let scored = batch.par_iter().filter_map(|(place, _)| {
+            let scored = batch.par_iter().filter_map(|(place, most)| {
                 let candidate = of(*place)?;
-                let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least)?;
+                let score = wanted.score_above(&predictor.of(&candidate), candidate.modelled, least, most.closeness)?;
                 Some(Chosen { place: *place, score })
             });
             best.extend(scored.collect::<Vec<Chosen>>());
