@@ -92,11 +92,8 @@ pub enum FormName {
     Reads matrix text and CSV, points x y z, .gsf, .npy, .sdf, .sur and .x3p, told by their content. \
     Writes the page report.html, map.svg, histogram.svg (with the bearing curve), section.svg, spectrum.svg, section.csv, \
     spectrum.csv and result.json, with --cavities also cavities.csv, edge-profile.csv and \
-    edge-profile.svg.\n\n\
-    x runs along the lines of the file, from point to point, and y from line to line, as in the programs of instruments; of \
-    points x y z they are the file's own x and y.\n\n\
-    Cavities are connected regions below half depth. Widths and gaps are taken at half depth, of round cavities as the \
-    diameter of the disc with their area and the gap that it leaves, the depth from the land \
+    edge-profile.svg. x runs along the file's lines, y from line to line; of points they are the file's own.\n\n\
+    Cavities are connected regions below half depth. Widths (of round ones the diameter) and gaps are taken there, the depth from the land \
     beside a cavity to the middle third of its width, as in ISO 5436-1.\n\n\
     For rims, a round, flat, ramp or half-sine profile is fitted to the mean height of all points at equal distances \
     from an edge, above the land farther out; its greatest height and its width are given in um. A rim narrower than \
